@@ -164,10 +164,10 @@ void tell_of_faults(const CompiledScenario& compiled, std::uint64_t status,
                       "every step of a trial flight ends in a fault: " + reason);
 }
 
-/// Where the user's own file gives a parameter of a plugin, if it does.
+/// Where the user gives a parameter of a plugin, if the user does and no included file.
 std::optional<SourceMark> own_parameter(const Scenario& scenario, const PluginUse& use) {
   for (const ParameterValue& value : use.parameters) {
-    if (value.is_given && value.mark.file == scenario.file) return value.mark;
+    if (value.is_given && is_own(scenario, value.mark)) return value.mark;
   }
   return std::nullopt;
 }
@@ -185,8 +185,8 @@ const PluginUse* drawer_of_starts(const CompiledScenario& compiled) {
   return nullptr;
 }
 
-/// Where a start may be wrong: what the user's own file says about the draw of starts, robots or
-/// the task, in this order; else where any file says it.
+/// Where a start may be wrong: what the user says about the draw of starts, the robot or the task,
+/// in this order; else what an included file says.
 SourceMark mark_of_starts(const CompiledScenario& compiled) {
   const Scenario& scenario = compiled.scenario();
   const PluginUse* drawer = drawer_of_starts(compiled);
@@ -194,7 +194,7 @@ SourceMark mark_of_starts(const CompiledScenario& compiled) {
     if (const auto own = own_parameter(scenario, *drawer)) return *own;
   }
   const RobotUse& first = scenario.robots[0];
-  if (scenario.robots.size() == 1 && first.mark.file == scenario.file) return first.mark;
+  if (scenario.robots.size() == 1 && is_own(scenario, first.mark)) return first.mark;
   if (const auto own = own_parameter(scenario, scenario.task)) return *own;
   if (drawer != nullptr) return drawer->mark;
   return scenario.robots.size() == 1 ? first.mark : scenario.task.mark;

@@ -62,12 +62,15 @@ std::vector<Named> named_by(const std::vector<std::string>& words, const Scenari
 
 }  // namespace
 
+bool is_own(const Scenario& scenario, const SourceMark& mark) {
+  return mark.line == 0 || mark.file == scenario.file;
+}
+
 SourceMark blamed(const Scenario& scenario, const PluginUse& use, const std::string& message) {
   const std::vector<std::string> words = quoted_words(message);
   const std::vector<Named> all = named_by(words, scenario, use);
   for (const Named& named : all) {
-    const bool is_own = named.mark.line == 0 || named.mark.file == scenario.file;
-    if (named.is_given && is_own) return named.mark;
+    if (named.is_given && is_own(scenario, named.mark)) return named.mark;
   }
   if (!all.empty()) return all.front().mark;
   for (const std::string& word : words) {
