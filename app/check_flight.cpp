@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/math.h"
@@ -20,6 +22,9 @@ namespace {
 
 /// Steps: every phase of a plugin with a period of at most so many actions is met.
 constexpr int kSteps = 8;
+
+/// Starts that are drawn to see whether they fail at once.
+constexpr int kStarts = 32;
 
 /// To four digits: what is computed has more than anybody reads.
 std::string rounded(double value) {
@@ -159,6 +164,92 @@ void tell_of_faults(const CompiledScenario& compiled, std::uint64_t status,
                       "every step of a trial flight ends in a fault: " + reason);
 }
 
+/// Where the user gives a parameter of a plugin, if the user does and no included file.
+std::optional<SourceMark> own_parameter(const Scenario& scenario, const PluginUse& use) {
+  for (const ParameterValue& value : use.parameters) {
+    if (value.is_given && is_own(scenario, value.mark)) return value.mark;
+  }
+  return std::nullopt;
+}
+
+/// The randomizer that writes where a robot begins, or null.
+const PluginUse* drawer_of_starts(const CompiledScenario& compiled) {
+  const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
+  for (std::size_t i = 0; i < randomizers.size(); ++i) {
+    for (const int param : randomizers[i].writes) {
+      const std::string& path = compiled.layout().param_info[static_cast<std::size_t>(param)].path;
+      if (path.find(".start.position[") == path.npos) continue;
+      return &compiled.scenario().randomization[i];
+    }
+  }
+  return nullptr;
+}
+
+/// Where a start may be wrong: what the user says about the draw of starts, the robot or the task,
+/// in this order; else what an included file says.
+SourceMark mark_of_starts(const CompiledScenario& compiled) {
+  const Scenario& scenario = compiled.scenario();
+  const PluginUse* drawer = drawer_of_starts(compiled);
+  if (drawer != nullptr) {
+    if (const auto own = own_parameter(scenario, *drawer)) return *own;
+  }
+  const RobotUse& first = scenario.robots[0];
+  if (scenario.robots.size() == 1 && is_own(scenario, first.mark)) return first.mark;
+  if (const auto own = own_parameter(scenario, scenario.task)) return *own;
+  if (drawer != nullptr) return drawer->mark;
+  return scenario.robots.size() == 1 ? first.mark : scenario.task.mark;
+}
+
+/// The failure that the task sees in the present moment, with what it means; empty: none.
+std::string present_failure(const Simulation& simulation) {
+  std::size_t first = 0;
+  for (const Channel& info : simulation.compiled().info_channels()) {
+    const bool is_failure = info.name.rfind("failed.", 0) == 0;
+    if (is_failure && simulation.info()[first] > 0.0f) {
+      return "`" + info.name + "`" + (info.doc.empty() ? "" : " (" + info.doc + ")");
+    }
+    first += static_cast<std::size_t>(info.count);
+  }
+  return "";
+}
+
+/// Where robots are: "robot `quad` at [0, 0, 1] m", of several the first ones.
+std::string places_text(const Simulation& simulation) {
+  constexpr std::size_t kMost = 3;
+  std::string text;
+  const auto& robots = simulation.scenario().robots;
+  for (std::size_t i = 0; i < robots.size() && i < kMost; ++i) {
+    const Vec3<double>& p = simulation.base(robots[i].name).position;
+    text += (i == 0 ? "" : ", ") + ("robot `" + robots[i].name) + "` at [" + rounded(p.x) + ", " +
+            rounded(p.y) + ", " + rounded(p.z) + "] m";
+  }
+  return text + (robots.size() > kMost ? ", ..." : "");
+}
+
+/// Episodes that begin where the task sees a failure end with their first step. If all do, nobody
+/// can fly or learn; if some do, those are lost.
+void tell_of_failed_starts(const std::shared_ptr<const CompiledScenario>& compiled,
+                           Diagnostics& diagnostics) {
+  Simulation simulation(compiled, 0, 0);
+  int failed = 0;
+  std::string how;
+  for (int k = 0; k < kStarts; ++k) {
+    simulation.reset();
+    const std::string failure = simulation.fault() ? "" : present_failure(simulation);
+    if (failure.empty()) continue;
+    if (failed++ == 0) how = failure + ", such as with " + places_text(simulation);
+  }
+  if (failed == 0) return;
+  const SourceMark mark = mark_of_starts(*compiled);
+  const std::string remedy = ": move starts or goals, or widen that limit";
+  if (failed == kStarts) {
+    diagnostics.error(mark, "every episode begins as a failure: " + how + remedy);
+  } else {
+    diagnostics.warning(mark, std::to_string(failed) + " of " + std::to_string(kStarts) +
+                                  " drawn episodes begin as a failure: " + how + remedy);
+  }
+}
+
 }  // namespace
 
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
@@ -174,6 +265,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
   }
   warn_of_weight(*compiled, diagnostics);
+  tell_of_failed_starts(compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;
   for (int k = 0; k < kSteps; ++k) {

@@ -21,15 +21,58 @@ std::vector<std::string> quoted_words(const std::string& message) {
   return words;
 }
 
-}  // namespace
+/// Something of the scenario that a message names.
+struct Named {
+  SourceMark mark;
+  bool is_given = true;  ///< false: a parameter's default
+};
 
-SourceMark blamed(const PluginUse& use, const std::string& message) {
-  const std::vector<std::string> words = quoted_words(message);
+/// The parameter that a word such as `range` or `range[1]` names, or null.
+const ParameterValue* parameter_of(const PluginUse& use, const std::string& word) {
+  const std::string name = word.substr(0, word.find('['));
+  for (const ParameterValue& value : use.parameters) {
+    if (value.name == name) return &value;
+  }
+  return nullptr;
+}
+
+/// The obstacle of that name, or null.
+const Obstacle* obstacle_of(const Scenario& scenario, const std::string& word) {
+  for (const Obstacle& obstacle : scenario.obstacles) {
+    if (obstacle.name == word) return &obstacle;
+  }
+  return nullptr;
+}
+
+/// What the words name, in their order: parameters, and obstacles if the message begins with one.
+std::vector<Named> named_by(const std::vector<std::string>& words, const Scenario& scenario,
+                            const PluginUse& use) {
+  std::vector<Named> all;
+  const bool has_obstacles = !words.empty() && parameter_of(use, words[0]) == nullptr &&
+                             obstacle_of(scenario, words[0]) != nullptr;
   for (const std::string& word : words) {
-    for (const ParameterValue& value : use.parameters) {
-      if (value.name == word.substr(0, word.find('['))) return value.mark;
+    if (const ParameterValue* value = parameter_of(use, word)) {
+      all.push_back({value->mark, value->is_given});
+    } else if (const Obstacle* obstacle = obstacle_of(scenario, word); has_obstacles && obstacle) {
+      all.push_back({obstacle->mark});
     }
   }
+  return all;
+}
+
+}  // namespace
+
+bool is_own(const Scenario& scenario, const SourceMark& mark) {
+  return mark.line == 0 || mark.file == scenario.file;
+}
+
+SourceMark blamed(const Scenario& scenario, const PluginUse& use, const std::string& message) {
+  const std::vector<std::string> words = quoted_words(message);
+  const std::vector<Named> all = named_by(words, scenario, use);
+  for (const Named& named : all) {
+    if (named.is_given && is_own(scenario, named.mark)) return named.mark;
+  }
+  if (!all.empty()) return all.front().mark;
   for (const std::string& word : words) {
     for (const ParameterValue& value : use.parameters) {
       const auto& texts = value.texts;

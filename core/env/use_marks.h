@@ -7,10 +7,14 @@
 
 namespace skybody {
 
-/// Where the mistake is that a plugin finds: at the first of its parameters that the message names
-/// in backticks (`range`, `range[1]`), else at the one whose text it repeats, such as a robot's
-/// name or a path; else where the scenario names the plugin.
-SourceMark blamed(const PluginUse& use, const std::string& message);
+/// Whether the user says it: in the scenario's own file and no included one, or by `--set`.
+bool is_own(const Scenario& scenario, const SourceMark& mark);
+
+/// Where the mistake is that a plugin finds, by the words of its message in backticks: at an
+/// obstacle if the first word names one, or at a parameter (`range`, `range[1]`); of several, at
+/// the first that is_own(), else at the first. If there is none, at the parameter whose text the
+/// message repeats, such as a robot's name or a path; else where the scenario names the plugin.
+SourceMark blamed(const Scenario& scenario, const PluginUse& use, const std::string& message);
 
 /// The message; where it says that a path names nothing, with the path that is spelled most like
 /// it, which plugins do not know.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "core/io/text.h"
 
@@ -140,15 +141,21 @@ bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnos
   std::unordered_map<std::string_view, std::size_t> places;
   for (std::size_t i = 0; i < base.entries.size(); ++i) places.emplace(base.entries[i].key, i);
   bool good = true;
+  std::unordered_set<std::string> removed;
   for (const ConfigEntry& entry : over.entries) {
     const auto known = places.find(entry.key);
     if (known == places.end()) {
       base.entries.push_back(entry);
+    } else if (entry.value.is_null()) {
+      removed.insert(entry.key);
     } else {
       good = merge_config(base.entries[known->second].value, entry.value, diagnostics,
                           path + (path.empty() ? "" : ".") + entry.key) &&
              good;
     }
+  }
+  if (!removed.empty()) {
+    std::erase_if(base.entries, [&](const ConfigEntry& e) { return removed.count(e.key) > 0; });
   }
   return good;
 }

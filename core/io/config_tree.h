@@ -97,6 +97,8 @@ ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::s
                          const SourceMark& mark, Diagnostics& diagnostics);
 
 /// Merges `over` into `base`. A map over a list of named entries patches those that its keys name.
+/// A key without a value (`~`) removes what `base` has under it, as in JSON merge patches (RFC
+/// 7396).
 /// @param path  of both, for messages
 /// @returns false after errors
 bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnostics,

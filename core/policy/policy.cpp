@@ -55,6 +55,12 @@ constexpr Baseline kBaselines[] = {
      }},
 };
 
+/// How a user asks for a scenario: a shipped one by its name, another one by its file.
+std::string asked_for(const Scenario& scenario) {
+  const auto shipped = find_shipped_scenario(scenario.name);
+  return shipped && shipped->string() == scenario.file ? scenario.name : scenario.file;
+}
+
 }  // namespace
 
 const std::vector<std::string>& policy_names() {
@@ -66,12 +72,12 @@ const std::vector<std::string>& policy_names() {
   return names;
 }
 
-std::filesystem::path shipped_policy_file(const std::string& scenario) {
+std::filesystem::path shipped_policy_file(const std::string& scenario, const std::string& trained) {
   if (const auto file = find_shipped_policy(scenario)) return *file;
   const std::vector<std::string> names = shipped_policies();
   throw Error("no policy is shipped for `" + scenario + "`" +
               (names.empty() ? "" : "; there are ones for " + join(names)) +
-              ": train one with `skybody train " + scenario + "` and give its folder");
+              ": train one with `skybody train " + trained + "` and give its folder");
 }
 
 std::unique_ptr<Policy> make_policy(const std::string& name, const CompiledScenario& compiled,
@@ -80,7 +86,8 @@ std::unique_ptr<Policy> make_policy(const std::string& name, const CompiledScena
     if (name == baseline.name) return baseline.make(compiled, seed);
   }
   if (name == kShippedPolicy) {
-    return std::make_unique<NetworkPolicy>(shipped_policy_file(compiled.scenario().name));
+    return std::make_unique<NetworkPolicy>(
+        shipped_policy_file(compiled.scenario().name, asked_for(compiled.scenario())));
   }
   return std::make_unique<NetworkPolicy>(name);
 }

@@ -30,8 +30,9 @@ const std::vector<std::string>& policy_names();
 inline constexpr const char* kShippedPolicy = "shipped";
 
 /// The file of the policy that is shipped for the scenario called `scenario`.
+/// @param trained  what `skybody train` is given for that scenario: its name, or its file
 /// @throws Error if there is none, with those there are
-std::filesystem::path shipped_policy_file(const std::string& scenario);
+std::filesystem::path shipped_policy_file(const std::string& scenario, const std::string& trained);
 
 /// @param name  one of policy_names(), kShippedPolicy, or where a trained policy lies (see
 ///              find_policy)

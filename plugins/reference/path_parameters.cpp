@@ -57,8 +57,9 @@ void PathParameters::refuse_if_given(const Parameter& parameter, const char* nam
     kinds += (kinds.empty() ? "" : ", ") + std::string(kKindNames[static_cast<std::size_t>(kind)]);
   }
   throw std::runtime_error("`" + std::string(name) + "` says nothing with `kind: " + name_.value() +
-                           "`; it belongs to " + kinds +
-                           ": leave it out, or take one of these kinds");
+                           "`; it belongs to " + kinds + ": leave it out (`" + name +
+                           ": ~` removes what an included file gives), "
+                           "or take one of these kinds");
 }
 
 void PathParameters::check() const {

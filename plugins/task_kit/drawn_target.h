@@ -3,6 +3,8 @@
 
 #include <skybody/plugin.h>
 
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "plugins/task_kit/flight_limits.h"
@@ -28,8 +30,14 @@ class DrawnTarget {
   DrawnTarget(Plugin* owner, const Defaults& defaults) : DrawnTarget(owner, defaults, "m") {}
 
   /// To be called in the task's configure(): refuses a box whose lower corner is not the lower one,
-  /// and announces that the task writes `target`, if it draws it.
+  /// or a box beside a target that is given, and announces that the task writes `target`, if it
+  /// draws it.
   void configure(const Setup& setup) {
+    if (!is_drawn() && (low_.is_given() || high_.is_given())) {
+      throw std::runtime_error(std::string("`") + (low_.is_given() ? "target_min" : "target_max") +
+                               "` says nothing beside `target`, which is not drawn: leave one of "
+                               "them out (`target: ~` removes what an included file gives)");
+    }
     require_box(low_, high_, "target");
     announce_drawn(setup, target_);
   }

@@ -134,9 +134,12 @@ void bind_policy(nb::module_& m) {
       "what they hold.");
   m.def(
       "shipped_policy_file",
-      [](const std::string& scenario) { return shipped_policy_file(scenario).string(); },
-      nb::arg("scenario"),
-      "The file of the policy that is shipped for a scenario. Raises Error where there is none.");
+      [](const std::string& scenario, const std::string& trained) {
+        return shipped_policy_file(scenario, trained.empty() ? scenario : trained).string();
+      },
+      nb::arg("scenario"), nb::arg("trained") = "",
+      "The file of the policy that is shipped for a scenario. Raises Error where there is none; it "
+      "advises to train `trained`, the scenario's file or, if empty, its name.");
   m.def("read_policy_file", &read_policy_file, nb::arg("path"),
         nb::sig("def read_policy_file(path: str) -> dict[str, typing.Any]"),
         "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "

@@ -36,6 +36,11 @@ class LissajousFamily : public Randomizer {
     }
     require_order(side_, "amplitude_side");
     require_order(height_swing_, "amplitude_height");
+    if (side_.value(1) <= 0.0 && height_swing_.value(1) <= 0.0) {
+      throw std::runtime_error(
+          "`amplitude_side` and `amplitude_height` are 0, so that no figure has a length: raise "
+          "one, or leave this randomizer out and take `kind: hold`");
+    }
     require_order(height_, "height");
     require_order(phases_, "phase");
     require_order(speeds_, "peak_speed");

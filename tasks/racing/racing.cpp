@@ -21,8 +21,11 @@ class Racing : public Task {
     track_.configure(setup, gates_.values(), laps_.value() > 1 || first_gate_.value() != 0.0);
     check_first_gate();
     track_.require_within(limits_.bound());
+    track_.require_above(height_min_.value());
+    track_.require_wide(radius_.value());
     step_time_ = setup.dt() * setup.action_repeat();
     add_racers(setup);
+    check_rivals();
     if (racers_.size() > 1) setup.robot_rewards();
     limits_.configure(setup, infos_);
     missed_failure_ =
@@ -210,6 +213,18 @@ class Racing : public Task {
                              "; allowed: whole numbers from "
                              "0 to " +
                              std::to_string(track_.size() - 1));
+  }
+
+  /// What is said about several racers must fit their number and the gates.
+  void check_rivals() const {
+    if (racers_.size() < 2 && rivalry_.value() > 0.0) {
+      throw std::runtime_error("`rivalry` is " + to_text(rivalry_.value()) +
+                               ", and there is one racer: add a robot that takes actions, or take "
+                               "0");
+    }
+    if (lane_width_.is_given()) {
+      track_.require_lanes(lane_width_.value(), static_cast<int>(racers_.size()), radius_.value());
+    }
   }
 
   void add_racers(const Setup& setup) {

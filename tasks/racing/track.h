@@ -42,6 +42,52 @@ class Track {
     }
   }
 
+  /// Refuses gates that reach into the ground, or whose middle lies below the height where an
+  /// episode ends. @param height_min  below 0 where there is no ground to fly into [m]
+  void require_above(double height_min) const {
+    for (const Entry& gate : gates_) {
+      const Gate<double>& g = gate.nominal;
+      const double lowest = g.centre.z - drop(g);
+      if (lowest < min(height_min, 0.0) - kRounding) {
+        throw std::runtime_error("gate `" + gate.name + "` opens down to z = " + to_text(lowest) +
+                                 " m, below the ground: lift it by " +
+                                 to_text(min(height_min, 0.0) - lowest) + " m, or make it lower");
+      }
+      if (g.centre.z >= height_min) continue;
+      throw std::runtime_error("gate `" + gate.name +
+                               "` has its middle at z = " + to_text(g.centre.z) +
+                               " m, below `height_min` " + to_text(height_min) +
+                               ", where an episode ends: lift it, or lower that");
+    }
+  }
+
+  /// Refuses gates in which no racer is farther from the frame than `radius` [m].
+  void require_wide(double radius) const {
+    for (const Entry& gate : gates_) {
+      const Vec3<double>& half = gate.nominal.half;
+      if (min(half.y, half.z) > radius) continue;
+      throw std::runtime_error("gate `" + gate.name + "` opens " + to_text(2.0 * half.y) +
+                               " m by " + to_text(2.0 * half.z) + " m, and nearer than `radius` " +
+                               to_text(radius) +
+                               " m to its frame a racer collides: let it open more than " +
+                               to_text(2.0 * radius) + " m each way");
+    }
+  }
+
+  /// Refuses lanes that lead beside an opening. @param width  between two of them [m]
+  void require_lanes(double width, int racers, double radius) const {
+    const double aside = 0.5 * (racers - 1) * width;
+    for (const Entry& gate : gates_) {
+      const double room = gate.nominal.half.y - radius;
+      if (racers < 2 || aside <= room) continue;
+      throw std::runtime_error("`lane_width` " + to_text(width) + " leads racers " +
+                               to_text(aside) + " m aside, and gate `" + gate.name +
+                               "` lets those of `radius` " + to_text(radius) + " be " +
+                               to_text(room) + " m aside: take at most " +
+                               to_text(2.0 * room / (racers - 1)) + ", or widen the gate");
+    }
+  }
+
   int size() const { return static_cast<int>(gates_.size()); }
 
   /// Gate `index` of an environment, counted on behind the last one.
@@ -71,11 +117,25 @@ class Track {
   /// [m] behind a gate, where whoever has passed it looks for the next one.
   static constexpr double kLeave = 0.5;
 
+  /// [m] that a gate that stands on the ground may seem to reach into it.
+  static constexpr double kRounding = 1e-9;
+
   struct Entry {
     std::string name;
     obstacles::Obstacle obstacle;
     Gate<double> nominal;
   };
+
+  static std::string place_of(const Entry& gate) {
+    const Vec3<double>& p = gate.nominal.centre;
+    return "[" + to_text(p.x) + ", " + to_text(p.y) + ", " + to_text(p.z) + "] m";
+  }
+
+  /// How far the opening reaches down from its middle [m].
+  static double drop(const Gate<double>& gate) {
+    const Vec3<double> up = rotate_inverse(gate.rotation, Vec3<double>{0.0, 0.0, 1.0});
+    return abs(up.y) * gate.half.y + abs(up.z) * gate.half.z;
+  }
 
   void add(const ShapeInfo& shape) {
     gates_.push_back({shape.name,
@@ -92,20 +152,21 @@ class Track {
       if (name == shape.name) return shape;
       known += (known.empty() ? "" : ", ") + std::string(shape.name);
     }
-    throw std::runtime_error("no gate `" + name + "`: there are " +
+    throw std::runtime_error("`gates` names no gate `" + name + "`: there are " +
                              (known.empty() ? "none" : known));
   }
 
   void check_overlaps() const {
     for (std::size_t j = 1; j < gates_.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i) {
-        const std::string pair = "`" + gates_[i].name + "` and `" + gates_[j].name + "`";
         if (gates_[i].obstacle.first_param == gates_[j].obstacle.first_param) {
-          throw std::runtime_error("gate `" + gates_[i].name +
-                                   "` is named twice: name each gate once");
+          throw std::runtime_error("`gates` names `" + gates_[i].name +
+                                   "` twice: name each gate once");
         }
         if (overlap(gates_[i].nominal, gates_[j].nominal)) {
-          throw std::runtime_error("gates " + pair + " overlap: move one of them away");
+          throw std::runtime_error("gate `" + gates_[j].name + "` at " + place_of(gates_[j]) +
+                                   " overlaps `" + gates_[i].name + "` at " + place_of(gates_[i]) +
+                                   ": move one of them away");
         }
       }
     }

@@ -73,6 +73,15 @@ TEST(Check, WarnsOfARobotThatBeginsInsideAnObstacleHoweverLarge) {
   }
 }
 
+TEST(Check, WarnsWhereSomeOfTheStartsThatAreDrawnFailAtOnce) {
+  const std::string place = "randomization.start.parameters.position_max=[9, 5, 3]";
+  const Outcome outcome = run_skybody({"check", kHover, "--set", place});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("warning: 3 of 32 drawn episodes begin as a failure: "
+                                     "`failed.bound` (a coordinate beyond `bound`), such as with "
+                                     "robot `quad` at ["));
+}
+
 TEST(Check, WarnsOfRobotsThatBeginInsideEachOther) {
   const Outcome outcome =
       run_skybody({"check", "collision", "--set", "robots.left.pose.position=[0, 0, 2]", "--set",

@@ -59,6 +59,20 @@ def test_a_scenario_without_a_policy_is_told_which_ones_have_one(tmp_path: Path)
     assert not (tmp_path / "log").exists()
 
 
+def test_who_has_a_file_is_told_to_train_that_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text("include: collision\nname: mine\n")
+    command = [PROGRAM, "run", str(file), "--policy", "shipped", "--out", str(tmp_path / "log")]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "no policy is shipped for `mine`" in done.stderr
+    assert f"train one with `skybody train {file}` and give its folder" in done.stderr
+    assert evaluate(["shipped", "--scenario", str(file)]) == 2
+    assert f"train one with `skybody train {file}` and give its folder" in capsys.readouterr().err
+
+
 def test_evaluation_flies_shipped_policies_too(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

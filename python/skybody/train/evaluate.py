@@ -201,7 +201,7 @@ def evaluate_shipped(
         Error: there is none; with those there are.
     """
     compiled = CompiledScenario(scenario, overrides or [], plugin_path or [])
-    file = shipped_policy(compiled.name)
+    file = shipped_policy(compiled.name, str(scenario))
     policy = read_policy(file)
     found = f"{compiled.scenario_hash:016x}"
     _warn_of_scenario(str(policy.attributes["scenario_hash"]), found)

@@ -143,13 +143,17 @@ class Policy:
         }
 
 
-def shipped_policy(scenario: str) -> Path:
+def shipped_policy(scenario: str, trained: str = "") -> Path:
     """The file of the policy that comes with Skybody for the scenario of that name.
+
+    Args:
+        scenario: The scenario's name.
+        trained: What `skybody train` is given for it, for the message; empty: its name.
 
     Raises:
         Error: there is none; with those there are.
     """
-    return Path(shipped_policy_file(scenario))
+    return Path(shipped_policy_file(scenario, trained))
 
 
 def write_policy(path: Path, policy: Policy) -> None:

@@ -105,6 +105,16 @@ TEST(Include, IncludingFileOverridesAndMapsMergeDeeply) {
   EXPECT_EQ(root->find("a")->find("y")->mark.file, folder.path("more.yaml"));
 }
 
+TEST(Include, AKeyWithoutAValueRemovesWhatIncludedFilesGive) {
+  const TempFolder folder;
+  folder.write("base.yaml", "a: {x: 1, y: {z: 2}}\nb: 3\n");
+  folder.write("top.yaml", "include: base.yaml\na: {y: ~, w: 4}\nb: null\nc: ~\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(folder.path("top.yaml"), diagnostics);
+  ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
+  EXPECT_EQ(to_yaml(*root), "a:\n  x: 1\n  w: 4\nc: null\n") << "what nobody gives stays";
+}
+
 TEST(Include, AMapInThePlaceOfAListPatchesTheEntriesThatItNames) {
   const TempFolder folder;
   folder.write("base.yaml",

@@ -246,9 +246,9 @@ TEST_F(RacingTask, BeginsAtTheGateThatWasDrawn) {
 
 TEST_F(RacingTask, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(refusal("racing", world, {{"gates", std::vector<std::string>{"frist"}}}),
-              HasSubstr("no gate `frist`: there are first, second"));
+              HasSubstr("names no gate `frist`: there are first, second"));
   EXPECT_THAT(refusal("racing", world, {{"gates", std::vector<std::string>{"first", "first"}}}),
-              HasSubstr("gate `first` is named twice"));
+              HasSubstr("`gates` names `first` twice"));
   EXPECT_THAT(refusal("racing", world, {{"robots", std::vector<std::string>{"quat"}}}),
               HasSubstr("no robot `quat`: there are quad"));
   EXPECT_THAT(refusal("racing", world, {{"robots", std::vector<std::string>{"quad", "quad"}}}),
@@ -272,7 +272,30 @@ TEST_F(RacingTask, RefusesTracksThatNobodyCanFly) {
   crossed.add_quad("quad");
   crossed.add_gate("upright", {0, 0, 1}, 0.0);
   crossed.add_gate("across", {0.5, 0.2, 1}, 0.5 * kPi);
-  EXPECT_THAT(refusal("racing", crossed, {}), HasSubstr("gates `upright` and `across` overlap"));
+  EXPECT_THAT(refusal("racing", crossed, {}),
+              HasSubstr("gate `across` at [0.5, 0.2, 1] m overlaps `upright` at [0, 0, 1] m"));
+}
+
+TEST_F(RacingTask, RefusesGatesInTheGroundAndTooNarrowOnes) {
+  EXPECT_THAT(refusal("racing", world, {{"radius", 0.5}}),
+              HasSubstr("gate `second` opens 1 m by 2 m, and nearer than `radius` 0.5 m to its "
+                        "frame a racer collides: let it open more than 1 m each way"));
+  EXPECT_THAT(refusal("racing", world, {{"height_min", 1.5}}),
+              HasSubstr("gate `first` has its middle at z = 1 m, below `height_min` 1.5"));
+  world.add_gate("low", {4, 0, 0.5}, 0.0, 1.4, 1.5);
+  const Parameters alone = {{"gates", std::vector<std::string>{"low"}}};
+  EXPECT_THAT(refusal("racing", world, alone),
+              HasSubstr("gate `low` opens down to z = -0.25 m, below the ground: lift it by 0.25 "
+                        "m"));
+}
+
+TEST_F(RacingTask, RefusesRivalryOfOneRacerAndLanesBesideGates) {
+  EXPECT_THAT(refusal("racing", world, {{"rivalry", 0.5}}),
+              HasSubstr("`rivalry` is 0.5, and there is one racer"));
+  world.add_quad("rival", -2, 1, 1);
+  EXPECT_THAT(refusal("racing", world, {{"lane_width", 2.0}}),
+              HasSubstr("`lane_width` 2 leads racers 1 m aside, and gate `first` lets those of "
+                        "`radius` 0.2 be 0.5 m aside: take at most 1"));
 }
 
 }  // namespace
