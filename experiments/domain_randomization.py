@@ -208,7 +208,7 @@ Returns are by the paper's reward, 10 s at most; +- after them is the deviation 
 and seeds. The gain is that of the means of the seeds, its interval Welch's. Error: the bob's median
 distance from its target in the last second. `python -m skybody.train` trains `pendulum_learn` and
 `pendulum_learn_randomized`, whose reward pays for being near, too, with the same hyper-parameters,
-which their presets had at that time: {", ".join(content["hyper"])}.
+those of their presets: {", ".join(content["hyper"])}.
 
 The paper's figures, one spread of 10 %: trained on one vehicle {PAPER["fixed"][0]} on drawn ones
 ({PAPER["fixed"][1]} while training), trained on drawn ones {PAPER["drawn"][0]}

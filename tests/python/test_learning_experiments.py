@@ -17,6 +17,7 @@ sys.path.insert(0, str(ROOT / "experiments"))
 
 torch = pytest.importorskip("torch")
 control_abstractions = pytest.importorskip("control_abstractions")
+control_abstractions_report = pytest.importorskip("control_abstractions_report")
 learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
@@ -177,6 +178,38 @@ def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
     ]
 
 
+def protocol_row(task: str, flown: dict[str, Any] | None = None) -> dict[str, Any]:
+    """A row of the paper's protocol with a curve of two points."""
+    course = {"steps": [1e6, 2e6], "return": [None, 9.0], "error": [3.0, 1.0]}
+    learned = {"seed": 1, "curve": course} | ({} if flown is None else {"flown": flown})
+    return {"task": task, "learner": "fast-ppo", "transitions": 2_000_000, "learned": learned}
+
+
+def test_a_protocol_curve_is_of_whole_blocks_and_tells_what_is_unknown(tmp_path: Path) -> None:
+    lines = ["steps,recent_return_mean,position_error", "10,nan,4", "20,1,2", "30,3,2"]
+    (tmp_path / "progress.csv").write_text("\n".join(lines) + "\n")
+    (run, *_) = paper_protocol.make_runs("hover", "fast-ppo", tmp_path, 5_000_000, [1])
+    object.__setattr__(run, "folder", tmp_path)
+    found = paper_protocol.curve(run)
+    assert found == {"steps": [10, 20, 30], "return": [None, 1, 3], "error": [4, 2, 2]}
+
+
+def test_the_protocols_page_tells_what_held_out_flights_did(tmp_path: Path) -> None:
+    flown = {"episodes": 100, "succeeded": 7, "failed": 2, "median_error": 0.5}
+    rows = [protocol_row("payload_paper", flown), protocol_row("hover")]
+    text = paper_protocol.learned_section(rows)
+    assert (
+        "| `payload_paper` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | 7 of 100 | 2 | 0.500" in text
+    )
+    assert "| `hover` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | - | - | - |" in text
+    paper_protocol.draw(rows, tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_protocol_without_curves_has_no_section_on_learning() -> None:
+    assert paper_protocol.learned_section([{"task": "hover"}]) == ""
+
+
 # --- forms of control -----------------------------------------------------------------------------
 
 
@@ -192,7 +225,7 @@ def test_who_does_not_get_below_the_threshold_counts_with_all_steps() -> None:
     assert found["forms"]["end-to-end"]["mean"] == 60.0
     assert found["forms"]["end-to-end"]["arrived"] == 1
     assert found["ratio"] == 3.0
-    assert "too few" in control_abstractions.verdict(found)
+    assert "too few" in control_abstractions_report.verdict(found)
 
 
 def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says() -> None:
@@ -202,7 +235,7 @@ def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says()
     ]
     found = control_abstractions.compare(records, "payload", 1.0)
     assert found["ratio_interval"][1] < 1.0
-    assert "no difference can be told" in control_abstractions.verdict(found)
+    assert "no difference can be told" in control_abstractions_report.verdict(found)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +251,7 @@ def test_a_form_learns_sooner_where_the_whole_interval_says_so(
 ) -> None:
     modular = arrivals("modular", [18.0, 19.0, 20.0, 21.0, 22.0])
     records = [*arrivals("end-to-end", end_to_end), *modular]
-    assert said in control_abstractions.verdict(
+    assert said in control_abstractions_report.verdict(
         control_abstractions.compare(records, "payload", 1.0)
     )
 
