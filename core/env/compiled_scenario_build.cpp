@@ -171,7 +171,8 @@ struct CompiledScenario::Builder {
       made.file = result.file;
       check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
-      throw MarkedError(blamed(scenario, *bound.use, e.what()), with_nearest_param(plan.layout, e.what()));
+      throw MarkedError(blamed(scenario, *bound.use, e.what()),
+                        with_nearest_param(plan.layout, e.what()));
     }
     return made;
   }
