@@ -27,9 +27,9 @@ struct Named {
   bool is_given = true;  ///< false: a parameter's default
 };
 
-/// The parameter that a word such as `range` or `range[1]` names, or null.
+/// The parameter that a word such as `range`, `range[1]` or `kind: hold` names, or null.
 const ParameterValue* parameter_of(const PluginUse& use, const std::string& word) {
-  const std::string name = word.substr(0, word.find('['));
+  const std::string name = word.substr(0, word.find_first_of("[:"));
   for (const ParameterValue& value : use.parameters) {
     if (value.name == name) return &value;
   }

@@ -11,7 +11,7 @@ namespace skybody {
 bool is_own(const Scenario& scenario, const SourceMark& mark);
 
 /// Where the mistake is that a plugin finds, by the words of its message in backticks: at an
-/// obstacle if the first word names one, or at a parameter (`range`, `range[1]`); of several, at
+/// obstacle if the first word names one, or at a parameter (`range`, `kind: hold`); of several, at
 /// the first that is_own(), else at the first. If there is none, at the parameter whose text the
 /// message repeats, such as a robot's name or a path; else where the scenario names the plugin.
 SourceMark blamed(const Scenario& scenario, const PluginUse& use, const std::string& message);
