@@ -8,17 +8,19 @@ Of each task (a scenario) and learner, the paper's runs: networks of [512, 512],
 Stable-Baselines3. The runs of a learner go side by side, as the paper's did; wall clock is that of
 the slowest, the time of parts that were interrupted included. With --transitions the runs are cut
 there, and the time for all transitions is extrapolated from the rate between the first checkpoint
-and the last, which the table says. The last policies of the first seed fly 100 held-out episodes
-where the task says what success is. Finished runs are not repeated, and interrupted ones go on;
---as-they-are trains nothing and reports on the last checkpoints. Writes paper_protocol.md, its JSON
-and a picture of what was learned; tasks and learners that it had before stay in it.
+and the last, which the table says. Finished runs are not repeated, and interrupted ones go on.
+
+With --learned nothing is trained: the run of the first of --seeds, as far as it has come, is shown
+with its curve, and its last policy flies 100 held-out episodes. Such runs may share the machine.
+
+Writes paper_protocol.md, its JSON and a picture of what was learned; tasks and learners that it had
+before stay in it.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,8 +28,7 @@ from typing import Any
 
 import numpy as np
 from learning_flight import fly
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from paper_protocol_report import draw, markdown
 from skybody import CompiledScenario, InputError
 from skybody.program import run_program
 from skybody.train.algorithms import algorithm_of
@@ -39,7 +40,6 @@ from training_runs import (
     RunError,
     command_line,
     machine,
-    machine_line,
     shown,
     train_all,
     write_json,
@@ -47,7 +47,6 @@ from training_runs import (
 
 SEEDS = (1, 25, 42)
 TRANSITIONS, QUICK_TRANSITIONS = 5_000_000, 62_000
-PAPER_MINUTES = 220.0  # six runs of a task at once: two sets of three seeds
 CHECKPOINTS = 20
 PROGRAM = ROOT / "build/release/bin/skybody"
 EPISODES = 100  # of held-out flights
@@ -165,9 +164,16 @@ def curve(run: Run) -> dict[str, list[float | None]]:
     return found
 
 
-def learned(run: Run) -> dict[str, Any]:
+def learned(run: Run, command: str) -> dict[str, Any]:
     """A run's curve, and how its last policy flies where the task says what success is."""
-    found: dict[str, Any] = {"seed": run.seed, "curve": curve(run)}
+    found: dict[str, Any] = {
+        "task": run.scenario,
+        "learner": run.algorithm,
+        "seed": run.seed,
+        "transitions": read_meta(checkpoint_folders(run.folder)[-1])["steps"],
+        "curve": curve(run),
+        "command": command,
+    }
     if "success" not in {info.name for info in CompiledScenario(run.scenario).info_channels}:
         return found
     flights = fly(PROGRAM, run, EPISODES)
@@ -181,134 +187,7 @@ def learned(run: Run) -> dict[str, Any]:
     return found
 
 
-def learned_section(rows: list[dict[str, Any]]) -> str:
-    """Table and picture of runs that have a curve; empty without one."""
-    known = [row for row in rows if "learned" in row]
-    if not known:
-        return ""
-    lines = [
-        "| task | learner | seed | transitions | return of training, first and last "
-        "| error of training, first and last [m] | held-out flights succeeded | failed "
-        "| their median error in the last second [m] |",
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    for row in known:
-        course, flown = row["learned"]["curve"], row["learned"].get("flown")
-        ends = [
-            ", ".join(known_or_dash(course[name][k]) for k in (0, -1))
-            for name in ("return", "error")
-        ]
-        cells = [f"`{row['task']}`", row["learner"], str(row["learned"]["seed"])]
-        cells += [f"{row['transitions']:,}", *ends]
-        cells += ["-"] * 3 if flown is None else flown_cells(flown)
-        lines.append(f"| {' | '.join(cells)} |")
-    return f"""
-## What was learned
-
-![Return and error over transitions](images/paper_protocol.png)
-
-{chr(10).join(lines)}
-
-First and last: means over an eightieth of the run. Return and error are those of training, with
-its noise, and the error is a mean over whole episodes. Success is what the head of the scenario's
-file says, in {EPISODES} episodes of a seed that training does not know, by the last policy without
-noise.
-
-Beside the paper's curves (its figure 10, payload on the left and trajectory on the right): there
-all four learn within the 5,000,000 transitions, and on the trajectory modular control is ahead
-early on. Its returns are not comparable: the scenarios here end an episode where the paper's code
-does, and mend what its code got wrong (their heads say what). control_abstractions.md asks the
-paper's question with five seeds a form and presets that learn.
-"""
-
-
-def known_or_dash(value: float | None) -> str:
-    """Four digits."""
-    return "-" if value is None else f"{value:.4g}"
-
-
-def flown_cells(flown: dict[str, Any]) -> list[str]:
-    """Of held-out flights."""
-    error = flown["median_error"]
-    return [
-        f"{flown['succeeded']} of {flown['episodes']}",
-        str(flown["failed"]),
-        "-" if error is None else f"{error:.3f}",
-    ]
-
-
-def draw(rows: list[dict[str, Any]], path: Path) -> None:
-    """Return and error over transitions, a column a task, a line a form of control."""
-    known = [row for row in rows if "learned" in row]
-    tasks = sorted({family(row) for row in known})
-    if not tasks:
-        return
-    figure = Figure(figsize=(4.6 * len(tasks), 5.6), layout="constrained")
-    canvas = FigureCanvasAgg(figure)
-    panels = np.array(figure.subplots(2, len(tasks), sharex="col", squeeze=False))
-    for column, task in enumerate(tasks):
-        for row in (row for row in known if family(row) == task):
-            course = row["learned"]["curve"]
-            steps = np.array(course["steps"]) / 1e6
-            for axis, name in zip(panels[:, column], ("return", "error"), strict=True):
-                label = f"{row['task']}, {row['learner']}"
-                axis.plot(steps, np.array(course[name], float), label=label, linewidth=1.2)
-        panels[0, column].set(title=task, ylabel="return of training")
-        panels[1, column].set(xlabel="million transitions", ylabel="mean error in training [m]")
-        panels[0, column].legend(fontsize=8)
-        for axis in panels[:, column]:
-            axis.grid(alpha=0.3)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    canvas.print_png(path)
-
-
-def family(row: dict[str, Any]) -> str:
-    """A panel's title: the task without the form of control."""
-    return str(row["task"]).partition("_")[0]
-
-
-# --- the page -----------------------------------------------------------------------------------
-
-
-def markdown(content: dict[str, Any]) -> str:
-    """The page."""
-    rows = [
-        "| task | learner | machine | runs at once | load | transitions each | measured [min] "
-        "| steps/s, all runs | these runs, 5,000,000 each [min] "
-        "| the paper's six, on 24 cores and two GPUs [min] |",
-        "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    for row in content["rows"]:
-        whole = f"{row['minutes_for_all']:.1f}" + (" (extrapolated)" if row["extrapolated"] else "")
-        rows.append(
-            f"| `{row['task']}` | {row['learner']} | {machine_line(row['machine'])} "
-            f"| {row['runs']} | {row.get('load', '-')} | {row['transitions']:,} "
-            f"| {row['seconds'] / 60.0:.1f} | {row['steps_per_second']:,.0f} | {whole} "
-            f"| {PAPER_MINUTES:.0f} |"
-        )
-    hyper = ", ".join(f"{name} {value}" for name, value in SIZES.items())
-    commands = "\n".join(
-        f"    {text}" for text in dict.fromkeys(r["command"] for r in content["rows"])
-    )
-    return f"""\
-# The paper's training protocol
-
-Runs of the GzDRL paper's training study (networks of [512, 512], seeds 1, 25 and 42, 15
-environments each, 5,000,000 transitions), by
-
-{commands}
-
-{chr(10).join(rows)}
-
-The paper trains six runs of a task at once (two groups of three seeds, 90 environments) in about
-220 minutes on 24 cores and two GPUs. Here the runs of a row go side by side, with one thread each.
-`extrapolated`: the runs were cut at the transitions that are shown; the rest is counted at the rate
-between the first checkpoint and the last of the slowest run. A load above the runs at once means
-that other work ran beside, so that the minutes are an upper bound.
-
-`ppo` is that of Stable-Baselines3, on processors alone. Both learners have the same
-hyper-parameters: {hyper}.
-{learned_section(content["rows"])}"""
+# --- the command line ---------------------------------------------------------------------------
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -330,7 +209,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     add("--out", type=Path, default=ROOT / "flights/paper_protocol", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--as-they-are", action="store_true", help="train nothing: report on the last checkpoints")
+    add("--learned", action="store_true", help="train nothing: show what runs have learned so far")
     add("--quick", action="store_true", help=f"{QUICK_TRANSITIONS:,} transitions, report in --out")
     options = parser.parse_args(arguments)
     wanted = options.transitions or (QUICK_TRANSITIONS if options.quick else TRANSITIONS)
@@ -342,9 +221,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     return options
 
 
-def merged(path: Path, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """`rows`, behind those of other tasks and learners that the JSON has."""
-    earlier = json.loads(path.read_text())["rows"] if path.exists() else []
+def merged(earlier: list[dict[str, Any]], rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """`rows`, behind those of other tasks and learners that were there before."""
     new = {(row["task"], row["learner"]) for row in rows}
     return [row for row in earlier if (row["task"], row["learner"]) not in new] + rows
 
@@ -352,32 +230,33 @@ def merged(path: Path, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 def main(arguments: list[str] | None = None) -> int:
     """Trains, writes; returns the exit code."""
     options = parse(arguments)
-    given = sys.argv[1:] if arguments is None else arguments
-    given = [word for word in given if word != "--as-they-are"]
-    command = command_line("paper_protocol.py", given)
-    rows = []
+    command = command_line("paper_protocol.py", sys.argv[1:] if arguments is None else arguments)
+    rows: list[dict[str, Any]] = []
+    curves: list[dict[str, Any]] = []
     try:
         for task in options.tasks:
             CompiledScenario(task)  # mistakes are said before anything is trained
         for task in options.tasks:
             for algorithm in options.algo:
                 runs = make_runs(task, algorithm, options.out, options.transitions, options.seeds)
-                if not options.as_they_are:
-                    train_together(runs)
-                row = {**figures(runs), "command": command, "machine": machine()}
-                rows.append(
-                    {**row, "load": round(os.getloadavg()[2], 1), "learned": learned(runs[0])}
-                )
+                if options.learned:
+                    curves.append(learned(runs[0], command))
+                    continue
+                train_together(runs)
+                rows.append({**figures(runs), "command": command, "machine": machine()})
     except (InputError, RunError) as error:
         print(f"paper_protocol: {error}", file=sys.stderr)
         return 2
     path = options.report / "data/paper_protocol.json"
+    earlier = json.loads(path.read_text()) if path.exists() else {}
     content = {
         "experiment": "the paper's training protocol",
-        "rows": merged(path, rows),
+        "hyper": SIZES,
+        "rows": merged(earlier.get("rows", []), rows),
+        "learned": merged(earlier.get("learned", []), curves),
     }
     write_json(path, content)
-    draw(content["rows"], options.report / "images/paper_protocol.png")
+    draw(content["learned"], options.report / "images/paper_protocol.png")
     text = markdown(content)
     (options.report / "paper_protocol.md").write_text(text)
     print(f"{text}\nwritten: {shown(options.report / 'paper_protocol.md')}")

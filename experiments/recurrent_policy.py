@@ -303,9 +303,9 @@ Errors, failed episodes included:
 
 A failure is an episode that ends early or faults.
 
-Whether a critic should see more than the policy was tried with the pendulum, without a clear
-answer: [tasks/pendulum](../../tasks/pendulum/README.md#learned). {FLEET:,} vehicles against
-20,000, and `gradient`: [vehicle_policy.md](vehicle_policy.md).
+Whether a critic should see more than the policy is asked with the pendulum:
+[asymmetric_critic.md](asymmetric_critic.md). {FLEET:,} vehicles against 20,000, and `gradient`:
+[vehicle_policy.md](vehicle_policy.md).
 
 Hyper-parameters that are not the learner's defaults:
 

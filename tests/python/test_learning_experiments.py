@@ -21,6 +21,7 @@ control_abstractions_report = pytest.importorskip("control_abstractions_report")
 learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
+paper_protocol_report = pytest.importorskip("paper_protocol_report")
 recurrent_policy = pytest.importorskip("recurrent_policy")
 result_pages = pytest.importorskip("result_pages")
 rl_tools = pytest.importorskip("rl_tools")
@@ -167,12 +168,11 @@ def test_no_preset_is_part_of_the_papers_study(tmp_path: Path) -> None:
         assert told == set(vars(ALGORITHMS[algorithm].defaults()))
 
 
-def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
+def test_rows_of_earlier_runs_keep_their_machine() -> None:
     row = {"task": "hover", "learner": "ppo", "machine": {"processor": "old"}}
-    path = tmp_path / "paper_protocol.json"
-    path.write_text(json.dumps({"rows": [row, {**row, "learner": "fast-ppo"}]}))
+    earlier = [row, {**row, "learner": "fast-ppo"}]
     new = {**row, "machine": {"processor": "new"}}
-    found = paper_protocol.merged(path, [new])
+    found = paper_protocol.merged(earlier, [new])
     assert [(r["learner"], r["machine"]["processor"]) for r in found] == [
         ("fast-ppo", "old"),
         ("ppo", "new"),
@@ -182,8 +182,8 @@ def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
 def protocol_row(task: str, flown: dict[str, Any] | None = None) -> dict[str, Any]:
     """A row of the paper's protocol with a curve of two points."""
     course = {"steps": [1e6, 2e6], "return": [None, 9.0], "error": [3.0, 1.0]}
-    learned = {"seed": 1, "curve": course} | ({} if flown is None else {"flown": flown})
-    return {"task": task, "learner": "fast-ppo", "transitions": 2_000_000, "learned": learned}
+    row = {"task": task, "learner": "fast-ppo", "seed": 1, "transitions": 2_000_000}
+    return {**row, "curve": course, "command": "c"} | ({} if flown is None else {"flown": flown})
 
 
 def test_a_protocol_curve_is_of_whole_blocks_and_tells_what_is_unknown(tmp_path: Path) -> None:
@@ -198,17 +198,17 @@ def test_a_protocol_curve_is_of_whole_blocks_and_tells_what_is_unknown(tmp_path:
 def test_the_protocols_page_tells_what_held_out_flights_did(tmp_path: Path) -> None:
     flown = {"episodes": 100, "succeeded": 7, "failed": 2, "median_error": 0.5}
     rows = [protocol_row("payload_paper", flown), protocol_row("hover")]
-    text = paper_protocol.learned_section(rows)
+    text = paper_protocol_report.learned_section(rows)
     assert (
         "| `payload_paper` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | 7 of 100 | 2 | 0.500" in text
     )
     assert "| `hover` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | - | - | - |" in text
-    paper_protocol.draw(rows, tmp_path / "picture.png")
+    paper_protocol_report.draw(rows, tmp_path / "picture.png")
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_protocol_without_curves_has_no_section_on_learning() -> None:
-    assert paper_protocol.learned_section([{"task": "hover"}]) == ""
+    assert paper_protocol_report.learned_section([]) == ""
 
 
 # --- forms of control -----------------------------------------------------------------------------
