@@ -117,16 +117,10 @@ class Trajectory : public Task {
     require_within_horizon(setup, static_cast<int>(entries_.value()), "history");
     const double episode = setup.horizon() * step_;
     const double ahead = (window_.count - 1) * window_.spacing;
-    if (episode > 0.0 && ahead >= episode) {
-      throw std::runtime_error("`window` and `spacing` look ahead by " + to_text(ahead) +
-                               " s, and an episode ends after " + to_text(episode) +
-                               " s: look less far");
-    }
-    if (episode > 0.0 && settle_.value() >= episode) {
-      throw std::runtime_error("`settle` is " + to_text(settle_.value()) +
-                               " s, and an episode ends after " + to_text(episode) +
-                               " s, so that none succeeds: settle sooner, or raise `horizon`");
-    }
+    if (episode <= 0.0 || ahead < episode) return;
+    throw std::runtime_error("`window` and `spacing` look ahead by " + to_text(ahead) +
+                             " s, and an episode ends after " + to_text(episode) +
+                             " s: look less far");
   }
 
   void require_path(const Setup& setup, int robot) {
