@@ -7,8 +7,8 @@ A scenario's baseline flight (`skybody run`, 1 s, commands held for the least co
 action interval and the largest step) gives commands: of rotors, and of other actuators where a
 robot has no rotors. Hard dashes are made of them: each is multiplied by factors that are drawn anew
 every 0.1 s, equal for every robot, without a ground. Two flights are flown as they are:
-hard_landing, onto the ground, and collision, which begins LEAD before the robots are near to each
-other in the scenario's own flight. All are flown open loop, with every integrator and step, and
+hard_landing, onto the ground, and collision, which begins LEAD before the robots touch in the
+scenario's own flight. All are flown open loop, with every integrator and step, and
 compared with CVODE at a tight tolerance, or with very small steps where things touch: so the
 integrator is audited, not the controller's rate. Writes integrators.md, data/integrator_audit.json
 and images/integrator_audit.png. --quick: five scenarios, two steps. --only: nothing but the table.

@@ -25,7 +25,7 @@ DASH = 0.2  # a rotor's command is multiplied by 1 - DASH to 1 + DASH
 DASH_TIME = 0.1  # for so long [s]
 MOST_COMMANDS = 16  # of a robot
 UNDASHED = ("hard_landing", "collision")  # flown as they are: they are to touch something
-CLOSING = ("collision",)  # begun LEAD before anything is near, in the midst of the baseline flight
+CLOSING = ("collision",)  # begun LEAD before anything touches, in the midst of the baseline flight
 LEAD = 0.3  # [s]
 APPROACH = 2.0  # so long may it take until then [s]
 DEFAULTS = {"cvode": "cvode adams", "arkode": "arkode erk"}  # `method: auto`
@@ -82,7 +82,7 @@ def fly_and_log(scenario: str, steps: int, overrides: list[str]) -> dict[str, An
                 "text": str(log.attrs["scenario_text"]),
                 "commands": of_robots(episode, "command") | of_robots(episode, "rotor_command"),
                 "bodies": episode["bodies"][:],
-                "near": episode["near"][:],
+                "touching": episode["touching"][:],
             }
 
 
@@ -108,7 +108,9 @@ def baseline(scenario: str) -> Flight:
     log = fly_and_log(scenario, count + extra, changes)
     begin = 0
     if scenario in CLOSING:
-        begin = max(int(np.flatnonzero(log["near"])[0]) - math.ceil(1e6 * LEAD / interval_us), 0)
+        begin = max(
+            int(np.flatnonzero(log["touching"])[0]) - math.ceil(1e6 * LEAD / interval_us), 0
+        )
     commands = {robot: rows[begin : begin + count] for robot, rows in log["commands"].items()}
     if any(len(rows) < count for rows in commands.values()):
         sys.exit(f"{scenario}: the baseline flight ends before {FLIGHT:g} s")

@@ -379,11 +379,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"recurrent_policy: {error}", file=sys.stderr)
         return 2
     content = {
-        **heading(
-            "one policy for many vehicles, with and without memory",
-            "recurrent_policy.py",
-            arguments,
-        ),
+        **heading(EXPERIMENT, "recurrent_policy.py", arguments),
         "runs": records,
     }
     draw(records, options.report / "images/recurrent_policy.png")
