@@ -16,6 +16,7 @@ from typing import Any
 
 from learning_courses import COURSES, Course
 from learning_report import course_cells, of
+from skybody.program import run_program
 from training_runs import ROOT
 
 MARK = re.compile(
@@ -74,6 +75,12 @@ def named(text: str) -> list[str]:
     return [name for match in MARK.finditer(text) for name in match[2].split()]
 
 
-if __name__ == "__main__":
+def main() -> int:
+    """Writes all of them; returns the exit code."""
     for readme in pages():
         readme.write_text(page(readme.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
