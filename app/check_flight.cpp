@@ -231,21 +231,23 @@ std::string places_text(const Simulation& simulation) {
 void tell_of_failed_starts(const std::shared_ptr<const CompiledScenario>& compiled,
                            Diagnostics& diagnostics) {
   Simulation simulation(compiled, 0, 0);
-  int failed = 0;
+  int failed = 0, begun = 0;  // faults are told of elsewhere
   std::string how;
   for (int k = 0; k < kStarts; ++k) {
     simulation.reset();
-    const std::string failure = simulation.fault() ? "" : present_failure(simulation);
+    if (simulation.fault()) continue;
+    ++begun;
+    const std::string failure = present_failure(simulation);
     if (failure.empty()) continue;
     if (failed++ == 0) how = failure + ", such as with " + places_text(simulation);
   }
   if (failed == 0) return;
   const SourceMark mark = mark_of_starts(*compiled);
   const std::string remedy = ": move starts or goals, or widen that limit";
-  if (failed == kStarts) {
+  if (failed == begun) {
     diagnostics.error(mark, "every episode begins as a failure: " + how + remedy);
   } else {
-    diagnostics.warning(mark, std::to_string(failed) + " of " + std::to_string(kStarts) +
+    diagnostics.warning(mark, std::to_string(failed) + " of " + std::to_string(begun) +
                                   " drawn episodes begin as a failure: " + how + remedy);
   }
 }

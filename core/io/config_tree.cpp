@@ -116,12 +116,20 @@ bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnosti
     places[name_of(item)] = &item;
   }
   bool good = true;
+  std::unordered_set<std::string> removed;
   for (const ConfigEntry& entry : over.entries) {
     const bool is_clear = !entry.key.empty() && count[entry.key] == 1;
     ConfigNode* item = is_clear ? places[entry.key]
                                 : entry_called(list, entry.key, path, entry.key_mark, diagnostics);
+    if (item != nullptr && entry.value.is_null()) {
+      removed.insert(entry.key);
+      continue;
+    }
     good = item != nullptr &&
            merge_config(*item, entry.value, diagnostics, path + "." + entry.key) && good;
+  }
+  if (!removed.empty()) {
+    std::erase_if(list.items, [&](const ConfigNode& i) { return removed.count(name_of(i)) > 0; });
   }
   return good;
 }

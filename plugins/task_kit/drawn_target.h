@@ -34,9 +34,7 @@ class DrawnTarget {
   /// draws it.
   void configure(const Setup& setup) {
     if (!is_drawn() && (low_.is_given() || high_.is_given())) {
-      throw std::runtime_error(std::string("`") + (low_.is_given() ? "target_min" : "target_max") +
-                               "` says nothing beside `target`, which is not drawn: leave one of "
-                               "them out (`target: ~` removes what an included file gives)");
+      refuse_beside_target(low_.is_given() ? "target_min" : "target_max");
     }
     require_box(low_, high_, "target");
     announce_drawn(setup, target_);
@@ -80,6 +78,12 @@ class DrawnTarget {
   }
 
  protected:
+  [[noreturn]] static void refuse_beside_target(const std::string& name) {
+    throw std::runtime_error("`" + name +
+                             "` says nothing beside `target`, which is not drawn: leave one of "
+                             "them out (`target: ~` removes what an included file gives)");
+  }
+
   DrawnTarget(Plugin* owner, const Defaults& defaults, const char* unit)
       : target_(owner, {.name = "target",
                         .unit = unit,
@@ -110,6 +114,12 @@ class DrawnPose : public DrawnTarget {
                          .min = 0.0,
                          .max = kPi,
                          .doc = yaw_doc}) {}
+
+  /// As DrawnTarget::configure(), and refuses `target_yaw` beside a target that is given.
+  void configure(const Setup& setup) {
+    if (!is_drawn() && yaw_max_.is_given()) refuse_beside_target("target_yaw");
+    DrawnTarget::configure(setup);
+  }
 
   /// Draws point and heading, if they are drawn. To be called in the task's randomize().
   template <class Real>

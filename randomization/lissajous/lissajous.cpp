@@ -48,6 +48,12 @@ class LissajousFamily : public Randomizer {
       throw std::runtime_error("`ratios` has " + std::to_string(ratios_.count()) +
                                " values; allowed: three for each ratio, such as 2, 1, 1");
     }
+    for (int k = 0; k < ratios_.count(); k += 3) {
+      if (ratios_.value(k) != 0.0 || ratios_.value(k + 1) != 0.0 || ratios_.value(k + 2) != 0.0) {
+        continue;
+      }
+      throw std::runtime_error("`ratios` has 0, 0, 0, by which nothing swings: leave these out");
+    }
   }
 
   template <class Real>

@@ -18,9 +18,9 @@ using racing::Past;
 class Racing : public Task {
  public:
   void configure(const Setup& setup) override {
-    track_.configure(setup, gates_.values(), laps_.value() > 1 || first_gate_.value() != 0.0);
+    track_.configure(setup, gates_.values(), laps_.value() > 1 || first_gate_.value() != 0.0,
+                     limits_.bound());
     check_first_gate();
-    track_.require_within(limits_.bound());
     track_.require_above(height_min_.value());
     track_.require_wide(radius_.value());
     step_time_ = setup.dt() * setup.action_repeat();

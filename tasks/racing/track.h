@@ -18,8 +18,10 @@ class Track {
  public:
   /// @param names  obstacles of kind `gate` in the order of the track; none: all, in their order
   /// @param is_closed  whether the first gate follows the last one
+  /// @param bound  of each coordinate, beyond which nobody may be [m]
   /// @throws std::runtime_error for no gate, for what is none, and for gates that no flight passes
-  void configure(const Setup& setup, const std::vector<std::string>& names, bool is_closed) {
+  void configure(const Setup& setup, const std::vector<std::string>& names, bool is_closed,
+                 double bound) {
     if (names.empty()) {
       for (const ShapeInfo& shape : setup.shapes()) {
         if (shape.kind == SKYBODY_GATE) add(shape);
@@ -31,15 +33,11 @@ class Track {
           "there is no gate to race through: add `obstacles: [{name: gate_1, gate: [1.4, 1.4, "
           "0.1], position: [2, 0, 1.5]}]`");
     }
-    check_overlaps();
-    check_order(is_closed);
-  }
-
-  /// Refuses gates that stand where nobody may be. @param bound  of each coordinate [m]
-  void require_within(double bound) const {
     for (const Entry& gate : gates_) {
       task_kit::require_within(gate.nominal.centre, "gate `" + gate.name + "`", bound);
     }
+    check_overlaps();
+    check_order(is_closed);
   }
 
   /// Refuses gates that reach into the ground, or whose middle lies below the height where an
@@ -179,7 +177,13 @@ class Track {
       const Entry &gate = gates_[i], &next = gates_[(i + 1) % gates_.size()];
       const Vec3<double> left = gate.nominal.centre + gate.nominal.normal() * kLeave;
       const double behind = next.nominal.local(left).x;
-      if (behind <= 0.0) continue;
+      if (behind <= kRounding) continue;
+      const double before = -next.nominal.local(gate.nominal.centre).x;
+      if (before > 0.0 && dot(gate.nominal.normal(), next.nominal.normal()) > 0.0) {
+        throw std::runtime_error("gate `" + next.name + "` stands " + to_text(before) +
+                                 " m behind `" + gate.name + "`; allowed: " + to_text(kLeave) +
+                                 " m or more. Move it on");
+      }
       throw std::runtime_error("gate `" + next.name + "` faces away from `" + gate.name +
                                "`: whoever leaves that one is " + to_text(behind) +
                                " m behind the plane of this one; turn it about z by 3.14159, or "

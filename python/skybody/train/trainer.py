@@ -252,13 +252,14 @@ class Trainer:
         ]
         if rows := write_evaluations(self.run):
             last = rows[-1]
-            error = last["position_error_median"]
+            error, reached = last["position_error_median"], last["reached_share"]
             lines.append(
                 f"evaluation at {last['steps']} steps, {last['episodes']} episodes: "
                 f"return {last['return_mean']:.4g}, "
                 + (f"CV {last['return_cv']:.3f}, " if last["return_cv"] is not None else "")
                 + (f"median position error {error:.4f} m, " if error is not None else "")
                 + f"{100 * last['success_share']:.1f} % without failure"
+                + (f", {100 * reached:.1f} % succeed" if reached is not None else "")
             )
         lines.append(f"parameters {parameter_hash(self.learner.parameters())}")
         lines.append(f"run folder {self.run}")

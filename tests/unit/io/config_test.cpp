@@ -115,6 +115,16 @@ TEST(Include, AKeyWithoutAValueRemovesWhatIncludedFilesGive) {
   EXPECT_EQ(to_yaml(*root), "a:\n  x: 1\n  w: 4\nc: null\n") << "what nobody gives stays";
 }
 
+TEST(Include, ANameWithoutAValueRemovesAnEntryOfAList) {
+  const TempFolder folder;
+  folder.write("base.yaml", "robots: [{name: a}, {name: b}, {name: c}]\n");
+  folder.write("top.yaml", "include: base.yaml\nrobots: {b: ~, c: {mass: 2}}\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(folder.path("top.yaml"), diagnostics);
+  ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
+  EXPECT_EQ(to_yaml(*root), "robots:\n  - name: a\n  - name: c\n    mass: 2\n");
+}
+
 TEST(Include, AMapInThePlaceOfAListPatchesTheEntriesThatItNames) {
   const TempFolder folder;
   folder.write("base.yaml",

@@ -132,6 +132,8 @@ TEST_F(LissajousDraws, BadRangesAndRatiosAreRefused) {
               HasSubstr("`peak_speed` is 2 to 1: swap them"));
   EXPECT_THAT(refusal("lissajous", world, {{"ratios", Numbers{1, 2}}}),
               HasSubstr("`ratios` has 2 values; allowed: three for each ratio"));
+  EXPECT_THAT(refusal("lissajous", world, {{"ratios", Numbers{1, 2, 1, 0, 0, 0}}}),
+              HasSubstr("`ratios` has 0, 0, 0, by which nothing swings: leave these out"));
   EXPECT_THAT(refusal("lissajous", world, {{"start_within", Numbers{1, 1, 1}}}),
               HasSubstr("`start_within` is given without `robot`"));
   EXPECT_THAT(refusal("lissajous", world, {{"robot", "quda"}}), HasSubstr("quda"));

@@ -99,6 +99,11 @@ TEST_F(DrawnTargetOfATask, IsRefusedWhereNoFlightCanReachIt) {
               HasSubstr("`target[2]` 0.1 lies below `height_min` 0.2"));
 }
 
+TEST_F(DrawnTargetOfATask, IsRefusedWithDrawnHeadingsBeside) {
+  EXPECT_THAT(refusal("hover", world, {{"target", Numbers{1, 2, 1.5, 0.3}}, {"target_yaw", 0.4}}),
+              HasSubstr("`target_yaw` says nothing beside `target`, which is not drawn"));
+}
+
 TEST_F(DrawnTargetOfATask, MayHaveAHeadingThatIsDrawnEitherWay) {
   const Instance task("hover", world, {{"target_yaw", 0.4}});
   const int first = task.env_param("target");

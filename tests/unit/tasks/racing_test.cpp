@@ -268,6 +268,13 @@ TEST_F(RacingTask, RefusesTracksThatNobodyCanFly) {
   EXPECT_THAT(refusal("racing", world, {}),
               HasSubstr("gate `third` faces away from `second`: whoever leaves that one is 3.5 m "
                         "behind the plane of this one"));
+  PluginWorld near;
+  near.add_quad("quad");
+  near.add_gate("one", {0, 0, 1}, 0.0);
+  near.add_gate("next", {0.3, 0, 1}, 0.0);
+  EXPECT_THAT(
+      refusal("racing", near, {}),
+      HasSubstr("gate `next` stands 0.3 m behind `one`; allowed: 0.5 m or more. Move it on"));
   PluginWorld crossed;
   crossed.add_quad("quad");
   crossed.add_gate("upright", {0, 0, 1}, 0.0);
