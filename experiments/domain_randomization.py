@@ -171,6 +171,27 @@ def cell(found: Sequence[dict[str, Any]]) -> str:
     )
 
 
+def answer(rows: Sequence[dict[str, Any]]) -> str:
+    """In a sentence: at which spreads the interval of the gain leaves out 0."""
+
+    def names(found: Sequence[dict[str, Any]]) -> str:
+        return ", ".join(f"+-{100 * row['spread']:.0f} %" for row in found)
+
+    compared = [row for row in rows if row["drawn"]]
+    better = [row for row in compared if row["difference"] > row["half"]]
+    worse = [row for row in compared if row["difference"] < -row["half"]]
+    open_ones = [row for row in compared if abs(row["difference"]) <= row["half"]]
+    parts = []
+    if better:
+        parts.append(f"who was trained on drawn vehicles gets more at {names(better)}")
+    if worse:
+        parts.append(f"who was trained on one vehicle gets more at {names(worse)}")
+    if open_ones:
+        parts.append(f"no difference can be told at {names(open_ones)}")
+    text = "; ".join(parts)
+    return f"{text[0].upper()}{text[1:]}."
+
+
 def markdown(content: dict[str, Any]) -> str:
     """The page."""
     lines = [
@@ -199,7 +220,11 @@ the base's inertia and both time constants of each rotor are drawn by the spread
 that no rigid body has are drawn again. Every policy flies the same {content["episodes"]:,} draws,
 a new vehicle in each episode.
 
+{answer(content["rows"])}
+
 {chr(10).join(lines)}
+
+On the nominal vehicle only those fly that were trained on it.
 
 Returns are by the paper's reward, 10 s at most; +- after them is the deviation over all episodes
 and seeds. The gain is that of the means of the seeds, its interval Welch's. Error: the bob's median

@@ -51,8 +51,8 @@ file says, in episodes of a seed that training does not know, by the last policy
 Beside the paper's curves (its figure 10, payload on the left and trajectory on the right): there
 all four learn within the 5,000,000 transitions, and on the trajectory modular control is ahead
 early on. Its returns are not comparable: the scenarios here end an episode where the paper's code
-does, and mend what its code got wrong (their heads say what). [control_abstractions.md](control_abstractions.md) asks the
-paper's question with five seeds a form and presets that learn.
+does, and mend what its code got wrong (their heads say what). The paper's question is asked with
+five seeds a form and presets that learn in [control_abstractions.md](control_abstractions.md).
 """
 
 

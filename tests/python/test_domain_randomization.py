@@ -29,6 +29,16 @@ def test_the_interval_is_welchs(experiment: ModuleType) -> None:
     np.testing.assert_allclose([gain - half, gain + half], [interval.low, interval.high])
 
 
+def test_the_answer_tells_gains_losses_and_what_is_open(experiment: ModuleType) -> None:
+    gains = {0.1: (23.0, 156.0), 0.3: (200.0, 117.0), 0.5: (-80.0, 40.0)}
+    rows = [{"spread": 0.0, "drawn": []}]
+    rows += [{"spread": k, "drawn": [1], "difference": d, "half": h} for k, (d, h) in gains.items()]
+    assert experiment.answer(rows) == (
+        "Who was trained on drawn vehicles gets more at +-30 %; who was trained on one vehicle "
+        "gets more at +-50 %; no difference can be told at +-10 %."
+    )
+
+
 def test_a_spread_is_that_of_mass_inertia_and_lags(experiment: ModuleType) -> None:
     overrides = list(experiment.drawn_by(0.3, every=1))
     text = CompiledScenario(experiment.DRAWN, overrides).scenario_text
