@@ -47,6 +47,7 @@ STYLE = {
 }
 GOAL = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
 LEGEND_WIDTH = 72  # letters that fit above a panel, each line and its gap taken as 7
+HEADING_WIDTH = 165  # letters of the legend below the title
 MOST_NAMED = 15  # joints with a name each; of more only the lines are drawn
 LEAST_ERROR = 1e-3  # mm; less is drawn as this
 COMMAND = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0, "alpha": 0.8}
@@ -201,18 +202,28 @@ def above(panel, handles: list | None = None) -> None:
     )
 
 
+def robot_handles(flight: Flight, width: int) -> list:
+    """A handle a robot; where there are more than fit, the first ones and the last."""
+    handles = [Line2D([], [], color=t.color, linewidth=2.5, label=t.name) for t in flight.tracks]
+    most = max(2, width // (max((len(t.name) for t in flight.tracks), default=0) + 8))
+    if len(handles) <= most:
+        return handles
+    dots = Line2D([], [], linestyle="none", label=f"... {len(handles)} in all ...")
+    return [*handles[: most - 2], dots, handles[-1]]
+
+
 def draw_heading(figure, flight: Flight) -> None:
     figure.suptitle(flight.title, x=0.02, y=0.985, ha="left", fontsize=14, weight="bold")
     figure.text(0.02, 0.938, flight.subtitle, color="dimgrey", fontsize=9.5)
-    handles = [Line2D([], [], color=t.color, linewidth=2.5, label=t.name) for t in flight.tracks]
+    handles = robot_handles(flight, HEADING_WIDTH - (30 if flight.touching else 10))
     handles.append(Line2D([], [], label="goal", **GOAL))
     if flight.touching:
         handles.insert(0, Patch(label="something touches", **TOUCHING))
     figure.legend(
-        handles=handles[:12],
+        handles=handles,
         loc="upper left",
         bbox_to_anchor=(0.013, 0.934),
-        ncol=min(len(handles), 12),
+        ncol=len(handles),
         fontsize=9.5,
     )
 
