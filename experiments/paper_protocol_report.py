@@ -44,7 +44,8 @@ One seed of each form, by
 
 {chr(10).join(lines)}
 
-First and last: means over an eightieth of the run. Return and error are those of training, with
+Runs of fewer than 5,000,000 transitions were cut there: what they had not learned by then, they may
+learn later. First and last: means over an eightieth of the run. Return and error are those of training, with
 its noise, and the error is a mean over whole episodes. Success is what the head of the scenario's
 file says, in episodes of a seed that training does not know, by the last policy without noise.
 
