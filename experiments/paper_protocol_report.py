@@ -45,9 +45,10 @@ One seed of each form, by
 {chr(10).join(lines)}
 
 Runs of fewer than 5,000,000 transitions were cut there: what they had not learned by then, they may
-learn later. First and last: means over an eightieth of the run. Return and error are those of training, with
-its noise, and the error is a mean over whole episodes. Success is what the head of the scenario's
-file says, in episodes of a seed that training does not know, by the last policy without noise.
+learn later. First and last: means over an eightieth of the run. Return and error are those of
+training, with its noise, and the error is a mean over whole episodes. Success is what the head of
+the scenario's file says, in episodes of a seed that training does not know, by the last policy
+without noise.
 
 Beside the paper's curves (its figure 10, payload on the left and trajectory on the right): there
 all four learn within the 5,000,000 transitions, and on the trajectory modular control is ahead
