@@ -226,30 +226,56 @@ std::string places_text(const Simulation& simulation) {
   return text + (robots.size() > kMost ? ", ..." : "");
 }
 
-/// Episodes that begin where the task sees a failure end with their first step. If all do, nobody
-/// can fly or learn; if some do, those are lost.
-void tell_of_failed_starts(const std::shared_ptr<const CompiledScenario>& compiled,
-                           Diagnostics& diagnostics) {
+/// The height of the lowest goal [m]; infinite: there is none.
+double lowest_goal(const Simulation& simulation) {
+  double lowest = kInfinity;
+  const std::vector<double> goals = simulation.goals();
+  for (std::size_t k = 2; k < goals.size(); k += 4) lowest = min(lowest, goals[k]);
+  return lowest;
+}
+
+/// Says that something is wrong with all drawn starts, an error, or with some.
+void tell_of_starts(const SourceMark& mark, int wrong, int all, const std::string& what,
+                    const std::string& more, Diagnostics& diagnostics) {
+  if (wrong == 0) return;
+  if (wrong == all) {
+    diagnostics.error(mark, "every episode begins " + what + more);
+  } else {
+    diagnostics.warning(mark, std::to_string(wrong) + " of " + std::to_string(all) +
+                                  " drawn episodes begin " + what + more);
+  }
+}
+
+/// Episodes that begin where the task sees a failure end with their first step, and goals under
+/// the ground are never reached. If all are so, nobody can fly or learn; if some, those are lost.
+void try_starts(const std::shared_ptr<const CompiledScenario>& compiled, Diagnostics& diagnostics) {
   Simulation simulation(compiled, 0, 0);
-  int failed = 0, begun = 0;  // faults are told of elsewhere
+  const bool has_ground = compiled->scenario().contact.ground;
+  int failed = 0, buried = 0, begun = 0;  // faults are told of elsewhere
   std::string how;
+  double lowest = kInfinity;
   for (int k = 0; k < kStarts; ++k) {
     simulation.reset();
     if (simulation.fault()) continue;
     ++begun;
     const std::string failure = present_failure(simulation);
-    if (failure.empty()) continue;
-    if (failed++ == 0) how = failure + ", such as with " + places_text(simulation);
+    const double goal = lowest_goal(simulation);
+    if (has_ground && goal < 0.0) {
+      ++buried;
+      lowest = min(lowest, goal);
+    }
+    if (!failure.empty() && failed++ == 0) {
+      how = failure + ", such as with " + places_text(simulation);
+    }
   }
-  if (failed == 0) return;
-  const SourceMark mark = mark_of_starts(*compiled);
-  const std::string remedy = ": move starts or goals, or widen that limit";
-  if (failed == begun) {
-    diagnostics.error(mark, "every episode begins as a failure: " + how + remedy);
-  } else {
-    diagnostics.warning(mark, std::to_string(failed) + " of " + std::to_string(begun) +
-                                  " drawn episodes begin as a failure: " + how + remedy);
-  }
+  tell_of_starts(mark_of_starts(*compiled), failed, begun,
+                 "as a failure: ", how + ": move starts or goals, or widen that limit",
+                 diagnostics);
+  const Scenario& scenario = compiled->scenario();
+  tell_of_starts(own_parameter(scenario, scenario.task).value_or(scenario.task.mark), buried, begun,
+                 "with a goal below the ground, ",
+                 "at z = " + rounded(lowest) + " m: raise it, or take `contact: {ground: false}`",
+                 diagnostics);
 }
 
 }  // namespace
@@ -267,7 +293,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
   }
   warn_of_weight(*compiled, diagnostics);
-  tell_of_failed_starts(compiled, diagnostics);
+  try_starts(compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;
   for (int k = 0; k < kSteps; ++k) {
