@@ -248,9 +248,6 @@ def main() -> int:
         "hover_learn is flown for 10 s here. In its own 7 s a policy can reach every target; "
         "`hold`, which flies at 1.5 m/s at most, comes too late to those farther than about 8 m.",
         "",
-        "In formation, as in the paper, touching ends nothing: `hold` flies each robot straight to "
-        "its place, and the more there are, the more often two meet and hold each other up.",
-        "",
         "\n\n".join(sections.values()),
         "",
     ]

@@ -98,8 +98,14 @@ class Formation : public Task {
 
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
+    const double storey = min(kStorey, kStoreys / count());
     for (int i = 0; i < count(); ++i) {
-      goal.set(4 * i, target_.position(env) + place<Real>(i));
+      const Vec3<Real> own = target_.position(env) + place<Real>(i);
+      const Vec3<Real> way = own - env.body(at(i).body).position;
+      // The later a robot's turn, the higher it comes, lest two meet on the way.
+      const Real far =
+          clamp((norm(way.x, way.y) - kSinkTo) / (kSinkFrom - kSinkTo), Real(0.0), Real(1.0));
+      goal.set(4 * i, own + Vec3<Real>{Real(0.0), Real(0.0), far * (storey * i)});
       goal.set(4 * i + 3, Real(0.0));
     }
   }
@@ -108,6 +114,9 @@ class Formation : public Task {
   static constexpr double kErrorWeight = 2.56;   // (1.6)^2 [1/m^2]
   static constexpr double kSafeDistance = 0.5;   // [m] below, neighbours cost reward
   static constexpr double kArrivalReward = 0.4;  // for being near without the formation
+  // Ways of the goals, for the baseline: height from one robot's to the next one's, of all of them
+  // at most, and how far from its place a goal begins to sink and has sunk to it [m].
+  static constexpr double kStorey = 0.5, kStoreys = 5.0, kSinkFrom = 2.0, kSinkTo = 0.5;
 
   /// What a robot sees of another one.
   struct Sight {

@@ -128,8 +128,12 @@ TEST_F(FormationTask, PlacesAreARegularPolygonWithACentreFromFiveOn) {
     if (robots < 2) continue;
     const Instance task("formation", world, {{"target", Numbers{1, -2, 3}}, {"radius", 1.5}});
     Group g = begin(task);
-    const Numbers goal = task.goal(g);
     const std::vector<Point> places = polygon(robots, 1.5);
+    for (std::size_t i = 0; i < places.size(); ++i) {  // who is there has no way to go
+      g.bodies[13 * i] = 1.0 + places[i][0];
+      g.bodies[13 * i + 1] = -2.0 + places[i][1];
+    }
+    const Numbers goal = task.goal(g);
     ASSERT_EQ(goal.size(), 4u * static_cast<std::size_t>(robots));
     for (std::size_t i = 0; i < places.size(); ++i) {
       ASSERT_NEAR(goal[4 * i], 1.0 + places[i][0], kRounding) << robots << " robots";
@@ -225,6 +229,24 @@ TEST_F(FormationTask, SeesAnEmptyPlaceThatNoRobotIsFarFrom) {
   EXPECT_NEAR(g.info[0], std::hypot(0.9, 1.0 - mean_y), kRounding);
 }
 
+TEST_F(FormationTask, GoalsLeadEachRobotAtAHeightOfItsOwnThatSinksNearItsPlace) {
+  add_team(4);
+  const Instance task("formation", world, {{"target", Numbers{0, 0, 3}}, {"radius", 1.0}});
+  Group g = begin(task);
+  const std::vector<Point> places = polygon(4, 1.0);
+  const auto height = [&](std::size_t i, double away) {
+    g.bodies[13 * i] = places[i][0] + away;
+    g.bodies[13 * i + 1] = places[i][1];
+    return task.goal(g)[4 * i + 2];
+  };
+  for (const std::size_t i : {0u, 1u, 3u}) {
+    const double storeys = 0.5 * static_cast<double>(i);
+    EXPECT_NEAR(height(i, 9.0), 3.0 + storeys, kRounding);
+    EXPECT_NEAR(height(i, 1.25), 3.0 + 0.5 * storeys, 1e-12) << "half way between 2 m and 0.5 m";
+    EXPECT_EQ(height(i, 0.4), 3.0);
+  }
+}
+
 TEST_F(FormationTask, DrawsTargetsNearTheFirstRobotAndNotTooLow) {
   world.add_quad("first", 3, -4, 2);
   world.add_quad("second", 8, 8, 8);
@@ -234,7 +256,7 @@ TEST_F(FormationTask, DrawsTargetsNearTheFirstRobotAndNotTooLow) {
     Group g = task.group(1);
     g.episode[0] = n;
     task.call(Call::kReset, g);
-    const Numbers goal = task.goal(g);  // of two robots, on either side of the target
+    const Numbers goal = task.goal(g);  // of two robots; of the first one at its own height
     const double x = 0.5 * (goal[0] + goal[4]);
     ASSERT_LE(std::abs(x - 3.0), 2.0);
     ASSERT_LE(std::abs(goal[1] + 4.0), 2.0);
