@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import secrets
 import sys
 from pathlib import Path
 
@@ -25,6 +26,7 @@ try:
 except ImportError as error:
     sys.exit(f"{sys.executable} has no {error.name}; pip install matplotlib h5py")
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # which python -P leaves out
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -267,9 +269,10 @@ def draw(flight: Flight):
 
 def save(figure, path: Path) -> None:
     """Nobody finds a half-written picture."""
-    partial = path.with_name("." + path.name + ".partial")
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
-        figure.savefig(partial, dpi=DPI, format="png")
+        with partial.open("xb") as file:
+            figure.savefig(file, dpi=DPI, format="png")
         os.replace(partial, path)
     except OSError as error:
         partial.unlink(missing_ok=True)
@@ -285,7 +288,8 @@ def main() -> int:
     options = parser.parse_args()
     folder = options.out or options.log.parent
     folder.mkdir(parents=True, exist_ok=True)
-    with plt.rc_context(STYLE), h5py.File(options.log, "r") as log:
+    # "default": a matplotlibrc of the working folder changes nothing.
+    with plt.style.context(("default", STYLE)), h5py.File(options.log, "r") as log:
         for name in list(log["episodes"])[: options.most]:
             path = folder / f"flight-{name}.png"
             save(draw(read_flight(log, name)), path)

@@ -1,4 +1,4 @@
-"""How `skybody.train`, experiments, benchmarks and examples end as programs, also by Ctrl-C."""
+"""Programs of ours in Python: how they are started, and how they end, also by Ctrl-C."""
 
 from __future__ import annotations
 
@@ -11,6 +11,14 @@ from collections.abc import Callable, Iterator
 from typing import NoReturn
 
 INTERRUPTED = 130  # exit code after Ctrl-C
+
+
+def module_command(module: str, *arguments: str) -> list[str]:
+    """The words that run a module as a program, by this Python.
+
+    Without -P Python would import from the working folder first: a stranger's `numpy.py` would run.
+    """
+    return [sys.executable, "-P", "-m", module, *arguments]
 
 
 def run_program(main: Callable[[], int | None]) -> NoReturn:

@@ -8,7 +8,6 @@ import math
 import os
 import socket
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +18,7 @@ import pytest
 ray = pytest.importorskip("ray", reason="`pip install '.[ray]'`")
 
 from skybody._native import CompiledScenario  # noqa: E402
+from skybody.program import module_command  # noqa: E402
 from skybody.ray import sweep  # noqa: E402
 from skybody.ray.cluster import ClusterError, cluster  # noqa: E402
 from skybody.ray.slices import RaySlices, Setup  # noqa: E402
@@ -134,7 +134,7 @@ def test_runs_move_between_a_cluster_and_one_process_with_the_same_bits(
 def test_workers_with_another_instruction_set_are_refused(address: str, tmp_path: Path) -> None:
     words = ["hover_learn", "--ray", address, "--workers", "1", "--out", str(tmp_path / "run")]
     done = subprocess.run(
-        [sys.executable, "-m", "skybody.train", *words],
+        module_command("skybody.train", *words),
         env={**os.environ, "SKYBODY_ISA": "v2"},
         capture_output=True,
         text=True,

@@ -48,7 +48,7 @@ def test_recorded_plugin_folders_are_named_and_not_searched(
         said = capsys.readouterr().err
         assert said.startswith(f"{who}: warning: ")
         assert f"plugins from `{PLUGINS}`, which is not searched; if you trust this folder" in said
-        assert "unknown controller `leaves_a_mark`" in said
+        assert "the scenario cannot be loaded; `skybody check hover_learn --set" in said
         assert not mark.exists()
         assert call([*options, *given]) == 0
         assert "warning" not in capsys.readouterr().err
