@@ -94,9 +94,7 @@ def check_exports(disk: Path, run: Path) -> list[str]:
     """What is written from a run that is there, onto a disk without space."""
     evaluated = ("skybody.train.evaluate", str(run), "--episodes", "1", "--json")
     exports = {
-        "result.json": module_command(
-            "skybody.train.evaluate", str(run), "--episodes", "1", "--json"
-        ),
+        "result.json": module_command(*evaluated),
         "curve.png": module_command("skybody.train.curve", str(run), "--out"),
     }
     filler, faults = fill(disk, 0), []

@@ -31,7 +31,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from plot_flight_data import Flight, colors, read_flight
+from plot_flight_data import Flight, colors, read_flight, refusal
 from plot_flight_scene import TOUCHING, draw_path
 
 DPI = 150
@@ -287,9 +287,15 @@ def main() -> int:
     parser.add_argument("--most", type=int, default=3, help="draw the first N episodes (default 3)")
     options = parser.parse_args()
     folder = options.out or options.log.parent
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        log = h5py.File(options.log, "r")
+    except OSError as error:
+        sys.exit(f"{options.log}: {os.strerror(error.errno) if error.errno else 'no HDF5 file'}")
     # "default": a matplotlibrc of the working folder changes nothing.
-    with plt.style.context(("default", STYLE)), h5py.File(options.log, "r") as log:
+    with log, plt.style.context(("default", STYLE)):
+        if reason := refusal(log):
+            sys.exit(f"{options.log}: {reason}")
+        folder.mkdir(parents=True, exist_ok=True)
         for name in list(log["episodes"])[: options.most]:
             path = folder / f"flight-{name}.png"
             save(draw(read_flight(log, name)), path)
