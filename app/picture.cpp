@@ -96,7 +96,7 @@ std::vector<fs::path> picture_paths(const std::string& output, std::string& last
 
 Pictures draw_pictures(const fs::path& log) {
   const std::vector<std::string> command = command_line(log);
-  set_python_path();
+  set_python_environment();
   const Outcome outcome = run(command);
   if (outcome.spawn_error != 0) {
     return {{},

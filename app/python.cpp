@@ -1,11 +1,13 @@
 #include "app/python.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
+#include "core/base/error.h"
 #include "core/base/installation.h"
 
 namespace skybody {
@@ -15,6 +17,11 @@ namespace {
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
   return value != nullptr ? value : "";
+}
+
+rlim_t address_space() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_AS, &limit) == 0 ? limit.rlim_cur : RLIM_INFINITY;
 }
 
 std::string interpreter() {
@@ -27,7 +34,7 @@ std::string interpreter() {
 
 std::vector<std::string> python_command() { return {interpreter(), "-P"}; }
 
-void set_python_path() {
+void set_python_environment() {
   // Scripts lie beside the package in the source tree, and in share/skybody of an installation.
   const std::filesystem::path package = shipped_data("scripts", "scripts").parent_path() / "python";
   std::error_code ignored;
@@ -38,6 +45,14 @@ void set_python_path() {
     if (!entry.empty()) path += (path.empty() ? "" : ":") + entry;
   }
   setenv("PYTHONPATH", path.c_str(), 1);
+  if (address_space() != RLIM_INFINITY) setenv("OPENBLAS_NUM_THREADS", "1", 0);
+}
+
+void check_memory_for_python() {
+  constexpr rlim_t kLeast = 256 << 20;  // [bytes]; NumPy and the package take 200 MB
+  if (address_space() >= kLeast) return;
+  throw Error("the address space is limited to " + std::to_string(address_space() >> 20) +
+              " MiB (ulimit -v); Python needs " + std::to_string(kLeast >> 20) + " MiB or more");
 }
 
 }  // namespace skybody

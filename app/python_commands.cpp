@@ -31,7 +31,8 @@ int become_python(const char* module, const std::vector<std::string>& arguments)
   std::vector<char*> words;
   for (std::string& word : command) words.push_back(word.data());
   words.push_back(nullptr);
-  set_python_path();
+  check_memory_for_python();
+  set_python_environment();
   execvp(words[0], words.data());
   throw Error("cannot start " + command[0] + ": " + std::strerror(errno) +
               "; name a Python that has the package skybody in SKYBODY_PYTHON");

@@ -57,6 +57,16 @@ def test_an_unknown_option_is_refused_and_the_nearest_is_named(taker: Any, kind:
         taker("hover", 2, colour="red")
 
 
+@BY_TAKER
+def test_a_flag_that_is_neither_true_nor_false_is_refused(taker: Any, kind: type) -> None:
+    for flag in (name for name, (type_, _) in options_of(kind).items() if type_ is bool):
+        for value in ("x", "False", 1, None):
+            with pytest.raises(TypeError, match=f"{flag} is {value!r}; it must be True or False"):
+                taker("hover", 2, **{flag: value})
+    if kind is options.VectorOptions:
+        assert taker("formation_2", 1, joint=np.True_).action_space.shape == (1, 2, 4)
+
+
 def test_what_has_no_use_for_an_option_refuses_it() -> None:
     with pytest.raises(TypeError, match="no argument `batch_size`"):
         skybody.make_vec("hover", 2, batch_size=1)  # type: ignore[call-arg]

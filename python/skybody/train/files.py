@@ -21,8 +21,9 @@ def write_file(path: Path, content: bytes) -> None:
     # Nobody can foresee the name, and "x" follows no link that lies there.
     partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     with naming(path):
+        opened = partial.open("xb")
         try:
-            with partial.open("xb") as file:
+            with opened as file:
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())

@@ -12,6 +12,8 @@ from skybody.train.files import read_file
 WORDS: dict[object, str] = {
     int: "a whole number",
     float: "a number",
+    dict[str, float]: "a map of numbers",
+    list[float]: "a list of numbers",
     str: "a text",
     bool: "true or false",
     list[str]: "a list of texts",
