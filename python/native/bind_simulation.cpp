@@ -82,7 +82,7 @@ void bind_body(nb::module_& m) {
 
 template <class T>
 nb::bytes bytes_of(const std::vector<T>& values) {
-  return {values.data(), values.size() * sizeof(T)};
+  return nb::bytes(values.data(), values.size() * sizeof(T));
 }
 
 template <class T>
@@ -108,7 +108,8 @@ SnapshotState snapshot_state(const Snapshot& s) {
 }
 
 void set_snapshot_state(Snapshot& s, const SnapshotState& state) {
-  new (&s) Snapshot{.scenario_hash = std::get<0>(state)};
+  new (&s) Snapshot;
+  s.scenario_hash = std::get<0>(state);
   read(std::get<1>(state), s.words);
   read(std::get<2>(state), s.observation);
   read(std::get<3>(state), s.agent_rewards);

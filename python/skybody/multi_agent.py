@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, Unpack
 
 import numpy as np
@@ -63,6 +64,9 @@ class ParallelEnv(
             agent: spaces.select(self._env.action_space, commanded)
             for agent, commanded in self._commanded.items()
         }
+
+    def __copy__(self) -> ParallelEnv:
+        return copy.deepcopy(self)  # it has an environment of its own
 
     def _space_of(self, robot: int) -> Box[np.float32] | Dict:
         agent = self.compiled.robots[robot]

@@ -247,7 +247,9 @@ def _filling(
         for keyword in given:
             if keyword not in keywords:
                 hint = allowed_words(keyword, keywords)
-                raise TypeError(f"{name}() has no argument `{keyword}`{hint}")
+                # Python's words: TorchRL, for one, looks for them.
+                said = f"{name}() got an unexpected keyword argument '{keyword}'"
+                raise TypeError(said + hint)
         for flag in flags:
             if flag in given and not isinstance(given[flag], (bool, np.bool_)):
                 raise TypeError(f"{flag} is {given[flag]!r}; it must be True or False")

@@ -128,6 +128,11 @@ class SkybodyVectorEnv(  # type: ignore[misc]
         self.action_space = spaces.batch(action, self.num_envs)
         self._action_shape = (self.num_envs, *action.shape)
 
+    @property
+    def autoreset_mode(self) -> AutoresetMode:
+        """As Gymnasium's own vector environments have it."""
+        return self._mode
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:

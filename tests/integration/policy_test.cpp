@@ -171,22 +171,22 @@ TEST(NetworkPolicy, RefusesValuesThatNoLearnerMakes) {
     try {
       read_policy(file);
     } catch (const Error& error) {
-      return std::string(error.what()).substr(file.string().size());
+      return std::string(error.what());
     }
     return std::string();
   };
   EXPECT_EQ(fault([](Draft&) {}), "");
   EXPECT_EQ(fault([](Draft& draft) { draft.scenario_hash = ""; }), "") << "unknown";
   EXPECT_EQ(fault([](Draft& draft) { draft.scale[1] = 0.0; }),
-            ": error: value 1 of `/normalization/scale` is 0; allowed: > 0");
+            "value 1 of `/normalization/scale` is 0; allowed: > 0");
   EXPECT_EQ(fault([](Draft& draft) { draft.scale[0] = -0.5; }),
-            ": error: value 0 of `/normalization/scale` is -0.5; allowed: > 0");
+            "value 0 of `/normalization/scale` is -0.5; allowed: > 0");
   EXPECT_EQ(fault([](Draft& draft) { draft.clip = 0.0; }),
-            ": error: `clip` of `/normalization` is 0; allowed: > 0");
+            "`clip` of `/normalization` is 0; allowed: > 0");
   EXPECT_EQ(fault([](Draft& draft) { draft.scenario_hash = "none"; }),
-            ": error: `scenario_hash` is `none`; needed: 16 hexadecimal digits");
+            "`scenario_hash` is `none`; needed: 16 hexadecimal digits");
   EXPECT_EQ(fault([](Draft& draft) { draft.scenario_hash = "0123456789ABCDEF"; }),
-            ": error: `scenario_hash` is `0123456789ABCDEF`; needed: 16 hexadecimal digits");
+            "`scenario_hash` is `0123456789ABCDEF`; needed: 16 hexadecimal digits");
 }
 
 /// Fits the hover scenario: all rotors in the middle of their range.

@@ -191,10 +191,9 @@ def test_torchrl_wraps_an_environment_and_many() -> None:
     rollout = one.rollout(25, break_when_any_done=False)
     assert rollout["next", "truncated"].sum() == 2
     one.close()
-    for many in (
-        GymWrapper(skybody.make_vec("hover", 3, overrides=["stepping.horizon=10"])),
-        GymEnv("skybody/Hover-v0", num_envs=3, overrides=["stepping.horizon=10"]),
-    ):
+    for autoreset in ("disabled", "same_step"):
+        envs = skybody.make_vec("hover", 3, autoreset=autoreset, overrides=["stepping.horizon=10"])
+        many = GymWrapper(envs)
         rollout = many.rollout(25, break_when_any_done=False)
         assert rollout.shape == (3, 25)
         assert rollout["next", "truncated"].sum() == 6

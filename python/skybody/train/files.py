@@ -54,7 +54,7 @@ def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
             raise ValueError("is no regular file")
         if found.st_size > most:
             raise ValueError(f"has {found.st_size} bytes; at most {most} are read")
-        return file.read(most)
+        return file.read(found.st_size)
 
 
 @contextlib.contextmanager
