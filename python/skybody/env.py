@@ -19,7 +19,7 @@ from .registration import SpecWithHorizon
 
 
 @takes(EnvOptions)
-class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):  # type: ignore[misc]
+class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
     The info dictionary has the info values (the task's, then what other plugins report; np.float32

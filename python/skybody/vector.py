@@ -51,7 +51,7 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
 
 
 @takes(VectorOptions)
-class SkybodyVectorEnv(  # type: ignore[misc]
+class SkybodyVectorEnv(
     SpecWithHorizon, PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]
 ):
     """`num_envs` environments of one scenario as one vector environment.

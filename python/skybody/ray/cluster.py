@@ -53,9 +53,10 @@ def cluster(address: str, cpus: int | None = None, option: str = "--address") ->
         yield ray
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    options: dict[str, Any] = {"include_dashboard": False, "num_cpus": cpus}
-    if address != LOCAL:
-        options = {"address": address}
+    # Without an address Ray would join a cluster that it finds on this machine, whosever it is.
+    options: dict[str, Any] = {"address": address}
+    if address == LOCAL:
+        options |= {"include_dashboard": False, "num_cpus": cpus}
     try:
         # Ray has workers import from the working folder of this call, where a stranger's files may
         # lie: take one from which they import anyway.

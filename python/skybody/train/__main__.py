@@ -189,8 +189,10 @@ def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     if changed:
         was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
         print(f"train: warning: versions differ, and so may bits: {was}", file=sys.stderr)
-    named = {"scenario_name": compiled.name, "scenario_text": compiled.scenario_text}
-    return dataclasses.replace(config, versions=now, **named), compiled
+    known = dataclasses.replace(
+        config, scenario_name=compiled.name, scenario_text=compiled.scenario_text, versions=now
+    )
+    return known, compiled
 
 
 def main(arguments: list[str] | None = None) -> int:
