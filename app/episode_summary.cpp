@@ -8,10 +8,6 @@
 namespace skybody {
 namespace {
 
-double yaw_of(const Quat<double>& q) {
-  return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
-}
-
 /// Least absolute difference of two angles.
 double angle_between(double a, double b) {
   return std::abs(std::remainder(a - b, 2.0 * std::numbers::pi));

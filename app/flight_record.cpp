@@ -7,6 +7,7 @@
 
 #include "app/command_columns.h"
 #include "app/reference_errors.h"
+#include "core/io/file.h"
 #include "core/version.h"
 
 namespace skybody {
@@ -107,6 +108,7 @@ void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header)
   // Readers take a body's first goal: where it follows a reference, that is the goal.
   for (const FlownReference& reference : flown_references(compiled)) {
     header.goals.push_back(body_name(compiled, reference.body));
+    header.references.push_back(reference.kind);
   }
   for (const Goal& goal : compiled.task().goals) {
     header.goals.push_back(body_name(compiled, goal.body));
@@ -150,7 +152,7 @@ FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t 
   const Scenario& scenario = compiled.scenario();
   FlightLogHeader header;
   header.scenario_name = scenario.name;
-  header.scenario_file = scenario.file;
+  header.scenario_file = absolute_path(scenario.file);
   header.scenario_text = scenario.text;
   header.scenario_hash = scenario.hash;
   header.seed = seed;

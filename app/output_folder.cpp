@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/io/whole_file.h"
 
 namespace skybody {
 namespace {
@@ -52,6 +53,7 @@ OutputFolder::OutputFolder(const fs::path& out, const std::string& scenario, std
     path_ = out;
     created_ = make_folder(out);
   }
+  partial_log_ = partial_name(log());
 }
 
 OutputFolder::~OutputFolder() {

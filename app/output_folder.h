@@ -21,7 +21,7 @@ class OutputFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path log() const { return path_ / "flight.h5"; }
   /// Where the log is written before it is committed.
-  std::filesystem::path partial_log() const { return path_ / ".flight.h5.partial"; }
+  const std::filesystem::path& partial_log() const { return partial_log_; }
 
   /// Puts the finished log in its place and removes pictures of the one before.
   void commit();
@@ -29,7 +29,7 @@ class OutputFolder {
  private:
   void remove_old_pictures() const;
 
-  std::filesystem::path path_;
+  std::filesystem::path path_, partial_log_;
   bool created_ = false;
 };
 

@@ -33,7 +33,9 @@ struct Outcome {
 fs::path script() { return shipped_data("scripts", "scripts") / "plot_flight.py"; }
 
 std::vector<std::string> command_line(const fs::path& log) {
-  return {python_interpreter(), script().string(), log.string()};
+  std::vector<std::string> command = python_command();
+  command.insert(command.end(), {script().string(), log.string()});
+  return command;
 }
 
 std::string read_all(int descriptor) {
@@ -94,6 +96,7 @@ std::vector<fs::path> picture_paths(const std::string& output, std::string& last
 
 Pictures draw_pictures(const fs::path& log) {
   const std::vector<std::string> command = command_line(log);
+  set_python_environment();
   const Outcome outcome = run(command);
   if (outcome.spawn_error != 0) {
     return {{},
@@ -102,7 +105,7 @@ Pictures draw_pictures(const fs::path& log) {
   }
   std::string last;
   Pictures pictures{picture_paths(outcome.output, last), ""};
-  if (outcome.status != 0) pictures.failure = last.empty() ? command[1] + " failed" : last;
+  if (outcome.status != 0) pictures.failure = last.empty() ? script().string() + " failed" : last;
   return pictures;
 }
 

@@ -23,14 +23,16 @@ constexpr PythonCommand kCommands[] = {
     {"tune", "skybody.tune", "Fit gains of a chain of controllers to a vehicle"},
 };
 
-/// Becomes `python -m MODULE ARGUMENTS`, whose exit status is the program's.
+/// Becomes `python -P -m MODULE ARGUMENTS`, whose exit status is the program's.
 int become_python(const char* module, const std::vector<std::string>& arguments) {
-  std::vector<std::string> command = {python_interpreter(), "-m", module};
+  std::vector<std::string> command = python_command();
+  command.insert(command.end(), {"-m", module});
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::vector<char*> words;
   for (std::string& word : command) words.push_back(word.data());
   words.push_back(nullptr);
-  find_python_package();
+  check_memory_for_python();
+  set_python_environment();
   execvp(words[0], words.data());
   throw Error("cannot start " + command[0] + ": " + std::strerror(errno) +
               "; name a Python that has the package skybody in SKYBODY_PYTHON");

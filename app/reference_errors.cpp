@@ -40,10 +40,6 @@ double begin_of(const PluginUse& use) {
                                                                              : 0.0);
 }
 
-/// The turn about e_z before the shortest turn that tilts z of the body, as in flatness.h: the
-/// twist of the rotation about e_z. The caller takes it to (-pi, pi].
-double yaw_of(const Quat<double>& q) { return 2.0 * std::atan2(q.z, q.w); }
-
 /// Index among the infos of the first value that controller `index` reports.
 int info_of_controller(const CompiledScenario& compiled, std::size_t index) {
   int place = value_count(compiled.task().infos);
@@ -59,6 +55,8 @@ int info_of_controller(const CompiledScenario& compiled, std::size_t index) {
 
 }  // namespace
 
+double yaw_of(const Quat<double>& rotation) { return 2.0 * std::atan2(rotation.z, rotation.w); }
+
 std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
   std::vector<FlownReference> found;
   std::size_t index = 0;
@@ -68,8 +66,8 @@ std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
       const std::size_t controller = index++;
       if (!is_reference(use)) continue;
       const int body = compiled.layout().robots[r].first_body;
-      found.push_back(
-          {static_cast<int>(r), body, info_of_controller(compiled, controller), begin_of(use)});
+      found.push_back({given(use, "kind")->texts.at(0), static_cast<int>(r), body,
+                       info_of_controller(compiled, controller), begin_of(use)});
     }
   }
   return found;

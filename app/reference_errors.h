@@ -10,8 +10,14 @@
 
 namespace skybody {
 
+/// The yaw of everything that is compared with a goal's or a reference's: the turn about e_z before
+/// the shortest turn that tilts z of the body, as in flatness.h. The twist of the rotation about
+/// e_z, in [-2 pi, 2 pi] [rad].
+double yaw_of(const Quat<double>& rotation);
+
 /// A controller `reference` of a scenario.
 struct FlownReference {
+  std::string kind;  ///< of path
   int robot = 0;
   int body = 0;        ///< world body that follows it: the robot's base
   int info = 0;        ///< first value among the infos: position [m] (W), then yaw [rad]

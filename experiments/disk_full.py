@@ -23,7 +23,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from skybody.program import run_program
+from skybody.program import module_command, run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 DISK_BYTES = 64 << 20
@@ -54,7 +54,7 @@ def program() -> str:
 
 def train_command(algorithm: str, out: Path) -> list[str]:
     """A small run of 10 rollouts, with a checkpoint after each second one."""
-    words = [sys.executable, "-m", "skybody.train", "hover_learn", "--algo", algorithm]
+    words = module_command("skybody.train", "hover_learn", "--algo", algorithm)
     words += ["--seed", "3", "--out", str(out), "--override", "stepping.horizon=40"]
     words += ["--total-steps", "3000", "--checkpoint-every", "600", "--eval-episodes", "0"]
     words += ["--threads", "1", "--envs", "6"]
@@ -77,7 +77,7 @@ def check_training(algorithm: str) -> Check:
             read_checkpoint(folder)
         if list(run.glob("checkpoints/.partial-*")):
             faults.append("a partial checkpoint was left")
-        resume = [sys.executable, "-m", "skybody.train", "--resume", "--out", str(run)]
+        resume = module_command("skybody.train", "--resume", "--out", str(run))
         for command in (resume, train_command(algorithm, whole)):
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:
@@ -92,10 +92,10 @@ def check_training(algorithm: str) -> Check:
 
 def check_exports(disk: Path, run: Path) -> list[str]:
     """What is written from a run that is there, onto a disk without space."""
-    module = (sys.executable, "-m")
+    evaluated = ("skybody.train.evaluate", str(run), "--episodes", "1", "--json")
     exports = {
-        "result.json": [*module, "skybody.train.evaluate", str(run), "--episodes", "1", "--json"],
-        "curve.png": [*module, "skybody.train.curve", str(run), "--out"],
+        "result.json": module_command(*evaluated),
+        "curve.png": module_command("skybody.train.curve", str(run), "--out"),
     }
     filler, faults = fill(disk, 0), []
     for name, command in exports.items():
@@ -124,7 +124,7 @@ def policy_of_format_1(disk: Path) -> list[str]:
         file["layers/0/weight"] = np.zeros((1, 2), np.float32)
         file["layers/0/bias"] = np.zeros(1, np.float32)
         file["layers/0"].attrs["activation"] = "none"
-    return [sys.executable, "-m", "skybody.train.convert_policy", str(disk / "policy.h5")]
+    return module_command("skybody.train.convert_policy", str(disk / "policy.h5"))
 
 
 CASES = (

@@ -27,7 +27,7 @@ import numpy as np
 from result_pages import heading, option_parser, write_page
 from scipy import stats
 from skybody import InputError
-from skybody.program import run_program
+from skybody.program import module_command, run_program
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.presets import preset
 from training_runs import (
@@ -101,7 +101,7 @@ def judged(policy: Policy, spread: float, episodes: int) -> dict[str, Any]:
     if not path.exists():
         scenario = FIXED if spread == 0.0 else DRAWN
         overrides = PAPER_REWARD + (() if spread == 0.0 else drawn_by(spread, every=1))
-        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+        command = module_command("skybody.train.evaluate", str(checkpoint))
         command += ["--scenario", scenario, "--episodes", str(episodes)]
         command += ["--seed", str(EVALUATION_SEED), "--threads", "1"]
         for override in overrides:
@@ -228,7 +228,7 @@ On the nominal vehicle only those fly that were trained on it.
 
 Returns are by the paper's reward, 10 s at most; +- after them is the deviation over all episodes
 and seeds. The gain is that of the means of the seeds, its interval Welch's. Error: the bob's median
-distance from its target in the last second. `python -m skybody.train` trains `pendulum_learn` and
+distance from its target in the last second. `skybody train` trains `pendulum_learn` and
 `pendulum_learn_randomized`, whose reward pays for being near, too, with the same hyper-parameters,
 those of their presets: {", ".join(content["hyper"])}.
 

@@ -4,7 +4,7 @@
     .venv/bin/python experiments/hover_training.py [--out DIR] [--program build/release/bin/skybody]
 
 The runs come one after another, with the shipped hyper-parameters and nothing beside them: wall
-clock is that of the whole command `python -m skybody.train`, from its start to its exit. Then every
+clock is that of the whole command `skybody train`, from its start to its exit. Then every
 checkpoint flies 100 episodes in a new process. `lean-ppo` (experiments/yardstick), in PyTorch, is
 the yardstick for the learners in C++. Beside them stands fast-ppo on hover.yaml (K = 1, the
 paper's), a run that training_reproducibility.py shares. At last fast-ppo's policy of the first seed
@@ -33,7 +33,7 @@ from hover_report import draw, markdown
 from policy_flight import PICTURE, fly_policy
 from result_pages import heading, option_parser, write_page
 from skybody import CompiledScenario
-from skybody.program import run_program
+from skybody.program import module_command, run_program
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
 from skybody.train.presets import preset
@@ -123,7 +123,7 @@ def evaluate_checkpoint(checkpoint: Path) -> None:
     found = read_evaluation(checkpoint)
     if found is not None and found["episodes"] == EPISODES:
         return
-    command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+    command = module_command("skybody.train.evaluate", str(checkpoint))
     command += ["--episodes", str(EPISODES), "--json", str(checkpoint / "evaluation.json")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:

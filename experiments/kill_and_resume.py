@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from result_pages import heading, option_parser, write_page
-from skybody.program import run_program
+from skybody.program import module_command, run_program
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.run_folder import read_table
@@ -80,7 +80,7 @@ def command(algorithm: str, folder: Path, steps: int) -> list[str]:
 def train(arguments: list[str]) -> subprocess.Popen[str]:
     """Starts a part of a run."""
     return subprocess.Popen(
-        [sys.executable, "-m", "skybody.train", *arguments],
+        module_command("skybody.train", *arguments),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,

@@ -77,7 +77,7 @@ def measure(project: Path, case: Case, seconds: float) -> float:
     """Steps a second."""
     if case.python_envs > 0:
         environment = {**os.environ, "PYTHONPATH": str(project / "python")}
-        command = [sys.executable, "-c", PYTHON, str(case.python_envs), str(seconds)]
+        command = [sys.executable, "-P", "-c", PYTHON, str(case.python_envs), str(seconds)]
         done = subprocess.run(command, capture_output=True, text=True, env=environment)
     else:
         program = [str(project / "build/release/bin/skybody"), "bench", *case.arguments]

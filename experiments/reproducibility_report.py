@@ -62,7 +62,7 @@ def _head(content: dict[str, Any]) -> str:
 
 Does one seed give the same policy, bit for bit? The experiment of the GzDRL paper's section V-B,
 with {LEARNERS[content["algorithm"]]}
-(`python -m skybody.train --algo {content["algorithm"]}`), by
+(`skybody train --algo {content["algorithm"]}`), by
 
     {content["command"]}
 

@@ -1,4 +1,4 @@
-"""Runs of `python -m skybody.train` as processes of their own, begun once and then kept."""
+"""Runs of `python -P -m skybody.train` as processes of their own, begun once and then kept."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from skybody import CompiledScenario
-from skybody.program import INTERRUPTED
+from skybody.program import INTERRUPTED, module_command
 from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluation_file import read_evaluation
@@ -45,7 +45,7 @@ class Run:
     settings: tuple[str, ...] = ()  # hyper-parameters, KEY=VALUE
     checkpoints: int = 10
     eval_episodes: int = 20  # beside training, per checkpoint; 0: none
-    program: tuple[str, ...] = ("-m", "skybody.train")  # that trains
+    program: tuple[str, ...] = tuple(module_command("skybody.train")[1:])  # that trains
 
     @property
     def log(self) -> Path:

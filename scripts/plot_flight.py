@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import secrets
 import sys
 from pathlib import Path
 
@@ -25,11 +26,12 @@ try:
 except ImportError as error:
     sys.exit(f"{sys.executable} has no {error.name}; pip install matplotlib h5py")
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # which python -P leaves out
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from plot_flight_data import Flight, colors, read_flight
+from plot_flight_data import Flight, colors, read_flight, refusal
 from plot_flight_scene import TOUCHING, draw_path
 
 DPI = 150
@@ -267,9 +269,10 @@ def draw(flight: Flight):
 
 def save(figure, path: Path) -> None:
     """Nobody finds a half-written picture."""
-    partial = path.with_name("." + path.name + ".partial")
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
-        figure.savefig(partial, dpi=DPI, format="png")
+        with partial.open("xb") as file:
+            figure.savefig(file, dpi=DPI, format="png")
         os.replace(partial, path)
     except OSError as error:
         partial.unlink(missing_ok=True)
@@ -284,8 +287,15 @@ def main() -> int:
     parser.add_argument("--most", type=int, default=3, help="draw the first N episodes (default 3)")
     options = parser.parse_args()
     folder = options.out or options.log.parent
-    folder.mkdir(parents=True, exist_ok=True)
-    with plt.rc_context(STYLE), h5py.File(options.log, "r") as log:
+    try:
+        log = h5py.File(options.log, "r")
+    except OSError as error:
+        sys.exit(f"{options.log}: {os.strerror(error.errno) if error.errno else 'no HDF5 file'}")
+    # "default": a matplotlibrc of the working folder changes nothing.
+    with log, plt.style.context(("default", STYLE)):
+        if reason := refusal(log):
+            sys.exit(f"{options.log}: {reason}")
+        folder.mkdir(parents=True, exist_ok=True)
         for name in list(log["episodes"])[: options.most]:
             path = folder / f"flight-{name}.png"
             save(draw(read_flight(log, name)), path)

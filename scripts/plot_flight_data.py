@@ -21,7 +21,7 @@ class Track:
     name: str
     color: str
     position: np.ndarray
-    angles: np.ndarray | None  # roll, pitch, yaw in degrees; only of a robot's base
+    angles: np.ndarray | None  # attitude_degrees(); only of a robot's base
     goal: np.ndarray | None  # x, y, z [m], yaw [rad]
 
     def follows(self) -> bool:
@@ -80,12 +80,16 @@ class Flight:
     touching: list[tuple[float, float]]  # spans of time in which something touches something
 
 
-def euler_degrees(quaternion: np.ndarray) -> np.ndarray:
-    """Roll, pitch and yaw (z-y'-x'') of rows w x y z, without jumps."""
+def attitude_degrees(quaternion: np.ndarray) -> np.ndarray:
+    """Roll and pitch (z-y'-x'') and yaw of rows w x y z, without jumps.
+
+    Yaw is that of the tables of `skybody run` and of the controllers: the turn about z before the
+    shortest turn that tilts.
+    """
     w, x, y, z = quaternion.T
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
-    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    yaw = 2 * np.arctan2(z, w)
     return np.degrees(np.stack([np.unwrap(roll), pitch, np.unwrap(yaw)], axis=1))
 
 
@@ -115,7 +119,7 @@ def read_tracks(episode: h5py.Group) -> list[Track]:
     tracks = []
     for name, color in zip(shown, colors(len(shown)), strict=True):
         body = episode["bodies"][:, names.index(name), :]
-        angles = euler_degrees(body[:, 3:7]) if name in bases else None
+        angles = attitude_degrees(body[:, 3:7]) if name in bases else None
         goal = episode["goal"][:, goals.index(name), :] if name in goals else None
         tracks.append(Track(name, color, body[:, :3], angles, goal))
     return tracks
@@ -240,11 +244,27 @@ def touching_spans(touching: np.ndarray, time: np.ndarray) -> list[tuple[float, 
     return [(time[a], time[b]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
+def refusal(log: h5py.File) -> str:
+    """Why a file is no flight log; empty: it is one."""
+    found = log.attrs.get("format", "")
+    if str(found).startswith("skybody flight log"):
+        return ""
+    if texts([found]) == ["skybody-replay"]:
+        return (
+            "a recording of many environments, which has no flight to draw; `skybody replay` runs "
+            "it again, and `skybody run` writes flight.h5"
+        )
+    return "no flight log: draw a flight.h5, which `skybody run` writes"
+
+
 def read_flight(log: h5py.File, name: str) -> Flight:
     episode = log["episodes"][name]
     time = episode["time"][:]
     about = log.attrs
-    title = f"{about['scenario']}  ·  episode {int(name)} of {len(log['episodes'])}"
+    title = str(about["scenario"])
+    if followed := dict.fromkeys(texts(about.get("references", []))):
+        title += f" along {', '.join(followed)}"
+    title += f"  ·  episode {int(name)} of {len(log['episodes'])}"
     title += f"  ·  policy {about['policy']}  ·  seed {about['seed']}"
     subtitle = f"{ending(episode)} after {time[-1]:.3f} s, {len(time) - 1} steps of "
     subtitle += f"{about['action_repeat']} x {1e3 * about['dt']:g} ms"

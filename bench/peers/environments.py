@@ -16,7 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 FOLDER = ROOT / ".peers"
 PIP = (
-    *("-m", "pip", "install", "--disable-pip-version-check", "-q"),
+    *("-P", "-m", "pip", "install", "--disable-pip-version-check", "-q"),
     *("--retries", "1", "--timeout", "15"),  # [s] of silence
 )
 # What says where something was looked for: addresses and paths, hosts as libraries print them, and
@@ -84,7 +84,7 @@ def installed(name: str) -> pathlib.Path:
         return python
     print(f"  installing {name} into .peers", file=sys.stderr, flush=True)
     shutil.rmtree(folder, ignore_errors=True)
-    call([sys.executable, "-m", "venv", str(folder)])
+    call([sys.executable, "-P", "-m", "venv", str(folder)])
     # torch first: another package could draw in its build for graphics cards, gigabytes of it.
     first = [line for line in requirements.read_text().split("\n") if line.startswith("torch==")]
     for wish in ([first] if first else []) + [["-r", str(requirements)]]:

@@ -108,6 +108,12 @@ std::string resolve_path(const std::string& path, const SourceMark& mark) {
   return (fs::path(mark.file).parent_path() / path).lexically_normal().string();
 }
 
+std::string absolute_path(const std::string& path) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(path, error);
+  return error ? path : whole.string();
+}
+
 bool is_file(const std::string& path) {
   std::error_code code;
   return path.find('\0') == path.npos && fs::is_regular_file(path, code);

@@ -33,6 +33,9 @@ std::optional<std::string> read_file(const std::string& path, const SourceMark& 
 /// at the working directory when they come from the command line.
 std::string resolve_path(const std::string& path, const SourceMark& mark);
 
+/// `path` from the root of the file system on, for files that are read from another folder.
+std::string absolute_path(const std::string& path);
+
 /// Whether `path` names an existing regular file.
 bool is_file(const std::string& path);
 

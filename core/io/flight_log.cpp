@@ -39,6 +39,7 @@ void FlightLog::File::write_header() {
   writer.write_attribute(file, "dt", header.dt);
   writer.write_attribute(file, "action_repeat", static_cast<std::int64_t>(header.action_repeat));
   writer.write_attribute(file, "bodies", header.bodies);
+  writer.write_attribute(file, "references", header.references);
   writer.write_attribute(file, "rotors", names_of(header.rotors));
   const Hdf5Id versions = writer.create_group(file, "versions");
   for (const auto& [component, version] : header.versions) {

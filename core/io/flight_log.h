@@ -21,7 +21,7 @@ struct LogColumn {
 /// What holds for the whole flight. The columns fix the width of every row.
 struct FlightLogHeader {
   std::string scenario_name;
-  std::string scenario_file;
+  std::string scenario_file;  ///< absolute
   std::string scenario_text;  ///< merged YAML
   std::uint64_t scenario_hash = 0;
   std::uint64_t seed = 0;
@@ -30,8 +30,9 @@ struct FlightLogHeader {
   int action_repeat = 1;                                      ///< K
   std::vector<std::pair<std::string, std::string>> versions;  ///< component, version
 
-  std::vector<std::string> bodies;  ///< `robot.body`
-  std::vector<std::string> goals;   ///< the body of each goal, as in `bodies`
+  std::vector<std::string> bodies;      ///< `robot.body`
+  std::vector<std::string> goals;       ///< the body of each goal, as in `bodies`
+  std::vector<std::string> references;  ///< kinds of path that robots follow
   std::vector<LogColumn> q, u, rotors, action, command, observation, sensors, info;
   std::vector<LogColumn> params;       ///< randomizable values, by path
   std::vector<double> nominal_params;  ///< in the order of `params`

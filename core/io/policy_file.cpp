@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/io/hdf5_reader.h"
 #include "core/io/policy_seal.h"
+#include "core/io/text.h"
 
 namespace skybody {
 namespace {
@@ -26,6 +27,7 @@ class PolicyReader {
     if (file_.has("/normalization")) read_normalization();
     while (file_.has(layer_group())) read_layer();
     check_layers();
+    if (const std::string fault = fault_of(policy_); !fault.empty()) file_.fail(fault);
     return std::move(policy_);
   }
 
@@ -121,10 +123,6 @@ class PolicyReader {
     policy_.mean = read_vector("/normalization/mean", policy_.input_size());
     policy_.scale = read_vector("/normalization/scale", policy_.input_size());
     policy_.clip = file_.real("/normalization", "clip");
-    if (!(policy_.clip > 0.0)) {
-      file_.fail("`clip` of `/normalization` is " + std::to_string(policy_.clip) +
-                 "; allowed: > 0");
-    }
   }
 
   std::string layer_group() const { return "/layers/" + std::to_string(policy_.layers.size()); }
@@ -216,6 +214,24 @@ fs::path newest_checkpoint(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string fault_of(const PolicyFile& policy) {
+  const std::string& hash = policy.scenario_hash;
+  const bool is_hash = hash.size() == 16 && hash.find_first_not_of("0123456789abcdef") == hash.npos;
+  if (!hash.empty() && !is_hash) {
+    return "`scenario_hash` is `" + hash + "`; needed: 16 hexadecimal digits";
+  }
+  if (policy.steps < 0) return "`steps` is " + std::to_string(policy.steps) + "; allowed: >= 0";
+  if (policy.scale.empty()) return "";
+  const auto bad =
+      std::find_if(policy.scale.begin(), policy.scale.end(), [](double s) { return !(s > 0.0); });
+  if (bad != policy.scale.end()) {
+    return "value " + std::to_string(bad - policy.scale.begin()) +
+           " of `/normalization/scale` is " + format_number(*bad) + "; allowed: > 0";
+  }
+  if (policy.clip > 0.0) return "";
+  return "`clip` of `/normalization` is " + format_number(policy.clip) + "; allowed: > 0";
+}
 
 PolicyFile read_policy(const fs::path& file) { return PolicyReader(file).read(); }
 

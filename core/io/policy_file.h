@@ -65,7 +65,7 @@ inline constexpr int kMostLayers = 64;
 /// Everything in a policy.h5, checked: sizes fit together and every number is finite.
 struct PolicyFile {
   std::string scenario;                       ///< its name
-  std::string scenario_hash;                  ///< 16 hexadecimal digits
+  std::string scenario_hash;                  ///< 16 hexadecimal digits; empty: unknown
   std::string algorithm;                      ///< that trained it
   std::int64_t steps = 0;                     ///< environment steps trained
   int observation_size = 0, action_size = 0;  ///< of the scenario's rows
@@ -73,7 +73,8 @@ struct PolicyFile {
   /// these, and each entry of the action is one agent's.
   std::vector<PolicyAgent> agents;
   ActionSquash squash = ActionSquash::kClip;
-  /// Empty, or one value per input: x = clip((observation - mean) * scale, -clip, clip).
+  /// Empty, or one value per input: x = clip((observation - mean) * scale, -clip, clip). Scales
+  /// are above zero.
   std::vector<double> mean, scale;
   double clip = 0.0;
   std::vector<PolicyLayer> layers;  ///< 1 ... kMostLayers
@@ -87,8 +88,11 @@ struct PolicyFile {
   }
 };
 
+/// Why a policy whose sizes fit together is none that a learner makes; empty: it is one.
+std::string fault_of(const PolicyFile& policy);
+
 /// @throws MarkedError with the file's name: missing, no policy, damaged, another version, sizes
-///         that do not fit together, values that are not finite
+///         that do not fit together, values that are not finite, fault_of()
 PolicyFile read_policy(const std::filesystem::path& file);
 
 /// The policy file that a path means: a file itself, a checkpoint folder's policy.h5, or that of a

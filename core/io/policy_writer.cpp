@@ -177,6 +177,7 @@ void write_layers(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy
 }  // namespace
 
 std::string policy_bytes(const PolicyFile& policy, std::uint64_t seed) {
+  if (const std::string fault = fault_of(policy); !fault.empty()) throw Error("a policy: " + fault);
   const QuietHdf5 quiet;
   const Hdf5Writer writer("in memory", "policy");
   FileMemory memory;

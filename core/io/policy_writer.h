@@ -11,7 +11,7 @@ namespace skybody {
 
 /// The bytes of a policy file: equal policies give equal bytes.
 /// @param seed  of the training
-/// @throws Error if a layer's values are not as many as its sizes ask for
+/// @throws Error if a layer's values are not as many as its sizes ask for, or for fault_of()
 std::string policy_bytes(const PolicyFile& policy, std::uint64_t seed);
 
 /// Replaces `file` as a whole.

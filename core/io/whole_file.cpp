@@ -6,10 +6,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <random>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/hash.h"
 
 namespace skybody {
 namespace {
@@ -51,7 +54,7 @@ void write_all(int descriptor, std::string_view bytes, const fs::path& file) {
 
 void write_and_rename(const fs::path& file, const fs::path& partial, std::string_view bytes) {
   {
-    const Opened opened(partial, O_WRONLY | O_CREAT | O_TRUNC);
+    const Opened opened(partial, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW);
     write_all(opened.number(), bytes, file);
     if (::fsync(opened.number()) != 0) fail(file, errno);
   }
@@ -64,9 +67,14 @@ fs::path folder_of(const fs::path& path) {
 
 }  // namespace
 
+fs::path partial_name(const fs::path& file) {
+  std::random_device draw;  // the kernel's random numbers
+  const std::uint64_t high = draw();
+  return folder_of(file) / ("." + file.filename().string() + "." + to_hex(high << 32 | draw()));
+}
+
 void write_whole_file(const fs::path& file, std::string_view bytes) {
-  const fs::path partial =
-      folder_of(file) / ("." + file.filename().string() + "." + std::to_string(::getpid()));
+  const fs::path partial = partial_name(file);
   try {
     write_and_rename(file, partial, bytes);
   } catch (const Error&) {

@@ -2,34 +2,28 @@
 
 #include <cstring>
 #include <numeric>
-#include <system_error>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/batch/fleet.h"
 #include "core/env/value_names.h"
+#include "core/io/file.h"
 #include "core/version.h"
 
 namespace skybody {
 namespace {
-
-std::string absolute_text(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::path whole = std::filesystem::weakly_canonical(path, error);
-  return error ? path.string() : whole.string();
-}
 
 ReplayHeader describe(const Pool& envs, const RecordOptions& options) {
   const CompiledScenario& compiled = envs.compiled();
   const Scenario& scenario = compiled.scenario();
   ReplayHeader header;
   header.scenario_name = scenario.name;
-  header.scenario_file = absolute_text(scenario.file);
+  header.scenario_file = absolute_path(scenario.file);
   header.scenario_text = scenario.text;
   header.scenario_hash = scenario.hash;
   header.overrides = options.load.overrides;
   for (const auto& folder : options.load.plugin_path) {
-    header.plugin_path.push_back(absolute_text(folder));
+    header.plugin_path.push_back(absolute_path(folder.string()));
   }
   header.skybody_version = version();
   header.seed = envs.options().seed;

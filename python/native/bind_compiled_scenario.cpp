@@ -305,6 +305,13 @@ void bind_compiled_scenario(nb::module_& m) {
         "    ones; the scenario's own folder is not searched\n\n"
         "Raises InputError (a ValueError) with every mistake as file:line:column.");
   c.def("__reduce__", &reduce, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
+  // Nothing in it changes: a copy is itself.
+  c.def(
+      "__copy__", [](nb::object self) { return self; },
+      nb::sig("def __copy__(self) -> typing.Self"));
+  c.def(
+      "__deepcopy__", [](nb::object self, nb::handle) { return self; }, nb::arg("memo"),
+      nb::sig("def __deepcopy__(self, memo: typing.Any) -> typing.Self"));
   bind_identity(c);
   bind_time_and_spaces(c);
   bind_params(c);

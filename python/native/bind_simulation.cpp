@@ -1,10 +1,13 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstring>
 #include <new>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "python/native/arrays.h"
@@ -77,9 +80,53 @@ void bind_body(nb::module_& m) {
           "(3,) float64: body axes (x forward, y left, z up) [rad/s].");
 }
 
+template <class T>
+nb::bytes bytes_of(const std::vector<T>& values) {
+  return nb::bytes(values.data(), values.size() * sizeof(T));
+}
+
+template <class T>
+void read(const nb::bytes& bytes, std::vector<T>& values) {
+  values.resize(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+}
+
+/// What a pickled Snapshot holds, in the order of its members.
+using SnapshotState = std::tuple<std::uint64_t, nb::bytes, nb::bytes, nb::bytes, nb::bytes,
+                                 nb::bytes, float, nb::bytes, bool>;
+
+SnapshotState snapshot_state(const Snapshot& s) {
+  return {s.scenario_hash,
+          bytes_of(s.words),
+          bytes_of(s.observation),
+          bytes_of(s.agent_rewards),
+          bytes_of(s.info),
+          bytes_of(s.privileged),
+          s.reward,
+          bytes_of(std::vector{s.trajectory}),
+          s.started};
+}
+
+void set_snapshot_state(Snapshot& s, const SnapshotState& state) {
+  new (&s) Snapshot;
+  s.scenario_hash = std::get<0>(state);
+  read(std::get<1>(state), s.words);
+  read(std::get<2>(state), s.observation);
+  read(std::get<3>(state), s.agent_rewards);
+  read(std::get<4>(state), s.info);
+  read(std::get<5>(state), s.privileged);
+  s.reward = std::get<6>(state);
+  std::vector<HashChain> chain;
+  read(std::get<7>(state), chain);
+  s.trajectory = chain.at(0);
+  s.started = std::get<8>(state);
+}
+
 void bind_snapshot(nb::module_& m) {
   nb::class_<Snapshot>(m, "Snapshot", "Everything of one simulation; for restore().")
-      .def_ro("scenario_hash", &Snapshot::scenario_hash, "Which scenario it is of.");
+      .def_ro("scenario_hash", &Snapshot::scenario_hash, "Which scenario it is of.")
+      .def("__getstate__", &snapshot_state)
+      .def("__setstate__", &set_snapshot_state);
 }
 
 void bind_flow(Class& c) {

@@ -15,10 +15,11 @@ from .infos import InfoChannels
 from .observations import Observations, row_of
 from .options import EnvOptions, takes
 from .pooled import drain
+from .registration import SpecWithHorizon
 
 
 @takes(EnvOptions)
-class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
+class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
     The info dictionary has the info values (the task's, then what other plugins report; np.float32
@@ -56,15 +57,28 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.observation_space = spaces.space_of(self.compiled, self._observations)
         self.action_space: Box[np.float32] = spaces.action_space(self.compiled)
         self._seed = check_seed(options["seed"])
+        self._env_id = integer("env_id", options["env_id"])
         self._channels = InfoChannels(self.compiled)
-        self._pool = _native.Pool(
+        self._pool = self._new_pool()
+
+    def _new_pool(self) -> _native.Pool:
+        return _native.Pool(
             self.compiled,
             num_envs=1,
             num_threads=1,
             seed=self._seed or 0,
-            first_env_id=integer("env_id", options["env_id"]),
+            first_env_id=self._env_id,
             autoreset="disabled",
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and copy: everything, so that the copy has the same future."""
+        return {**self.__dict__, "_pool": self._pool.save()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._pool = self._new_pool()
+        self._pool.restore(state["_pool"])
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

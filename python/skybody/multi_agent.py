@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, Unpack
 
 import numpy as np
@@ -57,22 +58,23 @@ class ParallelEnv(
         self._observation: Any = None
         self._seen = {robots[r]: observed_by(self.compiled, r) for r in agents}
         self._commanded = {robots[r]: commanded_by(self.compiled, r) for r in agents}
-        self._columns = None
-        if isinstance(self._env.observation_space, Dict):
-            columns = policy_columns(self.compiled)
-            self._columns = {
-                robots[r]: [column for column in columns if column.robot in (r, -1)] for r in agents
-            }
-        self.observation_spaces = {agent: self._space_of(agent) for agent in self.possible_agents}
+        self._keys: dict[str, list[str]] = {}  # of dictionaries
+        self.observation_spaces = {robots[robot]: self._space_of(robot) for robot in agents}
         self.action_spaces = {
             agent: spaces.select(self._env.action_space, commanded)
             for agent, commanded in self._commanded.items()
         }
 
-    def _space_of(self, agent: str) -> Box[np.float32] | Dict:
-        if self._columns is not None:
-            return spaces.dict_space(self._columns[agent])
-        return spaces.select(spaces.observation_space(self.compiled), self._seen[agent])
+    def __copy__(self) -> ParallelEnv:
+        return copy.deepcopy(self)  # it has an environment of its own
+
+    def _space_of(self, robot: int) -> Box[np.float32] | Dict:
+        agent = self.compiled.robots[robot]
+        if not isinstance(self._env.observation_space, Dict):
+            return spaces.select(spaces.observation_space(self.compiled), self._seen[agent])
+        columns = [c for c in policy_columns(self.compiled) if c.robot in (robot, -1)]
+        self._keys[agent] = [key_of(column) for column in columns]
+        return spaces.dict_space(columns)
 
     def observation_space(self, agent: str) -> Box[np.float32] | Dict:
         """What an agent sees: (width,) float32, or with dict_observations a Dict of its columns."""
@@ -144,11 +146,11 @@ class ParallelEnv(
         return row
 
     def _observations(self) -> Observations:
-        if self._columns is None:
+        if not self._keys:
             return {agent: self._observation[seen] for agent, seen in self._seen.items()}
         return {
-            agent: {key_of(c): self._observation[key_of(c)].copy() for c in columns}
-            for agent, columns in self._columns.items()
+            agent: {key: self._observation[key].copy() for key in keys}
+            for agent, keys in self._keys.items()
         }
 
     def _infos(self, info: dict[str, Any]) -> Infos:

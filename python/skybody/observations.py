@@ -44,7 +44,8 @@ class Observations:
         row_shape: another shape of each row, with as many values.
 
     Raises:
-        ValueError: two columns would have the same key, or dictionaries with a `row_shape`.
+        ValueError: two columns would have the same key, or dictionaries with a `row_shape`, which
+            `joint` is the reason for.
     """
 
     def __init__(
@@ -53,12 +54,21 @@ class Observations:
         as_dict: bool,
         row_shape: tuple[int, ...] | None = None,
     ) -> None:
-        has_images = any(column.image >= 0 for column in compiled.observation_columns)
-        self.columns = policy_columns(compiled) if as_dict or has_images else None
-        if self.columns is not None and row_shape is not None:
+        self._arguments = (compiled, as_dict, row_shape)
+        images = [column.name for column in compiled.observation_columns if column.image >= 0]
+        if images and row_shape is not None:
+            raise ValueError(
+                f"`{compiled.name}` observes {', '.join(images)}; observations with images are "
+                "dictionaries, and those of joint=True are one array: use joint=False"
+            )
+        if as_dict and row_shape is not None:
             raise ValueError("joint and dict_observations exclude one another: leave one out")
+        self.columns = policy_columns(compiled) if as_dict or images else None
         self._row_shape = row_shape
         self._are_rows = self.columns is None and row_shape is None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), self._arguments
 
     def of(self, batch: Batch) -> Any:
         """Observations after the transition."""

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated, Any, Literal, TypedDict, TypeVar, get_args, get_type_hints
 
+import numpy as np
+
 from .arguments import allowed_words, word_error
 
 Order = Literal["fixed", "arrival"]
@@ -212,7 +214,7 @@ def takes(kind: type) -> Callable[[Taker], Taker]:
 
     Calls find all options in `options`, with defaults where they were left out; signature and
     documentation, as `help` shows them, have each. A keyword that is none of them is a TypeError
-    that names the nearest.
+    that names the nearest; so is any value but True or False of an option that is one of them.
     """
     options = options_of(kind)
 
@@ -236,6 +238,7 @@ def _filling(
     """`function` with the options that a call leaves out."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    flags = [key for key, (kind, _) in options.items() if kind is bool]
     keywords = [*(p.name for p in own if p.name != "self"), *options]
     defaults = {key: option.default for key, (_, option) in options.items()}
 
@@ -244,7 +247,12 @@ def _filling(
         for keyword in given:
             if keyword not in keywords:
                 hint = allowed_words(keyword, keywords)
-                raise TypeError(f"{name}() has no argument `{keyword}`{hint}")
+                # Python's words: TorchRL, for one, looks for them.
+                said = f"{name}() got an unexpected keyword argument '{keyword}'"
+                raise TypeError(said + hint)
+        for flag in flags:
+            if flag in given and not isinstance(given[flag], (bool, np.bool_)):
+                raise TypeError(f"{flag} is {given[flag]!r}; it must be True or False")
         return function(*arguments, **{**defaults, **given})
 
     added = [

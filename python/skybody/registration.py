@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib.util
 import sys
 from typing import TYPE_CHECKING
@@ -10,6 +11,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType
+
+    from gymnasium.envs.registration import EnvSpec
+
+    from ._native import CompiledScenario
 
 SCENARIOS = (
     "arm",
@@ -80,6 +85,28 @@ def gymnasium_id(scenario: str) -> str:
     """`skybody/HoverLearn-v0` for `hover_learn`."""
     camel = "".join(word.capitalize() for word in scenario.split("_"))
     return f"skybody/{camel}-v0"
+
+
+class SpecWithHorizon:
+    """Has the specification that Gymnasium gives an environment say when episodes end.
+
+    `compiled` is the environment's scenario. Registered specifications do not say it: that would
+    take reading all scenarios, and a wrapper that counts once more.
+    """
+
+    compiled: CompiledScenario
+    _spec: EnvSpec | None = None
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """Of environments that `gymnasium.make` or `make_vec` has made."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, given: EnvSpec | None) -> None:
+        self._spec = copy.copy(given)
+        if self._spec is not None and self._spec.max_episode_steps is None:
+            self._spec.max_episode_steps = self.compiled.horizon or None
 
 
 def register() -> None:

@@ -17,6 +17,7 @@ from .infos import FinalRows, InfoChannels, ScatteredRows
 from .observations import Observations, row_of
 from .options import VectorOptions, autoreset_word, takes
 from .pooled import PooledEnvironments, drain, make_native
+from .registration import SpecWithHorizon
 
 
 def autoreset_mode(autoreset: str | Enum) -> AutoresetMode:
@@ -50,7 +51,9 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
 
 
 @takes(VectorOptions)
-class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
+class SkybodyVectorEnv(
+    SpecWithHorizon, PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]
+):
     """`num_envs` environments of one scenario as one vector environment.
 
     Observations, rewards, ends and infos are views of memory that C++ owns. They keep their values
@@ -69,21 +72,30 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
+        max_episode_steps: the scenario's horizon or None; `gymnasium.make_vec` gives that of a
+            specification.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, joint for agents that are not alike, or joint with
-            dictionaries.
+        ValueError: a number is out of range, joint for agents that are not alike, joint with
+            dictionaries or images, or another max_episode_steps.
     """
 
     def __init__(
         self,
         scenario: Scenario,
         num_envs: int,
+        *,
+        max_episode_steps: int | None = None,
         **options: Unpack[VectorOptions],
     ) -> None:
         self._mode = autoreset_mode(options["autoreset"])
         self.compiled = load(scenario, options["overrides"], options["plugin_path"])
+        if max_episode_steps not in (None, self.compiled.horizon):
+            raise ValueError(
+                f"max_episode_steps is {max_episode_steps}; `{self.compiled.name}` flies "
+                f"{self.compiled.horizon}: overrides=['stepping.horizon={max_episode_steps}']"
+            )
         self.native = make_native(
             self.compiled,
             num_envs,
@@ -115,6 +127,11 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         self.observation_space = spaces.batched(observation, self.num_envs)
         self.action_space = spaces.batch(action, self.num_envs)
         self._action_shape = (self.num_envs, *action.shape)
+
+    @property
+    def autoreset_mode(self) -> AutoresetMode:
+        """As Gymnasium's own vector environments have it."""
+        return self._mode
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -150,13 +150,43 @@ TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
   EXPECT_EQ(run("cut.h5"), std::string("cut.h5: error: ") + kDamaged + "\n");
   EXPECT_EQ(run("old.h5"),
             "old.h5: error: an HDF5 file without the seal of policy format 2; a policy of format 1 "
-            "is converted by `python -m skybody.train.convert_policy old.h5`\n");
+            "is converted by `python -P -m skybody.train.convert_policy old.h5`\n");
   EXPECT_EQ(run("newer.h5"),
             "newer.h5: error: policy format 3; this Skybody reads format 2: export the policy "
             "anew\n");
   EXPECT_THAT(run("sealed_text.h5"), HasSubstr("error: not a policy file, or cut short: "));
   EXPECT_THAT(run("empty"), HasSubstr("error: the folder empty has neither policy.h5 nor"));
   EXPECT_THAT(run("gone.h5"), HasSubstr("there is no policy or file `gone.h5`"));
+}
+
+TEST(NetworkPolicy, RefusesValuesThatNoLearnerMakes) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "policy.h5";
+  const auto fault = [&](void (*change)(Draft&)) {
+    Draft draft;
+    draft.mean = {2.0, 0.0};
+    draft.scale = {0.5, 1.0};
+    change(draft);
+    write_policy(file, draft);
+    try {
+      read_policy(file);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(fault([](Draft&) {}), "");
+  EXPECT_EQ(fault([](Draft& draft) { draft.scenario_hash = ""; }), "") << "unknown";
+  EXPECT_EQ(fault([](Draft& draft) { draft.scale[1] = 0.0; }),
+            "value 1 of `/normalization/scale` is 0; allowed: > 0");
+  EXPECT_EQ(fault([](Draft& draft) { draft.scale[0] = -0.5; }),
+            "value 0 of `/normalization/scale` is -0.5; allowed: > 0");
+  EXPECT_EQ(fault([](Draft& draft) { draft.clip = 0.0; }),
+            "`clip` of `/normalization` is 0; allowed: > 0");
+  EXPECT_EQ(fault([](Draft& draft) { draft.scenario_hash = "none"; }),
+            "`scenario_hash` is `none`; needed: 16 hexadecimal digits");
+  EXPECT_EQ(fault([](Draft& draft) { draft.scenario_hash = "0123456789ABCDEF"; }),
+            "`scenario_hash` is `0123456789ABCDEF`; needed: 16 hexadecimal digits");
 }
 
 /// Fits the hover scenario: all rotors in the middle of their range.

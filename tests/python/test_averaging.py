@@ -38,7 +38,7 @@ def test_without_a_window_the_policy_is_itself() -> None:
 def test_restored_it_goes_on_as_if_it_had_not_stopped() -> None:
     first, second = PolicyAverage(window=40), PolicyAverage(window=40)
     first.add(policy(1.0), steps=10)
-    second.restore(first.state())
+    second.restore(first.state(), policy(0.0))
     for average in (first, second):
         average.add(policy(2.0), steps=10)
     assert weight(first) == weight(second) == 1.5

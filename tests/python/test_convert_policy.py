@@ -43,7 +43,7 @@ def test_a_converted_policy_has_the_same_numbers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = write_old(tmp_path / "policy.h5")
-    with pytest.raises(ValueError, match=r"python -m skybody\.train\.convert_policy .*policy\.h5"):
+    with pytest.raises(ValueError, match=r"-P -m skybody\.train\.convert_policy .*policy\.h5"):
         read_policy(path)
     assert main([str(path)]) == 0
     assert capsys.readouterr().out == f"{path}: converted to format 2\n"

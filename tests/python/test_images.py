@@ -149,7 +149,7 @@ def test_an_agent_sees_its_own_camera_alone() -> None:
 
 
 def test_joint_rows_have_no_place_for_images() -> None:
-    with pytest.raises(ValueError, match="exclude one another"):
+    with pytest.raises(ValueError, match=r"`formation_2` observes a\.grey; .* use joint=False"):
         skybody.make_vec(
             "formation_2",
             2,

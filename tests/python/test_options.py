@@ -50,17 +50,30 @@ def test_help_has_every_option_with_its_default_and_its_meaning(taker: Any, kind
 
 @BY_TAKER
 def test_an_unknown_option_is_refused_and_the_nearest_is_named(taker: Any, kind: type) -> None:
-    expected = rf"{taker.__name__}\(\) has no argument `sed`; did you mean `seed`\? Allowed: .*seed"
+    expected = (
+        rf"{taker.__name__}\(\) got an unexpected keyword argument 'sed'; did you mean `seed`\? "
+        "Allowed: .*seed"
+    )
     with pytest.raises(TypeError, match=expected):
         taker("hover", 2, sed=1)
-    with pytest.raises(TypeError, match=r"no argument `colour`\. Allowed: "):
+    with pytest.raises(TypeError, match=r"keyword argument 'colour'\. Allowed: "):
         taker("hover", 2, colour="red")
 
 
+@BY_TAKER
+def test_a_flag_that_is_neither_true_nor_false_is_refused(taker: Any, kind: type) -> None:
+    for flag in (name for name, (type_, _) in options_of(kind).items() if type_ is bool):
+        for value in ("x", "False", 1, None):
+            with pytest.raises(TypeError, match=f"{flag} is {value!r}; it must be True or False"):
+                taker("hover", 2, **{flag: value})
+    if kind is options.VectorOptions:
+        assert taker("formation_2", 1, joint=np.True_).action_space.shape == (1, 2, 4)
+
+
 def test_what_has_no_use_for_an_option_refuses_it() -> None:
-    with pytest.raises(TypeError, match="no argument `batch_size`"):
+    with pytest.raises(TypeError, match="keyword argument 'batch_size'"):
         skybody.make_vec("hover", 2, batch_size=1)  # type: ignore[call-arg]
-    with pytest.raises(TypeError, match="no argument `joint`"):
+    with pytest.raises(TypeError, match="keyword argument 'joint'"):
         skybody.make_pool("hover", 2, joint=True)  # type: ignore[call-arg]
 
 

@@ -170,3 +170,74 @@ def test_what_touches_is_shaded_and_what_passes_at_a_distance_is_not(
     assert spans == [(1.0, 3.0), (4.0, 5.0)]
     log = episode_of(flown(tmp_path, "pendulum"))  # whose rod is as long as it is high
     assert data.read_flight(log, "0001").touching == []
+
+
+def test_the_title_says_the_reference(data: ModuleType, tmp_path: Path) -> None:
+    log = episode_of(flown(tmp_path / "a", "hover", "--reference", "figure_eight:check=false"))
+    assert data.read_flight(log, "0001").title.startswith("hover along figure_eight  ·  episode 1")
+    log = episode_of(flown(tmp_path / "b", "hover"))
+    assert data.read_flight(log, "0001").title.startswith("hover  ·  episode 1 of 1")
+
+
+def test_yaw_is_that_of_the_table(data: ModuleType, tmp_path: Path) -> None:
+    """Heading first, then the shortest turn that tilts: a tilt about any axis leaves it alone."""
+    heading, tilt, axis = 0.7, 0.9, 1.1
+    turn = np.array([np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)])
+    lean = np.array(
+        [np.cos(tilt / 2), *(np.sin(tilt / 2) * np.array([np.cos(axis), np.sin(axis), 0]))]
+    )
+    w, v = lean[0] * turn[0] - lean[1:] @ turn[1:], lean[0] * turn[1:] + turn[0] * lean[1:]
+    both = np.array([[w, *(v + np.cross(lean[1:], turn[1:]))]])
+    assert data.attitude_degrees(both)[0, 2] == pytest.approx(np.degrees(heading))
+
+    command = [PROGRAM, "run", "hover", "--out", tmp_path, "--no-picture", "--steps", "400"]
+    along = "figure_eight:peak_speed=4,approach=0,ramp=0.01,yaw=tangent,check=false"
+    done = subprocess.run(
+        [*command, "--reference", along], check=True, capture_output=True, text=True, timeout=60
+    )
+    (track,) = data.read_tracks(episode_of(tmp_path / "flight.h5")["episodes/0001"])
+    error = (track.angles[:, 2] - track.goal_yaw() + 180.0) % 360.0 - 180.0
+    rows = done.stdout[done.stdout.index("reference of") :].splitlines()
+    said = float(rows[2].split()[-3])  # yaw RMS, before effort and saturated
+    assert np.ptp(track.angles[:, :2]) > 20.0  # it does tilt
+    begin = 10  # steps, of approach and ramp
+    found = float(np.sqrt(np.mean(error[begin:] ** 2)))
+    assert found == pytest.approx(said, abs=0.006)  # the table has two decimals
+
+
+def test_a_log_says_where_its_scenario_lies_from_any_folder(tmp_path: Path) -> None:
+    text = "include: hover\nname: mine\n"
+    (tmp_path / "mine.yaml").write_text(text)
+    command = [PROGRAM, "run", "mine.yaml", "--out", "out", "--no-picture", "--steps", "3"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
+    file = str(episode_of(tmp_path / "out/flight.h5").attrs["scenario_file"])
+    assert file == str(tmp_path / "mine.yaml")
+
+
+@pytest.mark.parametrize("kind", ["recording", "policy", "text", "nothing"])
+def test_what_is_no_flight_log_is_one_message(kind: str, tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    if kind == "recording":
+        command = [PROGRAM, "hash", "hover", "--envs", "1", "--steps", "3", "--record", file]
+        subprocess.run(command, check=True, capture_output=True, timeout=60)
+    elif kind == "policy":
+        h5py = importlib.import_module("h5py")
+        with h5py.File(file, "w") as written:
+            written.attrs["format"] = "skybody-policy"
+    elif kind == "text":
+        file.write_text("text")
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts/plot_flight.py", file],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    reasons = {
+        "recording": "a recording of many environments, which has no flight to draw; `skybody "
+        "replay` runs it again, and `skybody run` writes flight.h5",
+        "policy": "no flight log: draw a flight.h5, which `skybody run` writes",
+        "text": "no HDF5 file",
+        "nothing": "No such file or directory",
+    }
+    assert done.stderr == f"{file}: {reasons[kind]}\n"

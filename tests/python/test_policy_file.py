@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import struct
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -44,6 +45,24 @@ def test_a_layer_whose_arrays_do_not_fit_together_is_not_written(tmp_path: Path)
     other = Layer(LAYER.weight, LAYER.bias, "sine")
     with pytest.raises(Error, match="activation is `sine`: take tanh, relu, elu or none"):
         write_policy(tmp_path / "policy.h5", dataclasses.replace(POLICY, layers=[other]))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"scale": np.array([1.0, 0.0])}, "value 1 of `/normalization/scale` is 0; allowed: > 0"),
+        ({"scale": np.array([-2.0, 1.0])}, "value 0 of `/normalization/scale` is -2; allowed: > 0"),
+        ({"clip": -1.0}, "`clip` of `/normalization` is -1; allowed: > 0"),
+        ({"attributes": {**STAMPS, "scenario_hash": "none"}}, "`scenario_hash` is `none`"),
+        ({"attributes": {**STAMPS, "steps": -1}}, "`steps` is -1; allowed: >= 0"),
+    ],
+)
+def test_values_that_no_learner_makes_are_not_written(
+    change: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(Error, match=message):
+        write_policy(tmp_path / "policy.h5", dataclasses.replace(POLICY, **change))
     assert not list(tmp_path.iterdir())
 
 

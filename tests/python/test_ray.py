@@ -14,11 +14,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 ray = pytest.importorskip("ray", reason="`pip install '.[ray]'`")
 
 from skybody._native import CompiledScenario  # noqa: E402
+from skybody.program import module_command  # noqa: E402
 from skybody.ray import sweep  # noqa: E402
 from skybody.ray.cluster import ClusterError, cluster  # noqa: E402
 from skybody.ray.slices import RaySlices, Setup  # noqa: E402
@@ -134,7 +136,7 @@ def test_runs_move_between_a_cluster_and_one_process_with_the_same_bits(
 def test_workers_with_another_instruction_set_are_refused(address: str, tmp_path: Path) -> None:
     words = ["hover_learn", "--ray", address, "--workers", "1", "--out", str(tmp_path / "run")]
     done = subprocess.run(
-        [sys.executable, "-m", "skybody.train", *words],
+        module_command("skybody.train", *words),
         env={**os.environ, "SKYBODY_ISA": "v2"},
         capture_output=True,
         text=True,
@@ -229,3 +231,48 @@ def test_a_wrong_option_is_one_message_and_leaves_nothing(
     message = capsys.readouterr().err.splitlines()
     assert len(message) == 1 and said in message[0]
     assert not out.exists()
+
+
+LOCAL = """
+import os, subprocess, sys
+from skybody.ray.cluster import cluster
+
+JOIN = "import ray, sys; ray.init(sys.argv[1], logging_level='ERROR'); print('joined')"
+
+def joins(address, **token):
+    rest = {name: value for name, value in os.environ.items() if not name.startswith("RAY_")}
+    command = [sys.executable, "-P", "-c", JOIN, address]
+    done = subprocess.run(command, env={**rest, **token}, capture_output=True, text=True)
+    return done.stdout == "joined\\n"
+
+def where():
+    import numpy
+    return numpy.__version__
+
+with cluster("local", cpus=1) as ray:
+    print(ray.get(ray.remote(where).remote()))
+    address = ray.get_runtime_context().gcs_address
+    print(joins(address, RAY_AUTH_MODE="disabled"))
+    print(joins(address, RAY_AUTH_MODE="token", RAY_AUTH_TOKEN="0" * 64))
+    own = {name: os.environ[name] for name in ("RAY_AUTH_MODE", "RAY_AUTH_TOKEN")}
+    print(joins(address, **own))
+"""
+
+
+@pytest.mark.timeout(300)  # each attempt to join takes Ray some tens of seconds
+def test_a_local_cluster_is_its_owners_and_runs_no_files_of_the_working_folder(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "numpy.py").write_text("raise SystemExit(3)")
+    own = {name: value for name, value in os.environ.items() if not name.startswith("RAY_")}
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", LOCAL],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**own, "HOME": str(tmp_path)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [np.__version__, "False", "False", "True"]
+    assert not (tmp_path / ".ray").exists()  # no token for other clusters

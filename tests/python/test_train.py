@@ -8,7 +8,6 @@ import math
 import random
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ import numpy as np
 import pytest
 import torch
 from skybody._native import CompiledScenario, Network
+from skybody.program import module_command
 from skybody.train import evaluate, parameter_hash
 from skybody.train.__main__ import main
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, read_meta
@@ -91,7 +91,7 @@ def test_a_run_killed_at_a_random_moment_ends_with_the_bits_of_one_that_was_not(
     moment = random.Random()
     wanted, pause = moment.randint(1, ROLLOUTS // 4), moment.uniform(0.0, 0.02)
     print(f"killed {pause:.4f} s after checkpoint {wanted}")
-    command = [sys.executable, "-m", "skybody.train", *arguments("ppo", killed)]
+    command = module_command("skybody.train", *arguments("ppo", killed))
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
         while len(checkpoint_folders(killed)) < wanted and process.poll() is None:

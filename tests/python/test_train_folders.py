@@ -117,7 +117,10 @@ def replaced(path: Path, content: bytes | None) -> Iterator[None]:
         (b'{"steps": 12', "meta.json is damaged"),
         (b"\xff\xfe", "meta.json is damaged"),
         (b"[]", "meta.json is damaged (no map of stamps)"),
-        (b'{"steps": 1200}', "meta.json is damaged (no good parameter_hash, algorithm"),
+        (
+            b'{"steps": 1200}',
+            "meta.json is damaged (`parameter_hash` is missing, `algorithm` is",
+        ),
     ],
 )
 @pytest.mark.parametrize("program", ["train", "evaluate"])

@@ -5,10 +5,13 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import os
+import secrets
 import socket
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+import skybody
 from skybody.train.hyperparameters import UsageError
 
 LOCAL = "local"
@@ -18,6 +21,7 @@ ADDRESSES = (
 )
 ADDRESS_HELP = f"of the cluster: {ADDRESSES}; default: {LOCAL}"
 REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
+PACKAGES = Path(skybody.__file__).parents[1]  # the folder from which this package was imported
 ANSWER_SECONDS = 5.0  # that a head has for accepting a connection
 
 
@@ -41,26 +45,39 @@ def cluster(address: str, cpus: int | None = None, option: str = "--address") ->
     """
     # What is no cluster gets a line a second from Ray's own log, for as long as it tries.
     os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "error")
+    if address == LOCAL:
+        _demand_token()
     ray = import_ray()
     _check_answers(address, option)
     if ray.is_initialized():
         yield ray
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    options: dict[str, Any] = {"include_dashboard": False, "num_cpus": cpus}
+    # Without an address Ray would join a cluster that it finds on this machine, whosever it is.
+    options: dict[str, Any] = {"address": address}
     if address == LOCAL:
-        # Nobody else can reach it, and Ray would write a token to the home folder.
-        os.environ.setdefault("RAY_AUTH_MODE", "disabled")
-    else:
-        options = {"address": address}
+        options |= {"include_dashboard": False, "num_cpus": cpus}
     try:
-        ray.init(logging_level="ERROR", log_to_driver=False, **options)
+        # Ray has workers import from the working folder of this call, where a stranger's files may
+        # lie: take one from which they import anyway.
+        with contextlib.chdir(PACKAGES):
+            ray.init(logging_level="ERROR", log_to_driver=False, **options)
     except (ConnectionError, RuntimeError, ValueError) as error:
         raise ClusterError(_no_cluster(option, address, _first_sentence(error))) from error
     try:
         yield ray
     finally:
         ray.shutdown()
+
+
+def _demand_token() -> None:
+    """Has a local cluster, whose ports all users of the machine reach, demand a token of its own.
+
+    Without one in the environment Ray would write it to the home folder, for all clusters.
+    """
+    os.environ.setdefault("RAY_AUTH_MODE", "token")
+    if not any(name in os.environ for name in ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")):
+        os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
 
 
 def import_ray() -> Any:

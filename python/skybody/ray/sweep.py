@@ -1,6 +1,6 @@
 """Trains over seeds, hyper-parameters and scenarios on a Ray cluster; see docs/ray.md.
 
-python -m skybody.ray.sweep hover_learn --seeds 1,2,3 --set learning_rate=3e-4,1e-3 --out sweep
+python -P -m skybody.ray.sweep hover_learn --seeds 1,2,3 --set learning_rate=3e-4,1e-3 --out sweep
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ from skybody.train import files
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
 from skybody.train.hyperparameters import UsageError
+from skybody.train.json_file import read_json
 from skybody.train.options import number
 from skybody.train.presets import told
 from skybody.train.requirements import demand_packages, packages_of
 
 EPILOG = """\
-Every combination is a run folder below --out, as `python -m skybody.train` writes it. The same
+Every combination is a run folder below --out, as `python -P -m skybody.train` writes it. The same
 command again goes on with what is not finished, and with seeds and values that are new. On a
 cluster --out must be a folder that all its machines see.
 Exit codes: 0 done, 1 a trial failed, 2 wrong input, 130 interrupted (the same command goes on)."""
@@ -38,7 +39,7 @@ MOST_FAILURES = 10  # machines that may be lost under a trial before it is given
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     made = argparse.ArgumentParser(
-        prog="python -m skybody.ray.sweep",
+        prog="python -P -m skybody.ray.sweep",
         description="Trains over seeds, hyper-parameters and scenarios, with Ray Tune.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -142,7 +143,7 @@ def check_folder(out: Path, spec: dict[str, Any]) -> None:
     """Raises UsageError where something else than this sweep is there."""
     path = out / "sweep.json"
     if path.exists():
-        found = json.loads(path.read_text())
+        found = _read_spec(path)
         for name, value in spec.items():
             if found.get(name) != value:
                 was, now = ("left out" if v is None else v for v in (found.get(name), value))
@@ -152,6 +153,17 @@ def check_folder(out: Path, spec: dict[str, Any]) -> None:
                 )
     elif out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(f"--out {out} is not empty and holds no sweep: take another")
+
+
+def _read_spec(path: Path) -> dict[str, Any]:
+    """sweep.json. Raises UsageError where it is damaged."""
+    try:
+        found = read_json(path)
+    except ValueError as error:
+        raise UsageError(f"{path} is damaged ({error}): take another folder") from error
+    if not isinstance(found, dict):
+        raise UsageError(f"{path} is damaged (no map): take another folder")
+    return found
 
 
 def write_spec(out: Path, spec: dict[str, Any]) -> None:

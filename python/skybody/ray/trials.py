@@ -1,4 +1,4 @@
-"""The trials of a sweep: each is a run folder of `python -m skybody.train`."""
+"""The trials of a sweep: each is a run folder of `python -P -m skybody.train`."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import itertools
 import os
 import signal
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from skybody.program import module_command
 from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluation_file import read_evaluation
@@ -37,7 +37,7 @@ class Trial:
 
     def command(self, threads: int) -> list[str]:
         """That begins the run, or goes on with it."""
-        made = [sys.executable, "-m", "skybody.train", "--out", str(self.folder)]
+        made = module_command("skybody.train", "--out", str(self.folder))
         made += ["--threads", str(threads)]
         made += [word for folder in self.plugin_path for word in ("--plugin-path", folder)]
         made += ["--total-steps", str(self.total_steps)]

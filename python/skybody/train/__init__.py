@@ -1,4 +1,4 @@
-"""Training: `python -m skybody.train`, with checkpoints that resume bit for bit.
+"""Training: `python -P -m skybody.train`, with checkpoints that resume bit for bit.
 
 docs/training.md describes the run folder, the hyper-parameters and what is promised about
 determinism. Nothing here imports PyTorch before a learner is made, so that evaluation processes

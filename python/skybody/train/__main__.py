@@ -4,7 +4,7 @@ skybody train SCENARIO --algo LEARNER --seed S --total-steps N --out DIR
 skybody train --resume --out DIR
 skybody train SCENARIO --ray HOST:PORT --workers N
 
-`python -m skybody.train` is the same.
+`python -P -m skybody.train` is the same.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from skybody.train.requirements import (
     package_versions,
     packages_of,
 )
-from skybody.train.run_folder import Config
+from skybody.train.run_folder import Config, is_unbegun, load_recorded
 
 if TYPE_CHECKING:
     from skybody.train.trainer import Trainer
@@ -163,7 +163,7 @@ def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
         raise UsageError("which scenario? Give its name or file, or --resume")
     if run.exists() and not run.is_dir():
         raise UsageError(f"--out {run} is a file: name a new folder")
-    if run.exists() and any(run.iterdir()):
+    if run.exists() and not is_unbegun(run):
         raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
     plugin_path = options.plugin_path or []
     check_plugin_path(plugin_path, "--plugin-path")
@@ -176,7 +176,8 @@ def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     config = resumed_config(options)
     demand_packages(packages_of(config.algorithm))
     check_plugin_path(config.searched, "--plugin-path")
-    compiled = CompiledScenario(config.scenario, config.overrides, config.searched)
+    record = options.out / "config.json"
+    compiled = load_recorded(record, config.scenario, config.overrides, config.searched)
     found = f"{compiled.scenario_hash:016x}"
     if found != config.scenario_hash:
         raise UsageError(
@@ -188,7 +189,10 @@ def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     if changed:
         was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
         print(f"train: warning: versions differ, and so may bits: {was}", file=sys.stderr)
-    return dataclasses.replace(config, versions=now), compiled
+    known = dataclasses.replace(
+        config, scenario_name=compiled.name, scenario_text=compiled.scenario_text, versions=now
+    )
+    return known, compiled
 
 
 def main(arguments: list[str] | None = None) -> int:

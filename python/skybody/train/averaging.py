@@ -58,10 +58,13 @@ class PolicyAverage:
         values = [torch.from_numpy(value.copy()) for value in self.values]
         return {"count": self.count, "values": values}
 
-    def restore(self, state: dict[str, Any]) -> None:
-        """The inverse of state()."""
+    def restore(self, state: dict[str, Any], policy: Policy) -> None:
+        """The inverse of state(). Raises ValueError where it is no mean of policies like this."""
         tensors: list[torch.Tensor] = state["values"]
-        self.count, self.values = state["count"], [tensor.numpy().copy() for tensor in tensors]
+        values = [tensor.numpy().copy() for tensor in tensors]
+        if values and [v.shape for v in values] != [v.shape for v in _values(policy)]:
+            raise ValueError("the averaged weights are of another network")
+        self.count, self.values = int(state["count"]), values
 
 
 def _values(policy: Policy) -> list[NDArray[np.float64]]:

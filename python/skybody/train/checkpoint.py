@@ -17,21 +17,22 @@ from pathlib import Path
 from typing import Any
 
 from skybody.train import files
+from skybody.train.json_file import read_json, wrong_kinds
 from skybody.train.policy_file import Policy, policy_bytes
 from skybody.train.state_file import pack_state, state_file, unpack_state
 
-STAMPS: dict[str, type | tuple[type, ...]] = {  # of meta.json that something reads
+STAMPS: dict[str, Any] = {  # of meta.json that something reads
     "steps": int,
     "parameter_hash": str,
     "algorithm": str,
     "seed": int,
     "scenario": str,
-    "overrides": list,
-    "plugin_path": list,
+    "overrides": list[str],
+    "plugin_path": list[str],
     "scenario_hash": str,
-    "hyper": dict,
-    "wall_clock": (int, float),
-    "files": dict,
+    "hyper": dict[str, Any],
+    "wall_clock": float,
+    "files": dict[str, str],
 }
 REMEDY = "remove this checkpoint's folder to go on from the one before"
 
@@ -91,16 +92,16 @@ def read_meta(folder: Path) -> dict[str, Any]:
     """The stamps of a checkpoint. Raises ValueError where they cannot be read."""
     path = folder / "meta.json"
     try:
-        meta = json.loads(path.read_text())
+        meta = read_json(path)
     except ValueError as error:
         raise ValueError(f"{path} is damaged ({error}): {REMEDY}") from error
     if not isinstance(meta, dict):
         raise ValueError(f"{path} is damaged (no map of stamps): {REMEDY}")
-    wrong = [name for name, kind in STAMPS.items() if not isinstance(meta.get(name), kind)]
+    wrong = wrong_kinds(meta, STAMPS)
     if not wrong:
         wrong = [f"files.{name}" for name in file_names(meta) if name not in meta["files"]]
     if wrong:
-        raise ValueError(f"{path} is damaged (no good {', '.join(wrong)}): {REMEDY}")
+        raise ValueError(f"{path} is damaged ({', '.join(wrong)}): {REMEDY}")
     return meta
 
 
@@ -114,7 +115,11 @@ def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
     path = folder / name
     if not path.is_file():
         raise ValueError(f"{path} is missing: {REMEDY}")
-    if files.file_hash(path) != meta["files"][name]:
+    try:
+        found = files.file_hash(path)
+    except ValueError as error:
+        raise ValueError(f"{path} {error}: {REMEDY}") from None
+    if found != meta["files"][name]:
         raise ValueError(f"{path} is damaged: its SHA-256 is not that of meta.json; {REMEDY}")
     return path
 
@@ -124,8 +129,12 @@ def read_checkpoint(folder: Path) -> Checkpoint:
     meta = read_meta(folder)
     for name in file_names(meta):
         check_file(folder, meta, name)
-    state = unpack_state(folder / state_file(meta["algorithm"]))
-    return Checkpoint(folder, meta, state, (folder / "environments.bin").read_bytes())
+    path = folder / state_file(meta["algorithm"])
+    try:
+        state = unpack_state(path)
+    except ValueError as error:
+        raise ValueError(f"{path} is damaged ({error}): {REMEDY}") from error
+    return Checkpoint(folder, meta, state, files.read_file(folder / "environments.bin"))
 
 
 def resolve(path: Path) -> Path:

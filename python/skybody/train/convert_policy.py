@@ -1,6 +1,6 @@
 """Converts a policy.h5 of format 1, which has no checksum over all that it holds, to format 2.
 
-    python -m skybody.train.convert_policy FILE [FILE ...]
+    python -P -m skybody.train.convert_policy FILE [FILE ...]
 
 Each file is replaced as a whole. Where it belongs to a checkpoint (meta.json beside it), the
 checkpoint's record of its hash is brought up to date. A file of format 2 stays as it is, and so
@@ -17,8 +17,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from skybody.program import run_program
+from skybody._native import Error
+from skybody.program import module_command, run_program
 from skybody.train import files
+from skybody.train.json_file import read_json
 from skybody.train.policy_file import FORMAT, VERSION, Policy, policy_of, read_policy, write_policy
 from skybody.train.requirements import demand_packages
 
@@ -29,7 +31,7 @@ HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m skybody.train.convert_policy",
+        prog="python -P -m skybody.train.convert_policy",
         description=(__doc__ or "").partition("\n")[0],
     )
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="a policy.h5")
@@ -45,7 +47,7 @@ def _try(work: Callable[[Path], str], path: Path) -> bool:
     try:
         demand_packages(["h5py"])
         print(work(path))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, Error) as error:
         print(f"convert_policy: {files.explain(error)}", file=sys.stderr)
         return True
     return False
@@ -53,7 +55,7 @@ def _try(work: Callable[[Path], str], path: Path) -> bool:
 
 def convert_in_child(path: Path) -> str:
     """convert() in a process of its own: HDF5 crashes on some damaged files without checksums."""
-    command = [sys.executable, "-m", "skybody.train.convert_policy", "--here", str(path)]
+    command = module_command("skybody.train.convert_policy", "--here", str(path))
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
@@ -102,7 +104,7 @@ def _read_meta(path: Path) -> dict[str, Any] | None:
     meta = path.with_name("meta.json")
     if path.name != "policy.h5" or not meta.is_file():
         return None
-    values = json.loads(meta.read_text())
+    values = read_json(meta)
     return values if isinstance(values, dict) and isinstance(values.get("files"), dict) else None
 
 

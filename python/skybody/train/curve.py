@@ -1,6 +1,6 @@
 """Learning curves as a picture: return and position error against steps and wall-clock time.
 
-python -m skybody.train.curve RUN [RUN ...] [--out FILE]
+python -P -m skybody.train.curve RUN [RUN ...] [--out FILE]
 """
 
 from __future__ import annotations
@@ -32,6 +32,15 @@ def draw_curve(runs: list[Path], out: Path) -> None:
 
     Without any position error, as in races, returns are all that is drawn.
     """
+    from matplotlib import style
+
+    with style.context("default"):  # a matplotlibrc of the working folder changes nothing
+        picture = _picture_of(runs)
+    files.write_file(out, picture)
+
+
+def _picture_of(runs: list[Path]) -> bytes:
+    """The bytes of the PNG."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import EngFormatter
@@ -59,7 +68,7 @@ def draw_curve(runs: list[Path], out: Path) -> None:
     figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
-    files.write_file(out, picture.getvalue())
+    return picture.getvalue()
 
 
 def _has_error(training: Columns, evaluation: Columns) -> bool:
@@ -134,7 +143,7 @@ def _columns(path: Path) -> Columns:
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m skybody.train.curve", description=(__doc__ or "").partition("\n")[0]
+        prog="python -P -m skybody.train.curve", description=(__doc__ or "").partition("\n")[0]
     )
     parser.add_argument("run", type=Path, nargs="+", help="folders that skybody.train wrote")
     parser.add_argument("--out", type=Path, default=Path("curve.png"), help="default: curve.png")

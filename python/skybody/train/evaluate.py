@@ -1,7 +1,7 @@
 """Evaluates a checkpoint: deterministic policy, frozen normalization, episodes of a fixed seed.
 
-    python -m skybody.train.evaluate CHECKPOINT [--episodes 100] [--seed 1000] [--json FILE]
-    python -m skybody.train.evaluate shipped --scenario NAME
+    python -P -m skybody.train.evaluate CHECKPOINT [--episodes 100] [--seed 1000] [--json FILE]
+    python -P -m skybody.train.evaluate shipped --scenario NAME
 
 Episode i is that of environment i under the seed, whatever the number of episodes. The network is
 evaluated from policy.h5, the file that `skybody run --policy` flies, and without PyTorch.
@@ -30,6 +30,7 @@ from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.hyperparameters import UsageError
 from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy, shipped_policy
+from skybody.train.run_folder import load_recorded
 
 SUCCESS = "success"  # info of tasks that say whether their aim is met (docs/task_kit.md)
 SHIPPED = "shipped"  # in a checkpoint's place: the policy that comes with Skybody
@@ -172,7 +173,10 @@ def evaluate_checkpoint(
     warn_of_plugin_path("evaluate", folder, meta["plugin_path"], plugin_path)
     if overrides is None:
         overrides = meta["overrides"] if scenario is None else []
-    compiled = CompiledScenario(scenario or meta["scenario"], overrides, plugin_path)
+    if scenario is None:
+        compiled = load_recorded(folder / "meta.json", meta["scenario"], overrides, plugin_path)
+    else:
+        compiled = CompiledScenario(scenario, overrides, plugin_path)
     found = f"{compiled.scenario_hash:016x}"
     _warn_of_scenario(meta["scenario_hash"], found)
     stamps = {
@@ -292,7 +296,7 @@ def _evaluate_asked(options: argparse.Namespace) -> dict[str, Any]:
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m skybody.train.evaluate", description=(__doc__ or "").partition("\n")[0]
+        prog="python -P -m skybody.train.evaluate", description=(__doc__ or "").partition("\n")[0]
     )
     parser.add_argument(
         "checkpoint", type=Path, help="a checkpoint, a run folder: its newest; or `shipped`"

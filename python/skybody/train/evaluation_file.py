@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from skybody.train.json_file import read_json
 
 Check = Callable[[Any], bool]
 
@@ -57,8 +58,8 @@ _LISTS: dict[str, Check] = {  # a value per episode
 def read_evaluation(checkpoint: Path) -> dict[str, Any] | None:
     """The evaluation beside a checkpoint; None where there is none, or where it is damaged."""
     try:
-        found = json.loads((checkpoint / "evaluation.json").read_text())
-    except (FileNotFoundError, ValueError, RecursionError):
+        found = read_json(checkpoint / "evaluation.json")
+    except (FileNotFoundError, ValueError):
         return None
     return found if isinstance(found, dict) and _is_whole(found) else None
 

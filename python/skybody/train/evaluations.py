@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 import tempfile
 import time
 from collections import deque
 from pathlib import Path
 from typing import IO
 
+from skybody.program import module_command
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
 
@@ -71,7 +71,7 @@ class Evaluations:
 
     def _start(self, checkpoint: Path) -> subprocess.Popen[str]:
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115 (closed by _collect)
-        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+        command = module_command("skybody.train.evaluate", str(checkpoint))
         command += ["--episodes", str(self._episodes), "--seed", str(self._seed)]
         command += ["--threads", "1", "--json", str(checkpoint / "evaluation.json")]
         command += [word for folder in self._plugin_path for word in ("--plugin-path", folder)]

@@ -170,10 +170,20 @@ def from_dict(values: dict[str, Any], defaults: Any) -> Hyperparameters:
         raise ValueError(
             f"hyper-parameters of another learner or version: {', '.join(sorted(other))}"
         )
+    wrong = [name for name, value in values.items() if not _is_like(value, getattr(defaults, name))]
+    if wrong:
+        raise ValueError(f"`hyper.{wrong[0]}` is no such value")
     made: Hyperparameters = dataclasses.replace(
         defaults, **{**values, "hidden": tuple(values["hidden"])}
     )
     return made
+
+
+def _is_like(value: Any, default: Any) -> bool:
+    """Whether a value from JSON is of its default's kind."""
+    if isinstance(default, tuple):
+        return isinstance(value, list) and all(type(size) is int for size in value)
+    return type(value) is type(default) or (isinstance(default, float) and type(value) is int)
 
 
 def whole_number(text: str, where: str) -> int:

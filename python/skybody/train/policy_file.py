@@ -19,6 +19,7 @@ from skybody.train import files
 
 FORMAT = "skybody-policy"
 VERSION = 2
+MOST_VALUES = 1 << 24  # of an array of format 1
 
 
 @dataclass(frozen=True)
@@ -260,5 +261,7 @@ def _values(group: Any, name: str) -> NDArray[Any]:
     dataset = _child(group, name)
     if dataset.external or dataset.is_virtual:
         raise ValueError(f"`{name}` is stored in other files")
+    if dataset.size > MOST_VALUES:
+        raise ValueError(f"`{name}` has {dataset.size} values; at most {MOST_VALUES} are read")
     values: NDArray[Any] = dataset[()]
     return values

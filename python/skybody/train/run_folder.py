@@ -6,15 +6,18 @@ import csv
 import dataclasses
 import io
 import json
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
+from skybody._native import CompiledScenario, InputError
 from skybody.train import files
 from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import COLUMNS, read_evaluation
 from skybody.train.hyperparameters import Hyperparameters, UsageError, from_dict
+from skybody.train.json_file import read_json, wrong_kinds
 
 _FIXED = ("algorithm", "seed", "scenario_hash")  # beside the hyper-parameters; they decide bits
 
@@ -68,14 +71,54 @@ class Config:
         if not path.exists():
             raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
         try:
-            values: dict[str, Any] = json.loads(path.read_text())
+            values = read_json(path)
+            if not isinstance(values, dict):
+                raise ValueError("no map")
+            kinds = {**get_type_hints(Config), "hyper": dict[str, Any]}
+            del kinds["searched"]
+            if wrong := wrong_kinds(values, kinds):
+                raise ValueError(", ".join(wrong))
             defaults = algorithm_of(values["algorithm"]).defaults()
             hyper = from_dict(values["hyper"], defaults)
             return Config(**{**values, "hyper": hyper, "searched": []})
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError) as error:
             raise UsageError(
                 f"{path} is damaged or of another version ({error}): the run cannot go on"
             ) from error
+
+
+def is_unbegun(run: Path) -> bool:
+    """Whether a folder is empty, or left by a run that was killed before it had a config.json."""
+    left = {path.name: path for path in run.iterdir()}
+    if not left:
+        return True
+    ours = (files.LOCK, "checkpoints", "progress.csv")
+    begun = (".config.json.", ".progress.csv.", "events.out.tfevents.")
+    return (
+        files.LOCK in left
+        and all(name in ours or name.startswith(begun) for name in left)
+        and all(path.name.startswith(".partial-") for path in run.glob("checkpoints/*"))
+        and not read_table(run / "progress.csv")
+    )
+
+
+def load_recorded(
+    record: Path, scenario: str, overrides: list[str], plugin_path: list[str]
+) -> CompiledScenario:
+    """The scenario that a file of a run names.
+
+    Raises:
+        UsageError: it cannot be loaded. The reasons are not said: they quote files, and whoever
+            made the folder may have named any.
+    """
+    try:
+        return CompiledScenario(scenario, overrides, plugin_path)
+    except InputError as error:
+        words = ["skybody", "check", scenario]
+        words += [word for override in overrides for word in ("--set", override)]
+        raise UsageError(
+            f"{record}: the scenario cannot be loaded; `{shlex.join(words)}` says why"
+        ) from error
 
 
 class ProgressTable:
@@ -113,7 +156,7 @@ def read_table(path: Path) -> list[dict[str, str]]:
     if not path.exists():
         return []
     try:
-        whole = path.read_text().rpartition("\n")[0]
+        whole = files.read_file(path).decode().rpartition("\n")[0]
         reader, rows = csv.DictReader(io.StringIO(whole)), []
         for row in reader:
             _check_row(reader.line_num, row)

@@ -86,11 +86,13 @@ class Trainer:
         state = checkpoint.state
         try:
             self.learner.restore(state["learner"], checkpoint.environments)
-            self.average.restore(state["average"])
+            self.average.restore(state["average"], self.learner.policy())
+            if set(state["shares"]) != set(self.shares):
+                raise ValueError("`shares` are of other parts")
             self.shares.update(state["shares"])
             self.recent.extend(state["recent"])
             self.faults, self.earlier_seconds = state["faults"], checkpoint.meta["wall_clock"]
-        except (Error, KeyError, TypeError, RuntimeError) as error:
+        except (Error, KeyError, TypeError, ValueError, AttributeError, RuntimeError) as error:
             written = checkpoint.meta.get("versions", {}).get("skybody", "another version")
             raise ValueError(
                 f"{found[-1]} was written by skybody {written} and does not fit this one "

@@ -1,7 +1,7 @@
 """Fits gains of a chain of controllers to a vehicle by simulation: `skybody tune`.
 
-`tune(vehicle, ...)` does it from Python; `python -m skybody.tune` is the command. docs/tune.md says
-what is flown, what counts and what comes out.
+`tune(vehicle, ...)` does it from Python. docs/tune.md says what is flown, what counts and what
+comes out.
 """
 
 from __future__ import annotations

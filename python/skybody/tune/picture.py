@@ -19,6 +19,14 @@ def draw(tuned: Tuned, file: Path) -> list[Path]:
     """Writes it. @returns the file, or nothing where matplotlib is not installed."""
     if importlib.util.find_spec("matplotlib") is None:
         return []
+    from matplotlib import style
+
+    with style.context("default"):  # a matplotlibrc of the working folder changes nothing
+        _draw(tuned, file)
+    return [file]
+
+
+def _draw(tuned: Tuned, file: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -43,7 +51,6 @@ def draw(tuned: Tuned, file: Path) -> list[Path]:
         fontsize=10,
     )
     figure.savefig(file, dpi=110)
-    return [file]
 
 
 def _draw_value(axis: object, tuned: Tuned, k: int) -> None:
