@@ -98,19 +98,12 @@ void copy_base(Engine& engine, EnvironmentArray& array, int env) {
   for (int k = 0; k < 4; ++k) array.value(env, kRotor + k) = engine.rotor(env, k);
 }
 
-/// A ball joint's coordinates are relative to the parent, the loop's to the world.
+/// Coordinates of ball joints are those of the loop.
 void copy_bodies(Engine& engine, EnvironmentArray& array, int env) {
-  Quat<double> parent{engine.q(env, 3), engine.q(env, 4), engine.q(env, 5), engine.q(env, 6)};
-  Vec3<double> spin{engine.u(env, 3), engine.u(env, 4), engine.u(env, 5)};  // parent's axes
   for (int body = 0; body < 2; ++body) {
-    const int q = 7 + 4 * body, u = 6 + 3 * body, to = kRodRotation + 7 * body;
-    const Quat<double> own{engine.q(env, q), engine.q(env, q + 1), engine.q(env, q + 2),
-                           engine.q(env, q + 3)};
-    parent = parent * own;
-    spin = rotate_inverse(own, spin) +
-           Vec3<double>{engine.u(env, u), engine.u(env, u + 1), engine.u(env, u + 2)};
-    const double values[7] = {parent.w, parent.x, parent.y, parent.z, spin.x, spin.y, spin.z};
-    for (int k = 0; k < 7; ++k) array.value(env, to + k) = values[k];
+    const int to = kRodRotation + 7 * body;
+    for (int k = 0; k < 4; ++k) array.value(env, to + k) = engine.q(env, 7 + 4 * body + k);
+    for (int k = 0; k < 3; ++k) array.value(env, to + 4 + k) = engine.u(env, 6 + 3 * body + k);
   }
 }
 
