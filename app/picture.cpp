@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "app/python.h"
-#include "core/base/installation.h"
 
 extern char** environ;
 
@@ -30,10 +29,8 @@ struct Outcome {
   std::string output;   ///< stdout and stderr
 };
 
-fs::path script() { return shipped_data("scripts", "scripts") / "plot_flight.py"; }
-
 std::vector<std::string> command_line(const fs::path& log) {
-  return {python_interpreter(), script().string(), log.string()};
+  return {python_interpreter(), plot_script().string(), log.string()};
 }
 
 std::string read_all(int descriptor) {

@@ -16,6 +16,10 @@ std::string python_interpreter() {
   return access(configured.c_str(), X_OK) == 0 ? configured : "python3";
 }
 
+std::filesystem::path plot_script() {
+  return shipped_data("scripts", "scripts") / "plot_flight.py";
+}
+
 void find_python_package() {
   // Scripts lie beside the package in the source tree, and in share/skybody of an installation.
   const std::filesystem::path package = shipped_data("scripts", "scripts").parent_path() / "python";

@@ -52,6 +52,7 @@ class RegistryCatalog : public PluginCatalog {
   }
 
   std::vector<std::string> names(SkybodyKind kind) const override { return registry_->names(kind); }
+  std::vector<std::string> names_of_any_kind() const override { return registry_->promised(); }
 
  private:
   const PluginDeclaration* keep(PluginDeclaration&& declaration) const {
