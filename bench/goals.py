@@ -17,6 +17,7 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -27,6 +28,9 @@ import skybody
 from skybody.program import run_program
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+import page_data  # noqa: E402
+
 PROGRAMS = ROOT / "build" / "release" / "bin"
 HOLD = np.float32(2.0 * 1391.0 / 2300.0 - 1.0)  # hover speed of the QDrone2 as an action
 Figure = dict[str, Any]
@@ -154,7 +158,7 @@ def cells(f: Figure) -> list[str]:
     ]
 
 
-HEADINGS = ["figure", "actions", "threads", "ours", "on tree [%]", "other", "unit"]
+HEADINGS = ["figure", "actions", "threads", "ours", "near contact [%]", "other", "unit"]
 HEADINGS += ["other is", "ratio", "goal", ""]  # met or missed
 
 
@@ -211,7 +215,7 @@ def main() -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(facts, indent=1) + "\n")
     if options.markdown:
-        pathlib.Path(options.markdown).write_text(markdown(facts))
+        page_data.write(pathlib.Path(options.markdown), markdown(facts))
 
 
 if __name__ == "__main__":

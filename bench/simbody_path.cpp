@@ -132,8 +132,7 @@ int run() {
     best[2] = std::min(best[2], measure(physics, height[2]));
     best[3] = std::min(best[3], measure(whole, height[3]));
   }
-  std::printf("one hovering QDrone2, semi-implicit Euler at 1 ms, best of %d x %d steps\n", kTrials,
-              kSteps);
+  std::printf("one hovering QDrone2, midpoint at 1 ms, best of %d x %d steps\n", kTrials, kSteps);
   const char* names[4] = {"bare Simbody, forces", "bare Simbody, operator", "our physics",
                           "whole environment step"};
   for (int i = 0; i < 4; ++i) {

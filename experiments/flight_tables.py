@@ -19,6 +19,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from skybody.program import run_program
+from throughput import page_data
 
 ROOT = Path(__file__).resolve().parent.parent
 VEHICLES = ("qdrone2", "crazyflie", "hummingbird", "firefly")
@@ -119,11 +120,12 @@ def main() -> int:
     modes, modes_good = mode_table(options.program)
     print(modes)
     if options.markdown:
-        options.markdown.write_text(
+        page_data.write(
+            options.markdown,
             "# Flights under the hold baseline\n\n"
             "Distance from the goal in the last second of 20 s, seed 1; by\n"
             "`experiments/flight_tables.py --markdown docs/results/flights.md`.\n\n"
-            f"{vehicles}\n\nMean error by control mode:\n\n{modes}\n"
+            f"{vehicles}\n\nMean error by control mode:\n\n{modes}\n",
         )
     return 0 if vehicles_good and modes_good else 1
 

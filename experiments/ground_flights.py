@@ -23,6 +23,7 @@ import h5py
 import numpy as np
 from policy_flight import PICTURE
 from skybody.program import run_program
+from throughput import page_data
 
 ROOT = Path(__file__).resolve().parent.parent
 FOUR_SECONDS = ("randomization=[]", "stepping.horizon=4000")
@@ -129,7 +130,7 @@ def main() -> int:
         )
     if not all_good:
         return 1
-    (options.docs / "ground_flights.md").write_text("\n".join(parts))
+    page_data.write(options.docs / "ground_flights.md", "\n".join(parts))
     return 0
 
 

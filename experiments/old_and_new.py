@@ -21,7 +21,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skybody.program import run_program
-from training_runs import ROOT, machine, machine_line
+from training_runs import (
+    ROOT,
+    machine,
+    machine_line,
+    page_data,
+)
 
 
 @dataclass(frozen=True)
@@ -157,7 +162,7 @@ def main() -> int:
         rows.append(f"| {case.name} | {median:.3f} | {low:.3f} ... {high:.3f}{verdict} |")
         print(rows[-1], flush=True)
     if options.markdown:
-        options.markdown.write_text(page(options, rows))
+        page_data.write(options.markdown, page(options, rows))
     return 1 if slower else 0
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from training_runs import command_line, machine, shown, write_json
+from training_runs import command_line, machine, page_data, shown, write_json
 
 
 def option_parser(doc: str | None) -> argparse.ArgumentParser:
@@ -36,5 +36,5 @@ def write_page(folder: Path, name: str, content: dict[str, Any], text: str) -> N
     """Writes `content` and the page that was made of it, and prints the page."""
     write_json(folder / f"data/{name}.json", content)
     page = folder / f"{name}.md"
-    page.write_text(text)
+    page_data.write(page, text)
     print(f"{text}\nwritten: {shown(page)}")

@@ -16,7 +16,13 @@ import time
 from pathlib import Path
 
 from skybody.program import deaf_to_interrupts, run_program
-from throughput import facts, machine_line, markdown_table, plain_table
+from throughput import (
+    facts,
+    machine_line,
+    markdown_table,
+    page_data,
+    plain_table,
+)
 
 ENVS, ROLLOUT = 16, 128
 STEPS = 2 * ENVS * ROLLOUT  # two rollouts with their updates
@@ -106,7 +112,7 @@ def main() -> None:
         rows.append([where, "1 (set)", rates[1], "1"])
     print(plain_table(rows))
     if options.markdown:
-        options.markdown.write_text(page(machine, rows, options.turns))
+        page_data.write(options.markdown, page(machine, rows, options.turns))
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include "bench/limit/hover_task.h"
 #include "bench/limit/pin_rod_task.h"
 #include "core/assemble/load.h"
+#include "core/base/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 
@@ -69,8 +70,15 @@ class Engine {
   double q(int lane, int k) { return value(compiled_->layout().q.offset + k, lane); }
   double u(int lane, int k) { return value(compiled_->layout().u.offset + k, lane); }
   double rotor(int lane, int k) { return value(compiled_->layout().rotor_speed.offset + k, lane); }
-  double task_value(int lane, int k) {
-    return group_.plugin_reals(compiled_->task().state + k)[lane];
+  /// @param path  of an EnvParam
+  double param(int lane, const std::string& path) {
+    const Layout& layout = compiled_->layout();
+    for (std::size_t k = 0; k < layout.param_info.size(); ++k) {
+      if (layout.param_info[k].path == path) {
+        return value(layout.params.offset + static_cast<int>(k), lane);
+      }
+    }
+    throw Error("no parameter " + path);
   }
   int width() const { return compiled_->observation_size(); }
   const float* observation(int lane) const {
@@ -111,7 +119,10 @@ void copy_state(CheckedTask task, Engine& engine, EnvironmentArray& array, int e
   copy_base(engine, array, env);
   switch (task) {
     case CheckedTask::kHover:
-      for (int k = 0; k < 4; ++k) array.value(env, kTarget + k) = engine.task_value(env, k);
+      for (int k = 0; k < 4; ++k) {
+        const std::string path = "task.target[" + std::to_string(k) + "]";
+        array.value(env, kTarget + k) = engine.param(env, path);
+      }
       return;
     case CheckedTask::kPayload:
       copy_bodies(engine, array, env);
