@@ -8,6 +8,7 @@ are the equations of the README.
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 from collections.abc import Callable
 from pathlib import Path

@@ -43,9 +43,9 @@ PROTOCOL = """\
 - `hold`: hover speed, in episodes of 1 s (`stepping.horizon=1000`), so that all robots are in
   flight: a constant action does not keep robots of drawn masses in the air for the scenario's 20 s.
 - `zero`: the reference's constant action, 68 % of the thrust that hovers, and the scenario as
-  shipped: robots fall from up to 11 m, bounce and come to rest on the ground or on each other. Steps
-  in contact are dearer than steps in the air: rates depend on how far into the episodes a trial
-  gets, and the C++ rows are measured when all have come down.
+  shipped: robots fall from up to 11 m, bounce and come to rest on the ground or on each other.
+  Steps in contact are dearer than steps in the air: rates depend on how far into the episodes a
+  trial gets, and the C++ rows are measured when all have come down.
 - Python: `make_pool` as in [scalability.md](scalability.md), {warm_up:,} receives of warm-up and
   {receives:,} measured, or {seconds:g} s where that is longer; {most:g} s each at most. The warm-up
   of the reference's code is N_E times as long.
