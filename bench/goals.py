@@ -1,6 +1,6 @@
 """The table of goals: every rate beside the limit's, from one run on this machine.
 
-    .venv/bin/python bench/goals.py [--full] [--json FILE] [--markdown FILE]
+    .venv/bin/python bench/goals.py [--full | --trial] [--json FILE] [--markdown FILE]
 
 bench_goals measures what is C++, bench_simbody_path the engine's cost on top of Simbody, this
 script what a Python user gets. Each figure is the best of many short trials in which all
@@ -123,11 +123,11 @@ def python_figures(cpp: list[Figure], trials: int, seconds: float) -> list[Figur
     ]
 
 
-def simbody_figure() -> Figure:
+def simbody_figure(more: list[str]) -> Figure:
     """The whole environment step against the quicker of two bare loops over Simbody."""
     program = PROGRAMS / "bench_simbody_path"
-    text = subprocess.run([program], check=True, capture_output=True, text=True).stdout
-    times = [float(t) for t in re.findall(r"(\d+) ns a step", text)]
+    done = subprocess.run([program, *more], check=True, capture_output=True, text=True)
+    times = [float(t) for t in re.findall(r"(\d+) ns a step", done.stdout)]
     bare, whole = min(times[:2]), times[3]
     return figure(
         "Simbody path",
@@ -191,21 +191,23 @@ def markdown(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--full", action="store_true", help="longer trials, for results to keep")
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--full", action="store_true", help="longer trials, for results to keep")
+    length.add_argument("--trial", action="store_true", help="one short trial a figure, for tests")
     parser.add_argument("--json", metavar="FILE", help="write the figures there")
     parser.add_argument("--markdown", metavar="FILE", help="write the table there")
     options = parser.parse_args()
-    trials, seconds = (60, 0.1) if options.full else (40, 0.02)
+    trials, seconds = (60, 0.1) if options.full else (1, 0.002) if options.trial else (40, 0.02)
+    more = ["--full"] if options.full else ["--trial"] if options.trial else []
 
     load = os.getloadavg()
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "cpp.json"
         command = [str(PROGRAMS / "bench_goals"), "--out", str(out)]
-        command += ["--full"] if options.full else []
-        subprocess.run(command, check=True)
+        subprocess.run([*command, *more], check=True)
         facts = json.loads(out.read_text())
     facts["figures"] += python_figures(facts["figures"], trials, seconds)
-    facts["figures"].append(simbody_figure())
+    facts["figures"].append(simbody_figure(["--trial"] if options.trial else []))
     facts["load"] = load
     facts["date"] = datetime.date.today().isoformat()
     print(f"\n{facts['machine']} ({facts['processor']}), {facts['processors']} processors")
