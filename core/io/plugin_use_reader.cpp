@@ -29,16 +29,6 @@ std::string remedy_of(const PluginUse& use, SkybodyKind kind) {
   return {};
 }
 
-/// The kind that has a plugin of that name, or SKYBODY_KIND_COUNT.
-SkybodyKind kind_of(const std::string& name, const PluginCatalog& catalog) {
-  for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
-    if (catalog.find(static_cast<SkybodyKind>(kind), name) != nullptr) {
-      return static_cast<SkybodyKind>(kind);
-    }
-  }
-  return SKYBODY_KIND_COUNT;
-}
-
 /// Whether it is a plugin of the source tree that this program was built from.
 bool is_in_sources(SkybodyKind kind, const std::string& name) {
   const std::filesystem::path folder = shipped_data("", kPluginKinds[kind].folder);
@@ -50,9 +40,7 @@ bool is_in_sources(SkybodyKind kind, const std::string& name) {
 std::string unknown_plugin(const std::string& name, SkybodyKind kind,
                            const PluginCatalog& catalog) {
   const std::string unknown = "unknown " + std::string(kind_name(kind)) + " `" + name + "`";
-  if (const SkybodyKind other = kind_of(name, catalog); other != SKYBODY_KIND_COUNT) {
-    return unknown + "; `" + name + "` is a " + kind_name(other);
-  }
+  if (const std::string hint = plugin_hint(name, catalog); !hint.empty()) return unknown + hint;
   if (is_in_sources(kind, name)) {
     return unknown + ": it is not built here; `./dev build` makes all plugins";
   }
@@ -85,6 +73,15 @@ const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
 }
 
 }  // namespace
+
+std::string plugin_hint(const std::string& name, const PluginCatalog& catalog) {
+  for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
+    const auto of_kind = static_cast<SkybodyKind>(kind);
+    if (catalog.find(of_kind, name) != nullptr)
+      return "; `" + name + "` is a " + kind_name(of_kind);
+  }
+  return {};
+}
 
 PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const PluginCatalog& catalog,
                           Diagnostics& diagnostics) {
