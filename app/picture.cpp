@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "app/python.h"
-#include "core/base/installation.h"
 
 extern char** environ;
 
@@ -30,11 +29,9 @@ struct Outcome {
   std::string output;   ///< stdout and stderr
 };
 
-fs::path script() { return shipped_data("scripts", "scripts") / "plot_flight.py"; }
-
 std::vector<std::string> command_line(const fs::path& log) {
   std::vector<std::string> command = python_command();
-  command.insert(command.end(), {script().string(), log.string()});
+  command.insert(command.end(), {plot_script().string(), log.string()});
   return command;
 }
 
@@ -105,7 +102,7 @@ Pictures draw_pictures(const fs::path& log) {
   }
   std::string last;
   Pictures pictures{picture_paths(outcome.output, last), ""};
-  if (outcome.status != 0) pictures.failure = last.empty() ? script().string() + " failed" : last;
+  if (outcome.status != 0) pictures.failure = last.empty() ? plot_script().string() + " failed" : last;
   return pictures;
 }
 

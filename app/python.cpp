@@ -34,6 +34,10 @@ std::string interpreter() {
 
 std::vector<std::string> python_command() { return {interpreter(), "-P"}; }
 
+std::filesystem::path plot_script() {
+  return shipped_data("scripts", "scripts") / "plot_flight.py";
+}
+
 void set_python_environment() {
   // Scripts lie beside the package in the source tree, and in share/skybody of an installation.
   const std::filesystem::path package = shipped_data("scripts", "scripts").parent_path() / "python";

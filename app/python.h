@@ -1,6 +1,7 @@
 // The Python that draws pictures, trains and tunes gains.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@ namespace skybody {
 /// The words that start it: SKYBODY_PYTHON, the one that this program was built with, or `python3`;
 /// then -P, lest Python imports from the working folder: a stranger's `numpy.py` would run.
 std::vector<std::string> python_command();
+
+/// The script that draws flight logs.
+std::filesystem::path plot_script();
 
 /// For programs that are started. In a source tree its folder `python` comes first on PYTHONPATH,
 /// so that they find the package of this very build; an installed program leaves that to its

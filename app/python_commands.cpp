@@ -1,4 +1,4 @@
-// Commands that the Python package does: each hands its arguments over.
+// Commands that Python does: each hands its arguments over.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -15,18 +15,26 @@ namespace skybody {
 namespace {
 
 struct PythonCommand {
-  const char *name, *module, *help;
+  const char* name;
+  const char* module;  ///< null: plot_script()
+  const char* help;
 };
 
 constexpr PythonCommand kCommands[] = {
     {"train", "skybody.train", "Train a policy in a scenario, reproducibly"},
     {"tune", "skybody.tune", "Fit gains of a chain of controllers to a vehicle"},
+    {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
 };
 
-/// Becomes `python -P -m MODULE ARGUMENTS`, whose exit status is the program's.
+/// Becomes `python -P -m MODULE ARGUMENTS`, or the script of pictures, whose exit status is the
+/// program's.
 int become_python(const char* module, const std::vector<std::string>& arguments) {
   std::vector<std::string> command = python_command();
-  command.insert(command.end(), {"-m", module});
+  if (module == nullptr) {
+    command.push_back(plot_script().string());
+  } else {
+    command.insert(command.end(), {"-m", module});
+  }
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::vector<char*> words;
   for (std::string& word : command) words.push_back(word.data());

@@ -71,7 +71,7 @@ CLI::Validator policy_argument() {
     if (std::count(names.begin(), names.end(), text) > 0) return "";
     if (std::filesystem::exists(text, ignored)) return "";
     const std::string near = closest(text, names);
-    return "there is no policy or file `" + text + "`" +
+    return "there is no policy or file `" + text + "`" + plugin_hint(text) +
            (near.empty() ? "" : "; did you mean `" + near + "`?") + "; allowed: " + join(names) +
            ", a policy.h5, or a folder with checkpoints";
   };

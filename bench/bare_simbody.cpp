@@ -14,22 +14,22 @@ using SimTK::Vec3;
 /// Rotor speeds of the hand-written loops.
 struct Rotors {
   double speed[4] = {kHover.start, kHover.start, kHover.start, kHover.start};
-  double half_up = std::exp(-0.5 * kHover.dt / kHover.tau_up),
-         full_up = std::exp(-kHover.dt / kHover.tau_up);
-  double half_down = std::exp(-0.5 * kHover.dt / kHover.tau_down),
-         full_down = std::exp(-kHover.dt / kHover.tau_down);
+  double up = std::exp(-kHover.dt / kHover.tau_up), down = std::exp(-kHover.dt / kHover.tau_down);
 
-  /// Thrust and torque in body axes with the rotors in mid-step; then moves them to its end.
+  /// Moves them to the step's end. Thrust and torque in body axes by the mean over the step of the
+  /// speed's square (rotor_over_step in core/physics/forces/rotor_lag.h).
   SimTK::SpatialVec step() {
     SimTK::SpatialVec sum(Vec3(0), Vec3(0));
     for (int i = 0; i < 4; ++i) {
       const double command = std::clamp(kHover.command, 0.0, kHover.max_speed);
-      const bool up = command > speed[i];
-      const double half = command + (speed[i] - command) * (up ? half_up : half_down);
-      speed[i] = command + (speed[i] - command) * (up ? full_up : full_down);
-      const Vec3 thrust(0, 0, kHover.kf * half * half);
+      const double start = speed[i], gap = command - start;
+      const double decay = gap > 0.0 ? up : down, tau = gap > 0.0 ? kHover.tau_up : kHover.tau_down;
+      speed[i] = command - gap * decay;
+      const double lacking = gap * (0.5 * tau / kHover.dt * (1.0 - decay));
+      const double squared = command * command - lacking * (2.0 * command + start + speed[i]);
+      const Vec3 thrust(0, 0, kHover.kf * squared);
       sum[0] += Vec3(kHover.hub[i][0], kHover.hub[i][1], 0) % thrust;
-      sum[0][2] -= kHover.direction[i] * kHover.km * half * half;
+      sum[0][2] -= kHover.direction[i] * kHover.km * squared;
       sum[1] += thrust;
     }
     return sum;
@@ -59,25 +59,14 @@ class Bare : public BareLoop {
   }
 
   void step() override {
-    system_.realize(state_, operator_ ? SimTK::Stage::Dynamics : SimTK::Stage::Velocity);
-    const SimTK::Rotation& r = body_.getBodyRotation(state_);
     const SimTK::SpatialVec wrench = rotors_.step();
-    body_forces_[1] = SimTK::SpatialVec(r * wrench[0], r * wrench[1]);
-    if (operator_) {
-      body_forces_[1][1][2] -= kHover.mass * kHover.g;
-      matter_.calcAccelerationIgnoringConstraints(state_, mobility_forces_, body_forces_, udot_,
-                                                  body_accelerations_);
-    } else {
-      discrete_->setOneBodyForce(state_, body_, body_forces_[1]);
-      system_.realize(state_, SimTK::Stage::Acceleration);
-      udot_ = state_.getUDot();
-    }
-    state_.updU() += kHover.dt * udot_;
-    system_.realize(state_, SimTK::Stage::Position);
-    matter_.multiplyByN(state_, false, state_.getU(), qdot_);
-    state_.updQ() += kHover.dt * qdot_;
-    system_.realize(state_, SimTK::Stage::Time);
-    matter_.normalizeQuaternions(state_);
+    drift_half();
+    start_ = state_.getU();
+    accelerate(wrench);
+    state_.updU() = start_ + 0.5 * kHover.dt * udot_;
+    accelerate(wrench);
+    state_.updU() = start_ + kHover.dt * udot_;
+    drift_half();
   }
   double height() const override { return state_.getQ()[6]; }
 
@@ -92,6 +81,29 @@ class Bare : public BareLoop {
   }
 
  private:
+  void drift_half() {
+    system_.realize(state_, SimTK::Stage::Position);
+    matter_.multiplyByN(state_, false, state_.getU(), qdot_);
+    state_.updQ() += 0.5 * kHover.dt * qdot_;
+    system_.realize(state_, SimTK::Stage::Time);
+    matter_.normalizeQuaternions(state_);
+  }
+
+  void accelerate(const SimTK::SpatialVec& wrench) {
+    system_.realize(state_, operator_ ? SimTK::Stage::Dynamics : SimTK::Stage::Velocity);
+    const SimTK::Rotation& r = body_.getBodyRotation(state_);
+    body_forces_[1] = SimTK::SpatialVec(r * wrench[0], r * wrench[1]);
+    if (operator_) {
+      body_forces_[1][1][2] -= kHover.mass * kHover.g;
+      matter_.calcAccelerationIgnoringConstraints(state_, mobility_forces_, body_forces_, udot_,
+                                                  body_accelerations_);
+    } else {
+      discrete_->setOneBodyForce(state_, body_, body_forces_[1]);
+      system_.realize(state_, SimTK::Stage::Acceleration);
+      udot_ = state_.getUDot();
+    }
+  }
+
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
   bool operator_;
@@ -100,7 +112,7 @@ class Bare : public BareLoop {
   SimTK::MobilizedBody::Free body_;
   SimTK::State state_;
   SimTK::Vector_<SimTK::SpatialVec> body_forces_, body_accelerations_;
-  SimTK::Vector mobility_forces_, udot_, qdot_;
+  SimTK::Vector mobility_forces_, start_, udot_, qdot_;
   Rotors rotors_;
 };
 

@@ -17,7 +17,7 @@ struct Hover {
 };
 inline constexpr Hover kHover{};
 
-/// Semi-implicit Euler, by hand.
+/// The default rule (kMidpointRule), by hand.
 class BareLoop {
  public:
   virtual ~BareLoop() = default;

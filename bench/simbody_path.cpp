@@ -1,11 +1,13 @@
 // What the engine costs on top of Simbody, in one run, taking turns: two hand-written loops over
 // the same hover world, our physics alone (GroupStepper), and the whole environment step of
 // scenarios/hover.yaml (action, plugins, physics, observation, reward, ends) on `dynamics:
-// simbody`. Exit code 1 if the first three end in different places.
+// simbody`. Exit code 1 if the first three end in different places. --trial: once and short, for
+// tests.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -18,7 +20,10 @@
 namespace skybody::bench {
 namespace {
 
-constexpr int kSteps = 20000, kTrials = 15;
+/// How much is measured.
+struct Length {
+  int trials = 15, steps = 20000;
+};
 
 Scenario make_hover() {
   Body base;
@@ -113,27 +118,27 @@ class Whole {
 
 /// @returns nanoseconds a step, and where the vehicle ended
 template <class Loop>
-double measure(Loop& loop, double& height) {
+double measure(Loop& loop, int steps, double& height) {
   const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < kSteps; ++i) loop.step();
+  for (int i = 0; i < steps; ++i) loop.step();
   const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - start;
   height = loop.height();
-  return time.count() / kSteps;
+  return time.count() / steps;
 }
 
-int run() {
+int run(const Length& length) {
   double best[4] = {1e300, 1e300, 1e300, 1e300}, height[4] = {};
-  for (int trial = 0; trial < kTrials; ++trial) {
+  for (int trial = 0; trial < length.trials; ++trial) {
     const auto forces = make_bare_loop(false), with_operator = make_bare_loop(true);
     Physics physics;
     Whole whole;
-    best[0] = std::min(best[0], measure(*forces, height[0]));
-    best[1] = std::min(best[1], measure(*with_operator, height[1]));
-    best[2] = std::min(best[2], measure(physics, height[2]));
-    best[3] = std::min(best[3], measure(whole, height[3]));
+    best[0] = std::min(best[0], measure(*forces, length.steps, height[0]));
+    best[1] = std::min(best[1], measure(*with_operator, length.steps, height[1]));
+    best[2] = std::min(best[2], measure(physics, length.steps, height[2]));
+    best[3] = std::min(best[3], measure(whole, length.steps, height[3]));
   }
-  std::printf("one hovering QDrone2, semi-implicit Euler at 1 ms, best of %d x %d steps\n", kTrials,
-              kSteps);
+  std::printf("one hovering QDrone2, midpoint at 1 ms, best of %d x %d steps\n", length.trials,
+              length.steps);
   const char* names[4] = {"bare Simbody, forces", "bare Simbody, operator", "our physics",
                           "whole environment step"};
   for (int i = 0; i < 4; ++i) {
@@ -149,4 +154,8 @@ int run() {
 }  // namespace
 }  // namespace skybody::bench
 
-int main() { return skybody::bench::run(); }
+int main(int argc, char** argv) {
+  skybody::bench::Length length;
+  if (argc > 1 && std::strcmp(argv[1], "--trial") == 0) length = {1, 200};
+  return skybody::bench::run(length);
+}

@@ -34,6 +34,7 @@ from training_runs import (
     command_line,
     machine,
     machine_line,
+    page_data,
     shown,
     train_all,
     versions_line,
@@ -222,7 +223,7 @@ def main(arguments: list[str] | None = None) -> int:
     write_json(options.report / "data/asymmetric_critic.json", content)
     draw(records, options.report / "images/asymmetric_critic.png")
     text = markdown(content)
-    (options.report / "asymmetric_critic.md").write_text(text)
+    page_data.write(options.report / "asymmetric_critic.md", text)
     print(f"{text}\nwritten: {shown(options.report / 'asymmetric_critic.md')}")
     return 0
 

@@ -34,6 +34,7 @@ from training_runs import (
     changed_hyper,
     command_line,
     machine,
+    page_data,
     shown,
     train_all,
     write_json,
@@ -206,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
     write_json(options.report / "data/control_abstractions.json", content)
     draw(records, options.tasks, options.report / "images/control_abstractions.png")
     text = markdown(content)
-    (options.report / "control_abstractions.md").write_text(text)
+    page_data.write(options.report / "control_abstractions.md", text)
     print(f"{text}\nwritten: {shown(options.report / 'control_abstractions.md')}")
     return 0
 

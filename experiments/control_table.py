@@ -23,7 +23,15 @@ import matplotlib
 import numpy as np
 import yaml
 from skybody.program import run_program
-from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_json
+from throughput import (
+    arguments,
+    facts,
+    machine_line,
+    markdown_table,
+    output_folder,
+    page_data,
+    write_json,
+)
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -278,7 +286,7 @@ def write(flights: list[Flight], found: dict[str, Any], out: Path) -> None:
     page += ["## Goals", "", *goals(flights), ""]
     page += ["## Published figures of such controllers, on real vehicles", ""]
     page += [markdown_table(PUBLISHED), ""]
-    (out / "control_table.md").write_text("\n".join(page))
+    page_data.write(out / "control_table.md", "\n".join(page))
     (out / "data").mkdir(exist_ok=True)
     write_json(
         out / "data/control_table.json",

@@ -33,9 +33,10 @@ import skybody
 from skybody.program import deaf_to_interrupts, run_program
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests/golden"))
+sys.path[:0] = [str(ROOT / "tests/golden"), str(ROOT / "scripts")]
 
 import golden  # noqa: E402
+import page_data  # noqa: E402
 from golden import ENVS, LEAST_STEPS, SEED, STEPS, Flight, FlightError  # noqa: E402
 
 REPORT = ROOT / "docs/results/determinism_matrix.md"
@@ -239,8 +240,12 @@ def markdown(lines: dict[str, dict[str, Any]]) -> str:
     )
 
 
-def keep(result: Result) -> None:
-    """Puts a line among those that were flown before, and writes the report anew."""
+def keep(result: Result, is_part: bool) -> None:
+    """Puts a line among those that were flown before, and writes the report anew.
+
+    Args:
+        is_part: only some flights are flown now.
+    """
     flight = result.flight
     known = json.loads(LINES.read_text()) if LINES.is_file() else {}
     known[flight.name] = {
@@ -257,7 +262,7 @@ def keep(result: Result) -> None:
         if name in known and known[name]["hash"] == golden.shipped_hash(pinned)
     }
     LINES.write_text(json.dumps(lines, indent=1) + "\n")
-    REPORT.write_text(markdown(lines))
+    page_data.write(REPORT, markdown(lines), keeps=is_part)
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -320,7 +325,7 @@ def main(arguments: list[str] | None = None) -> int:
             differs |= bool(result.differing)
             print(line(result), flush=True)
             if options.write:
-                keep(result)
+                keep(result, is_part=set(options.scenarios) != set(FLIGHTS))
     except FlightError as error:
         print(f"determinism_matrix: {error}", file=sys.stderr)
         return 2

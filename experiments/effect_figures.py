@@ -1,6 +1,6 @@
 """A figure for the README of each effect: what it does in the engine, beside its equation.
 
-    .venv/bin/python experiments/effect_figures.py [EFFECT]...
+    .venv/bin/python experiments/effect_figures.py [EFFECT]... [--quick] [--out FOLDER]
 
 Writes effects/EFFECT/figure.png. Points and full lines are measured in simulations; dashed lines
 are the equations of the README.
@@ -8,7 +8,7 @@ are the equations of the README.
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -349,21 +349,27 @@ FIGURES: dict[str, Callable[[Axes], None]] = {
 
 
 def main() -> int:
-    names = sys.argv[1:] or list(FIGURES)
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("effects", nargs="*", metavar="EFFECT", help=f"of {', '.join(FIGURES)}")
+    parser.add_argument("--out", type=Path, help="folder (default: each effect's own)")
+    parser.add_argument("--quick", action="store_true", help="a trial: `body_drag` alone")
+    options = parser.parse_args()
+    names = options.effects or (["body_drag"] if options.quick else list(FIGURES))
     unknown = [name for name in names if name not in FIGURES]
     if unknown:
-        print(f"no effect `{unknown[0]}`; allowed: {', '.join(FIGURES)}", file=sys.stderr)
-        return 2
+        parser.error(f"no effect `{unknown[0]}`; there are {', '.join(FIGURES)}")
     for name in names:
         figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
         FIGURES[name](axes)
         axes.grid(alpha=0.3)
         if not axes.get_legend():
             axes.legend()
-        path = ROOT / "effects" / name / "figure.png"
+        path = (
+            options.out / f"{name}.png" if options.out else ROOT / "effects" / name / "figure.png"
+        )
         figure.savefig(path, dpi=110, metadata={"Software": None})
         plt.close(figure)
-        print(path.relative_to(ROOT), flush=True)
+        print(path, flush=True)
     return 0
 
 

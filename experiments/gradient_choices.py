@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from result_pages import heading, option_parser, write_page
+from result_pages import add_quick, heading, option_parser, place_quick, write_page
 from skybody import versions
 from skybody.program import run_program
 from training_runs import (
@@ -35,6 +35,7 @@ PATIENCE = 300.0  # s, for one run
 SEEDS = (1, 2, 3)
 WORLDS = ("hover_learn", "windy_hover", "payload")
 COST = ("threads=1", "envs=128", "updates=20", "every=20")
+QUICK = ("updates=2", "every=2")
 STEP_SIZES = ("learning_rate=6e-3", "max_grad_norm=1")
 STATISTICS = ("normalization_steps=2e5", "averaging_steps=8e4")
 REWARD_ALONE = (
@@ -119,27 +120,28 @@ def read_figures(output: str) -> dict[str, float]:
     return figures
 
 
-def costs(program: Path) -> list[dict[str, Any]]:
+def costs(program: Path, quick: bool) -> list[dict[str, Any]]:
     """Of a step of training in each world."""
     rows = []
-    for world in WORLDS:
-        found = bench(program, world, COST)
+    for world in WORLDS[:1] if quick else WORLDS:
+        found = bench(program, world, (*COST, *(QUICK if quick else ())))
         rows.append({"scenario": world, "microseconds": 1e6 * found["seconds"] / found["steps"]})
     return rows
 
 
-def compared(program: Path, choices: Sequence[Choice]) -> list[dict[str, Any]]:
+def compared(program: Path, choices: Sequence[Choice], quick: bool) -> list[dict[str, Any]]:
     """Each choice with the figures of its seeds."""
+    more = QUICK if quick else ()
     return [
         {
             "choice": choice.name,
             "command": " ".join(["bench_gradient", choice.scenario, *choice.settings]),
             "runs": [
-                bench(program, choice.scenario, [*choice.settings, f"seed={seed}"])
-                for seed in SEEDS
+                bench(program, choice.scenario, [*choice.settings, *more, f"seed={seed}"])
+                for seed in (SEEDS[:1] if quick else SEEDS)
             ],
         }
-        for choice in choices
+        for choice in (choices[:1] if quick else choices)
     ]
 
 
@@ -218,17 +220,18 @@ def main(arguments: list[str] | None = None) -> int:
     parser = option_parser(__doc__)
     add = parser.add_argument
     add("--program", type=Path, default=ROOT / "build/release/bin/bench_gradient")
-    add("--report", type=Path, default=ROOT / "docs/results", help="folder of the page")
+    add_quick(parser, "the first row of each table, two updates")
     options = parser.parse_args(arguments)
+    place_quick(options, "gradient_choices")
     if not options.program.exists():
         parser.error(f"--program {options.program} does not exist; build the target bench_gradient")
     try:
         content: dict[str, Any] = {
             **heading("costs and choices of gradient", "gradient_choices.py", arguments),
             "versions": {name: str(version) for name, version in versions().items()},
-            "costs": costs(options.program),
-            "values": compared(options.program, VALUE_CHOICES),
-            "horizons": compared(options.program, HORIZON_CHOICES),
+            "costs": costs(options.program, options.quick),
+            "values": compared(options.program, VALUE_CHOICES, options.quick),
+            "horizons": compared(options.program, HORIZON_CHOICES, options.quick),
         }
     except RunError as error:
         print(f"gradient_choices: {error}", file=sys.stderr)

@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-from throughput import machine_line, markdown_table
+from throughput import (
+    machine_line,
+    markdown_table,
+    page_data,
+)
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -190,7 +194,7 @@ def write_page(facts: Facts, path: Path) -> None:
     ]
     for flight in facts["flights"]:
         lines += details(facts, flight)
-    path.write_text("\n".join(lines).rstrip() + "\n")
+    page_data.write(path, "\n".join(lines).rstrip() + "\n")
 
 
 def write_picture(facts: Facts, path: Path) -> None:

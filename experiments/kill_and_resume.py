@@ -23,12 +23,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from result_pages import heading, option_parser, write_page
+from result_pages import add_quick, heading, option_parser, place_quick, write_page
 from skybody.program import module_command, run_program
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.run_folder import read_table
-from training_runs import ROOT, RunError, machine_line
+from training_runs import RunError, machine_line
 
 KILLS = 20
 SCENARIO = "hover_learn"
@@ -221,10 +221,11 @@ def main(arguments: list[str] | None = None) -> int:
         default=list(ALGORITHMS),
         help="default: all",
     )
-    add("--out", type=Path, default=ROOT / "flights/kill_and_resume", help="folder of the runs")
-    add("--report", type=Path, help="folder of the report; default: docs/results")
+    add_quick(parser, "one kill of fast-ppo")
     options = parser.parse_args(arguments)
-    report = options.report or ROOT / "docs/results"
+    place_quick(options, "kill_and_resume")
+    if options.quick:
+        options.kills, options.algorithms = 1, ["fast-ppo"]
     moments = random.Random(options.seed)
     try:
         results = [compare(a, options.out, options.kills, moments) for a in options.algorithms]
@@ -236,7 +237,7 @@ def main(arguments: list[str] | None = None) -> int:
         "seed": options.seed,
         "results": [{**vars(result), "same": result.same()} for result in results],
     }
-    write_page(report, "kill_and_resume", content, markdown(content))
+    write_page(options.report, "kill_and_resume", content, markdown(content))
     return 0 if all(result.same() for result in results) else 1
 
 

@@ -41,7 +41,16 @@ from skybody.train.learner import Learner
 from skybody.train.policy_file import read_policy, shipped_policy
 from skybody.train.presets import preset
 from skybody.train.run_folder import read_table
-from training_runs import ROOT, Run, RunError, command_line, machine, shown, write_json
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    command_line,
+    machine,
+    page_data,
+    shown,
+    write_json,
+)
 
 EPISODES, CHECKPOINT_EPISODES = 100, 20
 QUICK_STEPS, QUICK_EPISODES = 20_000, 4
@@ -330,7 +339,7 @@ def main(arguments: list[str] | None = None) -> int:
     for over in ("steps", "seconds"):
         draw(rows, over, options.report / f"images/learning_{over}.png")
     text = markdown(content, COURSES)
-    (options.report / "learning.md").write_text(text)
+    page_data.write(options.report / "learning.md", text, keeps=any(row in earlier for row in rows))
     print(f"{text}\nwritten: {shown(options.report / 'learning.md')}")
     return 0
 

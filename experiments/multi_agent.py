@@ -36,6 +36,7 @@ from throughput import (
     machine_line,
     measure,
     output_folder,
+    page_data,
     processors,
     summary,
     thousands,
@@ -121,10 +122,10 @@ def from_cpp(bench: Bench, trials: int) -> list[Result]:
             rates = [float(run["env_steps_per_second"]) for run in runs]
             found = {"rate": statistics.mean(rates), "interval": interval(rates)}
             _say(f"C++, N_B {ENVS}", robots, action, found)
-            tree = statistics.mean(float(run["near_share"]) for run in runs)
+            near = statistics.mean(float(run["near_share"]) for run in runs)
             results.append(
                 {"robots": robots, "action": action, "batch": ENVS, "mean": found}
-                | {"near_share": tree, "rates": rates}
+                | {"near_share": near, "rates": rates}
             )
     return results
 
@@ -188,7 +189,7 @@ def main() -> int:
     if folder:
         write_json(folder / "data" / "multi_agent.json", content)
         multi_agent_report.draw(content, folder / "images" / "multi_agent.png")
-        (folder / "multi_agent.md").write_text(multi_agent_report.markdown(content))
+        page_data.write(folder / "multi_agent.md", multi_agent_report.markdown(content))
     return 0
 
 

@@ -21,7 +21,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skybody.program import run_program
-from training_runs import ROOT, machine, machine_line
+from training_runs import (
+    ROOT,
+    machine,
+    machine_line,
+    page_data,
+)
 
 
 @dataclass(frozen=True)
@@ -138,14 +143,23 @@ on {machine_line(machine())}. Old: {revision(options.old)}, new: {revision(optio
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--old", type=Path, required=True, help="project folder")
+    parser.add_argument("--old", type=Path, help="project folder")
     parser.add_argument("--new", type=Path, default=ROOT, help="project folder (this one)")
     parser.add_argument("--turns", type=int, default=21)
     parser.add_argument("--seconds", type=float, default=0.5, help="of one measurement")
     parser.add_argument("--least", type=float, default=0.97)
     parser.add_argument("--case", action="append", help="only the cases with this in their name")
     parser.add_argument("--markdown", type=Path, help="the page to write")
+    parser.add_argument(
+        "--quick", action="store_true", help="a trial: the first case, three short turns"
+    )
     options = parser.parse_args()
+    if options.quick:
+        options.old = options.old or options.new
+        options.turns, options.seconds, options.least = 3, 0.02, 0.0
+        options.case = options.case or [CASES[0].name]
+    if options.old is None:
+        parser.error("--old: the other project folder")
     rows, slower = [], 0
     for case in CASES:
         if options.case and not any(part in case.name for part in options.case):
@@ -157,7 +171,7 @@ def main() -> int:
         rows.append(f"| {case.name} | {median:.3f} | {low:.3f} ... {high:.3f}{verdict} |")
         print(rows[-1], flush=True)
     if options.markdown:
-        options.markdown.write_text(page(options, rows))
+        page_data.write(options.markdown, page(options, rows))
     return 1 if slower else 0
 
 

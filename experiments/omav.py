@@ -20,7 +20,14 @@ import numpy as np
 import skybody
 from numpy.typing import NDArray
 from skybody.program import run_program
-from throughput import arguments, facts, machine_line, markdown_table, output_folder
+from throughput import (
+    arguments,
+    facts,
+    machine_line,
+    markdown_table,
+    output_folder,
+    page_data,
+)
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -209,7 +216,7 @@ def main() -> int:
     text = page(samples, found)
     print(text)
     if folder is not None:
-        (folder / "omav.md").write_text(text)
+        page_data.write(folder / "omav.md", text)
         write_picture(samples, folder / "images/omav.png")
     return 0 if is_good(samples) else 1
 

@@ -40,6 +40,7 @@ from training_runs import (
     RunError,
     command_line,
     machine,
+    page_data,
     shown,
     train_all,
     write_json,
@@ -258,7 +259,8 @@ def main(arguments: list[str] | None = None) -> int:
     write_json(path, content)
     draw(content["learned"], options.report / "images/paper_protocol.png")
     text = markdown(content)
-    (options.report / "paper_protocol.md").write_text(text)
+    keeps = content["rows"] != rows or content["learned"] != curves
+    page_data.write(options.report / "paper_protocol.md", text, keeps=keeps)
     print(f"{text}\nwritten: {shown(options.report / 'paper_protocol.md')}")
     return 0
 

@@ -62,15 +62,19 @@ def draw(panel, name: str, time: np.ndarray, flown: np.ndarray, path: np.ndarray
 def main() -> None:
     parser = argparse.ArgumentParser(description="draw the shipped references")
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
+    parser.add_argument(
+        "--quick", action="store_true", help="a trial: one, into a folder that goes"
+    )
     options = parser.parse_args()
     figure = plt.figure(figsize=(12, 7.4))
     with tempfile.TemporaryDirectory() as folder:
-        for k, name in enumerate(NAMES):
+        for k, name in enumerate(NAMES[:1] if options.quick else NAMES):
             panel = figure.add_subplot(2, 3, k + 1, projection="3d")
             draw(panel, name, *fly(options.program, name, Path(folder)))
-    figure.tight_layout()
-    figure.savefig(FIGURE, dpi=110)
-    print(FIGURE)
+        figure.tight_layout()
+        picture = Path(folder) / FIGURE.name if options.quick else FIGURE
+        figure.savefig(picture, dpi=110)
+        print(picture)
 
 
 if __name__ == "__main__":

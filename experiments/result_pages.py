@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from training_runs import command_line, machine, shown, write_json
+from training_runs import ROOT, command_line, machine, page_data, shown, write_json
 
 
 def option_parser(doc: str | None) -> argparse.ArgumentParser:
@@ -16,6 +16,25 @@ def option_parser(doc: str | None) -> argparse.ArgumentParser:
     return argparse.ArgumentParser(
         description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+
+
+def add_quick(parser: argparse.ArgumentParser, trial: str) -> None:
+    """--quick, --out and --report; place_quick() fills them in.
+
+    Args:
+        trial: what is left of the experiment.
+    """
+    add = parser.add_argument
+    add("--quick", action="store_true", help=f"a trial: {trial}, page beside the runs")
+    add("--out", type=Path, help="folder of the runs; default: below flights")
+    add("--report", type=Path, help="folder of the page; default: docs/results")
+
+
+def place_quick(options: argparse.Namespace, name: str) -> None:
+    """Fills in the folders that are not given: flights/NAME, for a trial flights/NAME_quick."""
+    runs = ROOT / "flights" / (f"{name}_quick" if options.quick else name)
+    options.out = options.out or runs
+    options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
 
 
 def heading(experiment: str, script: str, arguments: Sequence[str] | None) -> dict[str, Any]:
@@ -36,5 +55,5 @@ def write_page(folder: Path, name: str, content: dict[str, Any], text: str) -> N
     """Writes `content` and the page that was made of it, and prints the page."""
     write_json(folder / f"data/{name}.json", content)
     page = folder / f"{name}.md"
-    page.write_text(text)
+    page_data.write(page, text)
     print(f"{text}\nwritten: {shown(page)}")

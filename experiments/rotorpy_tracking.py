@@ -23,7 +23,15 @@ from numpy.typing import NDArray
 from rotorpy_vehicle import Constants, constants_of, write_scenario
 from skybody import Simulation
 from skybody.program import run_program
-from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_json
+from throughput import (
+    arguments,
+    facts,
+    machine_line,
+    markdown_table,
+    output_folder,
+    page_data,
+    write_json,
+)
 
 Reals = NDArray[np.float64]
 DT = 0.001  # [s]
@@ -203,7 +211,7 @@ def main() -> int:
             "Ours takes calls from Python each millisecond here; RotorPy is Python altogether.",
             "",
         ]
-        (out / "rotorpy_tracking.md").write_text("\n".join(page))
+        page_data.write(out / "rotorpy_tracking.md", "\n".join(page))
         (out / "data").mkdir(exist_ok=True)
         write_json(out / "data/rotorpy_tracking.json", {"facts": found, "flights": rows})
     return 0

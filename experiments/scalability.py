@@ -31,6 +31,7 @@ from throughput import (
     machine_line,
     measure,
     output_folder,
+    page_data,
     summary,
     thousands,
     write_json,
@@ -137,7 +138,7 @@ def main() -> int:
     if folder:
         write_json(folder / "data" / "scalability.json", content)
         scalability_report.draw(content, folder / "images" / "scalability.png")
-        (folder / "scalability.md").write_text(scalability_report.markdown(content))
+        page_data.write(folder / "scalability.md", scalability_report.markdown(content))
     return 0
 
 

@@ -32,6 +32,7 @@ from throughput import (
     markdown_table,
     measure,
     output_folder,
+    page_data,
     plain_table,
     summary,
     thousands,
@@ -189,7 +190,8 @@ def main() -> int:
     known |= {name: vars(line) for name, line in measured.items()}
     lines = {name: known[name] for name in SCENARIOS if name in known}
     write_json(data, {"facts": found, "lines": lines})
-    (out / "task_speed.md").write_text(page({k: Line(**v) for k, v in lines.items()}, found))
+    text = page({k: Line(**v) for k, v in lines.items()}, found)
+    page_data.write(out / "task_speed.md", text, keeps=set(lines) != set(measured))
     return 0
 
 

@@ -24,7 +24,8 @@ import numpy as np
 import skybody
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "bench"))
+sys.path[:0] = [str(ROOT / "bench"), str(ROOT / "scripts")]
+import page_data as page_data  # noqa: E402
 from baselines import interval as interval  # noqa: E402
 from baselines import processor, processor_seconds  # noqa: E402
 from baselines import processors as processors  # noqa: E402
@@ -249,7 +250,7 @@ def write_report(folder: Path | None, name: str, text: str, content: dict[str, A
     """Prints a page and, where there is a folder, writes it with its figures as JSON."""
     print(text)
     if folder is not None:
-        (folder / f"{name}.md").write_text(text)
+        page_data.write(folder / f"{name}.md", text)
         write_json(folder / f"data/{name}.json", content)
 
 

@@ -16,13 +16,21 @@ import time
 from pathlib import Path
 
 from skybody.program import deaf_to_interrupts, run_program
-from throughput import facts, machine_line, markdown_table, plain_table
+from throughput import (
+    facts,
+    machine_line,
+    markdown_table,
+    page_data,
+    plain_table,
+)
 
 ENVS, ROLLOUT = 16, 128
-STEPS = 2 * ENVS * ROLLOUT  # two rollouts with their updates
+QUICK_ROLLOUT = 32
 
 
-def train(one_thread: bool, results: multiprocessing.Queue[tuple[int, float]]) -> None:
+def train(
+    one_thread: bool, rollout: int, results: multiprocessing.Queue[tuple[int, float]]
+) -> None:
     """Trains a little; puts PyTorch's number of threads and environment steps a second."""
     import torch
     from skybody.sb3 import SkybodyVecEnv
@@ -31,11 +39,12 @@ def train(one_thread: bool, results: multiprocessing.Queue[tuple[int, float]]) -
     if one_thread:
         torch.set_num_threads(1)
     envs = SkybodyVecEnv("hover_learn", ENVS, seed=1)
-    model = PPO("MlpPolicy", envs, n_steps=ROLLOUT, seed=1, device="cpu")
-    model.learn(ENVS * ROLLOUT)  # warm-up
+    model = PPO("MlpPolicy", envs, n_steps=rollout, seed=1, device="cpu")
+    model.learn(ENVS * rollout)  # warm-up
     begin = time.perf_counter()
-    model.learn(STEPS)
-    results.put((torch.get_num_threads(), STEPS / (time.perf_counter() - begin)))
+    steps = 2 * ENVS * rollout  # two rollouts with their updates
+    model.learn(steps)
+    results.put((torch.get_num_threads(), steps / (time.perf_counter() - begin)))
     envs.close()
 
 
@@ -44,7 +53,7 @@ def keep_busy() -> None:
         sum(range(10_000))
 
 
-def measure(one_thread: bool, is_busy: bool) -> tuple[int, float]:
+def measure(one_thread: bool, is_busy: bool, rollout: int) -> tuple[int, float]:
     """PyTorch's threads and steps a second of one run."""
     context = multiprocessing.get_context("spawn")
     results = context.Queue()
@@ -53,7 +62,7 @@ def measure(one_thread: bool, is_busy: bool) -> tuple[int, float]:
         with deaf_to_interrupts():
             other.start()
     try:
-        run = context.Process(target=train, args=(one_thread, results))
+        run = context.Process(target=train, args=(one_thread, rollout, results))
         with deaf_to_interrupts():
             run.start()
         found: tuple[int, float] = results.get(timeout=900)
@@ -92,12 +101,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--turns", type=int, default=3, help="runs of each setting")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the page there")
+    parser.add_argument("--quick", action="store_true", help="a trial: one turn, short rollouts")
     options = parser.parse_args()
+    rollout = QUICK_ROLLOUT if options.quick else ROLLOUT
+    options.turns = 1 if options.quick else options.turns
     rows = [["the machine", "PyTorch's threads", "steps/s", "times slower than with one"]]
     machine = machine_line(facts())
     print(machine)
     for is_busy in (False, True):
-        turns = [[measure(one, is_busy) for one in (False, True)] for _ in range(options.turns)]
+        turns = [
+            [measure(one, is_busy, rollout) for one in (False, True)] for _ in range(options.turns)
+        ]
         slower = [one[1] / own[1] for own, one in turns]
         where = "beside another" if is_busy else "as it is"
         threads = f"{turns[0][0][0]} (its choice)"
@@ -106,7 +120,7 @@ def main() -> None:
         rows.append([where, "1 (set)", rates[1], "1"])
     print(plain_table(rows))
     if options.markdown:
-        options.markdown.write_text(page(machine, rows, options.turns))
+        page_data.write(options.markdown, page(machine, rows, options.turns))
 
 
 if __name__ == "__main__":

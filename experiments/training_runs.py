@@ -25,6 +25,8 @@ from skybody.train.presets import preset
 
 LEARNER_COLORS = {"fast-ppo": "C0", "lean-ppo": "C1", "gradient": "C2", "ppo": "C3"}
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+import page_data as page_data  # noqa: E402
 
 
 class RunError(RuntimeError):

@@ -22,12 +22,11 @@ from typing import Any
 
 import numpy as np
 from hover_training import EPISODES, evaluate_checkpoint, measure
-from result_pages import heading, option_parser, write_page
+from result_pages import add_quick, heading, option_parser, place_quick, write_page
 from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
 from training_runs import (
-    ROOT,
     Run,
     RunError,
     changed_hyper,
@@ -36,6 +35,7 @@ from training_runs import (
 )
 
 SCENARIO = "vehicles"
+QUICK_FLEET = 64
 FLEET, LIGHTEST, HEAVIEST = 20_000, 0.03, 5.0  # vehicles; kg
 SECONDS = 60.0  # from the command to the policy that counts
 NEAR = 0.3  # m, the scenario's success
@@ -89,8 +89,11 @@ CONTESTANTS = {
 }
 
 
-def make_runs(out: Path, seeds: Sequence[int]) -> list[tuple[str, Run]]:
+def make_runs(out: Path, seeds: Sequence[int], quick: bool) -> list[tuple[str, Run]]:
     """Names of contestants and their runs, in the order in which they are done."""
+    fleet, contestants = FLEET, CONTESTANTS
+    if quick:
+        fleet, contestants = QUICK_FLEET, {"fast-ppo": Contestant("fast-ppo", 1, PPO)}
     return [
         (
             name,
@@ -100,13 +103,13 @@ def make_runs(out: Path, seeds: Sequence[int]) -> list[tuple[str, Run]]:
                 algorithm=contestant.algorithm,
                 seed=seed,
                 total_steps=contestant.steps,
-                overrides=overrides(FLEET),
+                overrides=overrides(fleet),
                 settings=contestant.settings,
                 checkpoints=CHECKPOINTS,
                 eval_episodes=0,
             ),
         )
-        for name, contestant in CONTESTANTS.items()
+        for name, contestant in contestants.items()
         for seed in seeds
     ]
 
@@ -198,10 +201,10 @@ def main(arguments: list[str] | None = None) -> int:
     add = parser.add_argument
     add("--seeds", type=int, nargs="+", default=[1], help="default: 1")
     add("--train-only", action="store_true", help="evaluate and write in a later call")
-    add("--out", type=Path, default=ROOT / "flights/vehicle_policy", help="folder of the runs")
-    add("--report", type=Path, default=ROOT / "docs/results", help="folder of the page")
+    add_quick(parser, f"a rollout of one learner with {QUICK_FLEET} vehicles")
     options = parser.parse_args(arguments)
-    runs = make_runs(options.out, options.seeds)
+    place_quick(options, "vehicle_policy")
+    runs = make_runs(options.out, options.seeds, options.quick)
     try:
         for _, run in runs:
             measure(run)

@@ -22,7 +22,13 @@ import h5py
 import matplotlib.image
 import numpy as np
 from skybody.program import run_program
-from throughput import arguments, facts, machine_line, output_folder
+from throughput import (
+    arguments,
+    facts,
+    machine_line,
+    output_folder,
+    page_data,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
@@ -251,7 +257,7 @@ def main() -> int:
         "\n\n".join(sections.values()),
         "",
     ]
-    (out / "worlds.md").write_text("\n".join(page))
+    page_data.write(out / "worlds.md", "\n".join(page), keeps=set(sections) != set(flown))
     return 0
 
 

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
-"""Draws the flights of a Skybody log: one PNG an episode.
+"""Draws the flights of a Skybody log: one picture an episode.
 
-    plot_flight.py flights/hover-0/flight.h5 [--out DIR] [--most 3]
+    skybody plot flights/hover-0/flight.h5 [--pdf] [--panels z,yaw,path] [--out DIR] [--most 3]
 
 Positions against their goals, attitude, rotor speeds with their commands, joints, reward, and the
 path in space with the vehicle at some instants and the obstacles. The time is shaded in which
 something touches the ground, an obstacle or another robot. Writes flight-0001.png, flight-0002.png,
-... beside the log and prints a line `picture PATH` for each.
+... beside the log (with --pdf flight-0001.pdf, ...) and prints a line `picture PATH` for each.
+--panels draws some of the panels alone, one below another.
 Needs matplotlib, numpy and h5py.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import math
 import os
 import secrets
@@ -66,14 +68,13 @@ def widen(axes, span: float) -> None:
         axes.set_ylim(middle - 0.5 * span, middle + 0.5 * span)
 
 
-def draw_positions(panels, flight: Flight) -> None:
-    for axis, panel in enumerate(panels):
-        for track in flight.tracks:
-            panel.plot(flight.time, track.position[:, axis], color=track.color)
-            if track.goal is not None:
-                panel.plot(flight.time, track.goal[:, axis], **GOAL)
-        panel.set_ylabel(f"{'xyz'[axis]} [m]")
-        widen(panel, 0.02)
+def draw_position(panel, flight: Flight, axis: int) -> None:
+    for track in flight.tracks:
+        panel.plot(flight.time, track.position[:, axis], color=track.color)
+        if track.goal is not None:
+            panel.plot(flight.time, track.goal[:, axis], **GOAL)
+    panel.set_ylabel(f"{'xyz'[axis]} [m]")
+    widen(panel, 0.02)
 
 
 def draw_errors(panel, flight: Flight) -> None:
@@ -88,16 +89,15 @@ def draw_errors(panel, flight: Flight) -> None:
     panel.set_ylabel("to goal [mm]")
 
 
-def draw_attitude(panels, flight: Flight) -> None:
-    for axis, panel in enumerate(panels):
-        for track in flight.tracks:
-            if track.angles is None:
-                continue
-            panel.plot(flight.time, track.angles[:, axis], color=track.color)
-            if axis == 2 and track.goal is not None:
-                panel.plot(flight.time, track.goal_yaw(), **GOAL)
-        panel.set_ylabel(f"{('roll', 'pitch', 'yaw')[axis]} [deg]")
-        widen(panel, 2.0)
+def draw_angle(panel, flight: Flight, axis: int) -> None:
+    for track in flight.tracks:
+        if track.angles is None:
+            continue
+        panel.plot(flight.time, track.angles[:, axis], color=track.color)
+        if axis == 2 and track.goal is not None:
+            panel.plot(flight.time, track.goal_yaw(), **GOAL)
+    panel.set_ylabel(f"{('roll', 'pitch', 'yaw')[axis]} [deg]")
+    widen(panel, 2.0)
 
 
 def draw_reward(panel, flight: Flight) -> None:
@@ -164,6 +164,9 @@ def second_scale(panel):
 
 def draw_joints(panel, flight: Flight) -> None:
     """Angles in degrees; where there are sliders their travel, by a scale on the right."""
+    if not flight.joints:
+        panel.text(0.5, 0.5, "no joints", ha="center", transform=panel.transAxes)
+        return
     shown = sum(len(joints.names) for joints in flight.joints)
     palette = iter(colors(shown))
     handles = []
@@ -243,9 +246,10 @@ def draw(flight: Flight):
     heights = (1.3, 0.75, 0.75) if flight.joints else (1.15, 1.0)
     side = grid[:, 2].subgridspec(len(heights), 1, hspace=0.32, height_ratios=heights)
     times = [figure.add_subplot(side[k], sharex=first) for k in range(1, len(heights))]
-    draw_positions(panels[0][:3], flight)
+    for axis in range(3):
+        draw_position(panels[0][axis], flight, axis)
+        draw_angle(panels[1][axis], flight, axis)
     draw_errors(panels[0][3], flight)
-    draw_attitude(panels[1][:3], flight)
     follows = any(track.follows() for track in flight.tracks)
     judged = np.any(flight.reward[1:] != 0.0) or not flight.rotors
     (draw_effort if follows and not judged else draw_reward)(panels[1][3], flight)
@@ -264,6 +268,48 @@ def draw(flight: Flight):
     return figure
 
 
+# Panels by name, each drawn by f(panel, flight). `path` is in space.
+PANELS = {
+    "x": functools.partial(draw_position, axis=0),
+    "y": functools.partial(draw_position, axis=1),
+    "z": functools.partial(draw_position, axis=2),
+    "error": draw_errors,
+    "roll": functools.partial(draw_angle, axis=0),
+    "pitch": functools.partial(draw_angle, axis=1),
+    "yaw": functools.partial(draw_angle, axis=2),
+    "reward": draw_reward,
+    "effort": draw_effort,
+    "rotors": draw_rotors,
+    "joints": draw_joints,
+    "path": draw_path,
+}
+
+
+def draw_chosen(flight: Flight, names: list[str]):
+    """Some panels, one below another: those over time share its axis."""
+    heights = [2.5 if name == "path" else 1.0 for name in names]
+    height = 1.1 + 2.0 * sum(heights)  # [in]
+    figure = plt.figure(figsize=(7.5, height))
+    figure.suptitle(flight.title, x=0.02, y=1.0 - 0.1 / height, ha="left", va="top", weight="bold")
+    margins = {"left": 0.13, "right": 0.97, "top": 1.0 - 0.55 / height, "bottom": 0.5 / height}
+    grid = figure.add_gridspec(len(names), 1, hspace=0.25, height_ratios=heights, **margins)
+    times: list = []
+    for row, name in enumerate(names):
+        if name == "path":
+            PANELS[name](figure.add_subplot(grid[row], projection="3d"), flight)
+            continue
+        panel = figure.add_subplot(grid[row], sharex=times[0] if times else None)
+        PANELS[name](panel, flight)
+        shade_touching(panel, flight)
+        panel.tick_params(labelbottom=False)
+        times.append(panel)
+    if times:
+        times[-1].tick_params(labelbottom=True)
+        times[-1].set_xlabel("time [s]")
+        times[0].set_xlim(0.0, max(float(flight.time[-1]), 1e-3))
+    return figure
+
+
 # --- program ----------------------------------------------------------------------------------
 
 
@@ -272,7 +318,7 @@ def save(figure, path: Path) -> None:
     partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
         with partial.open("xb") as file:
-            figure.savefig(file, dpi=DPI, format="png")
+            figure.savefig(file, dpi=DPI, format=path.suffix[1:])
         os.replace(partial, path)
     except OSError as error:
         partial.unlink(missing_ok=True)
@@ -280,9 +326,34 @@ def save(figure, path: Path) -> None:
     plt.close(figure)
 
 
+def log_file(text: str) -> Path:
+    """Of the log."""
+    if not Path(text).is_file():
+        raise argparse.ArgumentTypeError(f"there is no file {text}")
+    return Path(text)
+
+
+def panel_names(text: str) -> list[str]:
+    """Of --panels."""
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name not in PANELS:
+            raise argparse.ArgumentTypeError(f"no panel `{name}`; there are {', '.join(PANELS)}")
+    return names
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(description="draw the flights of a Skybody log")
-    parser.add_argument("log", type=Path, help="flight.h5")
+    parser = argparse.ArgumentParser(
+        prog="skybody plot", description="draw the flights of a Skybody log, a picture an episode"
+    )
+    parser.add_argument("log", type=log_file, help="flight.h5")
+    parser.add_argument("--pdf", action="store_true", help="PDF in place of PNG")
+    parser.add_argument(
+        "--panels",
+        type=panel_names,
+        metavar="A,B,...",
+        help=f"these alone, one below another: {', '.join(PANELS)}",
+    )
     parser.add_argument("--out", type=Path, help="folder of the pictures (default: the log's)")
     parser.add_argument("--most", type=int, default=3, help="draw the first N episodes (default 3)")
     options = parser.parse_args()
@@ -297,8 +368,9 @@ def main() -> int:
             sys.exit(f"{options.log}: {reason}")
         folder.mkdir(parents=True, exist_ok=True)
         for name in list(log["episodes"])[: options.most]:
-            path = folder / f"flight-{name}.png"
-            save(draw(read_flight(log, name)), path)
+            path = folder / f"flight-{name}.{'pdf' if options.pdf else 'png'}"
+            flight = read_flight(log, name)
+            save(draw_chosen(flight, options.panels) if options.panels else draw(flight), path)
             print(f"picture {path}", flush=True)
     return 0
 

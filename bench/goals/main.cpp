@@ -1,7 +1,9 @@
 // The C++ lines of the table of goals, as JSON: every rate of ours beside the limit's, from one
 // run. bench/goals.py prints the table and adds what is measured from Python.
 //
-//   bench_goals [--full] [--out FILE]
+//   bench_goals [--full | --trial] [--out FILE]
+//
+// --full: longer trials, for results to keep. --trial: one short trial a figure, for tests.
 #include <skybody/build_info.h>
 
 #include <cstdio>
@@ -184,9 +186,9 @@ class Goals {
   std::vector<Figure> figures_;
 };
 
-int run(bool full, const char* out) {
+int run(const Effort& effort, bool full, const char* out) {
   if (!limit::check(limit::all_loops())) return 1;
-  Goals goals(full ? Effort{200, 0.01} : Effort{});
+  Goals goals(effort);
   goals.all();
   std::vector<std::string> lines;
   for (const Figure& f : goals.figures()) lines.push_back(f.json());
@@ -211,11 +213,14 @@ int run(bool full, const char* out) {
 }  // namespace skybody::bench
 
 int main(int argc, char** argv) {
+  using skybody::bench::Effort;
   bool full = false;
+  Effort effort;
   const char* out = nullptr;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--full") == 0) full = true;
+    if (std::strcmp(argv[i], "--trial") == 0) effort = {1, 0.0005};
     if (std::strcmp(argv[i], "--out") == 0 && i + 1 < argc) out = argv[++i];
   }
-  return skybody::bench::run(full, out);
+  return skybody::bench::run(full ? Effort{200, 0.01} : effort, full, out);
 }

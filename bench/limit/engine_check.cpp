@@ -8,6 +8,7 @@
 #include "bench/limit/hover_task.h"
 #include "bench/limit/pin_rod_task.h"
 #include "core/assemble/load.h"
+#include "core/base/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 
@@ -69,8 +70,15 @@ class Engine {
   double q(int lane, int k) { return value(compiled_->layout().q.offset + k, lane); }
   double u(int lane, int k) { return value(compiled_->layout().u.offset + k, lane); }
   double rotor(int lane, int k) { return value(compiled_->layout().rotor_speed.offset + k, lane); }
-  double task_value(int lane, int k) {
-    return group_.plugin_reals(compiled_->task().state + k)[lane];
+  /// @param path  of an EnvParam
+  double param(int lane, const std::string& path) {
+    const Layout& layout = compiled_->layout();
+    for (std::size_t k = 0; k < layout.param_info.size(); ++k) {
+      if (layout.param_info[k].path == path) {
+        return value(layout.params.offset + static_cast<int>(k), lane);
+      }
+    }
+    throw Error("no parameter " + path);
   }
   int width() const { return compiled_->observation_size(); }
   const float* observation(int lane) const {
@@ -98,19 +106,12 @@ void copy_base(Engine& engine, EnvironmentArray& array, int env) {
   for (int k = 0; k < 4; ++k) array.value(env, kRotor + k) = engine.rotor(env, k);
 }
 
-/// A ball joint's coordinates are relative to the parent, the loop's to the world.
+/// Coordinates of ball joints are those of the loop.
 void copy_bodies(Engine& engine, EnvironmentArray& array, int env) {
-  Quat<double> parent{engine.q(env, 3), engine.q(env, 4), engine.q(env, 5), engine.q(env, 6)};
-  Vec3<double> spin{engine.u(env, 3), engine.u(env, 4), engine.u(env, 5)};  // parent's axes
   for (int body = 0; body < 2; ++body) {
-    const int q = 7 + 4 * body, u = 6 + 3 * body, to = kRodRotation + 7 * body;
-    const Quat<double> own{engine.q(env, q), engine.q(env, q + 1), engine.q(env, q + 2),
-                           engine.q(env, q + 3)};
-    parent = parent * own;
-    spin = rotate_inverse(own, spin) +
-           Vec3<double>{engine.u(env, u), engine.u(env, u + 1), engine.u(env, u + 2)};
-    const double values[7] = {parent.w, parent.x, parent.y, parent.z, spin.x, spin.y, spin.z};
-    for (int k = 0; k < 7; ++k) array.value(env, to + k) = values[k];
+    const int to = kRodRotation + 7 * body;
+    for (int k = 0; k < 4; ++k) array.value(env, to + k) = engine.q(env, 7 + 4 * body + k);
+    for (int k = 0; k < 3; ++k) array.value(env, to + 4 + k) = engine.u(env, 6 + 3 * body + k);
   }
 }
 
@@ -118,7 +119,10 @@ void copy_state(CheckedTask task, Engine& engine, EnvironmentArray& array, int e
   copy_base(engine, array, env);
   switch (task) {
     case CheckedTask::kHover:
-      for (int k = 0; k < 4; ++k) array.value(env, kTarget + k) = engine.task_value(env, k);
+      for (int k = 0; k < 4; ++k) {
+        const std::string path = "task.target[" + std::to_string(k) + "]";
+        array.value(env, kTarget + k) = engine.param(env, path);
+      }
       return;
     case CheckedTask::kPayload:
       copy_bodies(engine, array, env);

@@ -7,9 +7,8 @@
 // the rod's on the bob, "the joint's point accelerates alike on both its bodies" is
 //   base and rod   k0 - G f = k1 + T f + U g
 //   rod and bob    k2 - U f - T g = k3 + C g
-// two symmetric 3x3 systems, and no elimination of coordinates. Each body's rotation
-// and rates are its own (not its parent's), so that a step needs no kinematics down the chain;
-// accelerations count from free fall.
+// two symmetric 3x3 systems, and no elimination of coordinates. Both evaluations of a step are at
+// one pose, so that the systems are inverted once. Accelerations count from free fall.
 #pragma once
 
 #include "bench/limit/free_flight.h"
@@ -28,11 +27,11 @@ constexpr double kHookArm = 0.03 + kCom;  ///< upper joint below the base's cent
 constexpr double kRodArm = 0.5;           ///< joints above and below the rod's [m]
 constexpr double kBobArm = 0.07;          ///< lower joint above the bob's [m]
 
-/// A body's rotation and rates.
+/// A body at a ball joint.
 template <class Real>
 struct Turning {
-  Quat<Real> rotation;  ///< W from the body
-  Vec3<Real> spin;      ///< its axes [rad/s]
+  Quat<Real> rotation;  ///< the parent from the body
+  Vec3<Real> spin;      ///< against the parent, the body's axes [rad/s]
 };
 
 /// Angular acceleration without moments: -I^-1 (w x I w).
@@ -82,68 +81,112 @@ struct Carrier {
   Turning<Real> rod, bob;
 };
 
+/// What velocities change by in a second.
+template <class Real>
+struct CarrierRates {
+  FlyerRates<Real> base;
+  Vec3<Real> rod, bob;  ///< of their spins [rad/s^2]
+};
+
+/// What the pose says of the equations.
+template <class Real>
+class Hanging {
+ public:
+  /// @param rod, bob  as in Carrier
+  SKYBODY_INLINE Hanging(const Quat<Real>& rod, const Quat<Real>& bob)
+      : base_of_rod_(to_mat3(rod)), rod_of_bob_(to_mat3(bob)) {
+    constexpr Compliance<kBase> kG(-kHookArm, -kHookArm);
+    constexpr Compliance<kRod> kT(kRodArm, kRodArm);
+    constexpr Compliance<kBob> kC(kBobArm, kBobArm);
+    const Real none(0.0);
+    SymMat3<Real> lower{Real(kT.x), Real(kT.y), Real(kT.z), none, none, none};
+    add_turned(lower, transpose(rod_of_bob_), kC.x, kC.y, kC.z);
+    const SymMat3<Real> h = inverse(lower);  // of C + T
+    SymMat3<Real> upper{
+        kT.x - (kAcross.x * kAcross.x) * h.xx, kT.y - (kAcross.y * kAcross.y) * h.yy,
+        kT.z - (kAcross.z * kAcross.z) * h.zz, -(kAcross.x * kAcross.y) * h.xy,
+        -(kAcross.x * kAcross.z) * h.xz,       -(kAcross.y * kAcross.z) * h.yz};
+    add_turned(upper, base_of_rod_, kG.x, kG.y, kG.z);
+    lower_ = h;
+    upper_ = inverse(upper);
+  }
+
+  /// @param rod_spin, bob_spin  as in Carrier
+  SKYBODY_INLINE CarrierRates<Real> rates(const RotorSums<Real>& sums,
+                                          const FlyerVelocity<Real>& at, const Vec3<Real>& rod_spin,
+                                          const Vec3<Real>& bob_spin) const {
+    const Vec3<Real>& w = at.spin;
+    const Vec3<Real> carried = transpose_times(base_of_rod_, w), w1 = carried + rod_spin;
+    const Vec3<Real> hanging = transpose_times(rod_of_bob_, w1), w2 = hanging + bob_spin;
+    const RotorWrench<Real> rotors = rotor_wrench(sums, at.x, at.y, w);
+
+    // Each body as if nothing hung on it.
+    Vec3<Real> base_turn = gyration<kBase>(w);
+    base_turn.x += (1.0 / kBase.x) * (rotors.moment.x + (kCom * kMass) * rotors.push.y);
+    base_turn.y += (1.0 / kBase.y) * (rotors.moment.y - (kCom * kMass) * rotors.push.x);
+    base_turn.z += (1.0 / kBase.z) * rotors.moment.z;
+    const Vec3<Real> k0 = rotors.push + on_axis(base_turn, w, -kHookArm);
+    const Vec3<Real> rod_turn = gyration<kRod>(w1), k1 = on_axis(rod_turn, w1, kRodArm);
+    const Vec3<Real> bob_turn = gyration<kBob>(w2), k3 = on_axis(bob_turn, w2, kBobArm);
+
+    // In rod axes. U f = -kAcross f, whichever way: the rod feels -g below.
+    const Vec3<Real> seen = lower_ * (-k1 - rod_of_bob_ * k3);  // g if f were 0; k2 is -k1
+    const Vec3<Real> f = upper_ * (transpose_times(base_of_rod_, k0) - k1 + across(seen));
+    const Vec3<Real> g = seen + lower_ * across(f);
+
+    // Back to the bodies.
+    const Vec3<Real> pull = base_of_rod_ * f, hang = transpose_times(rod_of_bob_, g);
+    const Vec3<Real> angular{base_turn.x - (kHookArm / kBase.x) * pull.y,
+                             base_turn.y + (kHookArm / kBase.y) * pull.x, base_turn.z};
+    const Vec3<Real> push = rotors.push - pull * Real(1.0 / kMass);
+    const Vec3<Real> rod = pulled<kRod>(rod_turn, kRodArm, Vec3<Real>(f + g));
+    const Vec3<Real> bob = pulled<kBob>(bob_turn, kBobArm, hang);
+    // Against the parent, whose axes turn in those of the body.
+    return {{push - on_axis(angular, w, kCom), angular},
+            rod - transpose_times(base_of_rod_, angular) + cross(rod_spin, carried),
+            bob - transpose_times(rod_of_bob_, rod) + cross(bob_spin, hanging)};
+  }
+
+ private:
+  static constexpr Compliance<kRod> kAcross{kRodArm, -kRodArm};
+
+  static SKYBODY_INLINE Vec3<Real> across(const Vec3<Real>& f) {
+    return {kAcross.x * f.x, kAcross.y * f.y, kAcross.z * f.z};
+  }
+  /// Angular acceleration with a force at z = `arm`.
+  template <LinkConstants kLink>
+  static SKYBODY_INLINE Vec3<Real> pulled(const Vec3<Real>& free, double arm,
+                                          const Vec3<Real>& force) {
+    return {free.x - (arm / kLink.x) * force.y, free.y + (arm / kLink.y) * force.x, free.z};
+  }
+
+  Mat3<Real> base_of_rod_, rod_of_bob_;
+  SymMat3<Real> lower_, upper_;  ///< inverses of the two systems
+};
+
 /// One physics step.
 /// @param command  of the rotors, within what they can do [rad/s]
 template <class Real>
 SKYBODY_INLINE void fly(Carrier<Real>& s, const Real* command) {
+  const RotorSums<Real> rotors = run_rotors(s.base.rotor, command);
+  drift(s.base);
+  s.rod.rotation = turned(s.rod.rotation, s.rod.spin);
+  s.bob.rotation = turned(s.bob.rotation, s.bob.spin);
   const Mat3<Real> r = to_mat3(s.base.rotation);
-  const Vec3<Real>&v = s.base.velocity, w = s.base.spin;
-  const Real x = (r.m[0] * v.x + r.m[3] * v.y) + r.m[6] * v.z;
-  const Real y = (r.m[1] * v.x + r.m[4] * v.y) + r.m[7] * v.z;
-  const RotorWrench<Real> rotors = turn_rotors(s.base.rotor, command, x, y, w);
-
-  // Each body as if nothing hung on it.
-  Vec3<Real> base_turn = gyration<kBase>(w);
-  base_turn.x += (1.0 / kBase.x) * (rotors.moment.x + (kCom * kMass) * rotors.push.y);
-  base_turn.y += (1.0 / kBase.y) * (rotors.moment.y - (kCom * kMass) * rotors.push.x);
-  base_turn.z += (1.0 / kBase.z) * rotors.moment.z;
-  const Vec3<Real> k0 = rotors.push + on_axis(base_turn, w, -kHookArm);
-  const Vec3<Real> rod_turn = gyration<kRod>(s.rod.spin);
-  const Vec3<Real> k1 = on_axis(rod_turn, s.rod.spin, kRodArm);
-  const Vec3<Real> bob_turn = gyration<kBob>(s.bob.spin);
-  const Vec3<Real> k3 = on_axis(bob_turn, s.bob.spin, kBobArm);
-
-  // In rod axes.
-  const Mat3<Real> base_of_rod = to_mat3(conjugate(s.base.rotation) * s.rod.rotation);
-  const Mat3<Real> bob_of_rod = to_mat3(conjugate(s.bob.rotation) * s.rod.rotation);
-  constexpr Compliance<kBase> kG(-kHookArm, -kHookArm);
-  constexpr Compliance<kRod> kT(kRodArm, kRodArm), kAcross(kRodArm, -kRodArm);
-  constexpr Compliance<kBob> kC(kBobArm, kBobArm);
-  const Real none(0.0);
-  SymMat3<Real> lower{Real(kT.x), Real(kT.y), Real(kT.z), none, none, none};
-  add_turned(lower, bob_of_rod, kC.x, kC.y, kC.z);
-  const SymMat3<Real> h = inverse(lower);  // of C + T
-  // U f = -kAcross f, whichever way: the rod feels -g below.
-  const Vec3<Real> seen = h * (-k1 - transpose_times(bob_of_rod, k3));  // g if f were 0
-  SymMat3<Real> upper{kT.x - (kAcross.x * kAcross.x) * h.xx, kT.y - (kAcross.y * kAcross.y) * h.yy,
-                      kT.z - (kAcross.z * kAcross.z) * h.zz, -(kAcross.x * kAcross.y) * h.xy,
-                      -(kAcross.x * kAcross.z) * h.xz,       -(kAcross.y * kAcross.z) * h.yz};
-  add_turned(upper, base_of_rod, kG.x, kG.y, kG.z);
-  const Vec3<Real> across{kAcross.x * seen.x, kAcross.y * seen.y, kAcross.z * seen.z};
-  const Vec3<Real> f = inverse(upper) * (transpose_times(base_of_rod, k0) - k1 + across);
-  const Vec3<Real> g = seen + h * Vec3<Real>{kAcross.x * f.x, kAcross.y * f.y, kAcross.z * f.z};
-
-  // Back to the bodies.
-  const Vec3<Real> pull = base_of_rod * f, hang = bob_of_rod * g;
-  const Vec3<Real> angular{base_turn.x - (kHookArm / kBase.x) * pull.y,
-                           base_turn.y + (kHookArm / kBase.y) * pull.x, base_turn.z};
-  const Vec3<Real> push = rotors.push - pull * Real(1.0 / kMass);
-  const Vec3<Real> linear = push - Vec3<Real>(on_axis(angular, w, kCom));
-  const Vec3<Real> a = r * linear;
-  s.base.velocity = {v.x + kDt * a.x, v.y + kDt * a.y, v.z + (kDt * a.z - kDt * kGravity)};
-  s.base.spin = {w.x + kDt * angular.x, w.y + kDt * angular.y, w.z + kDt * angular.z};
-  s.base.position += s.base.velocity * Real(kDt);
-  s.base.rotation = turned(s.base.rotation, s.base.spin);
-
-  const auto turn = [](Turning<Real>& body, const Vec3<Real>& free, double by_x, double by_y,
-                       const Vec3<Real>& force) {
-    body.spin.x += kDt * (free.x - by_x * force.y);
-    body.spin.y += kDt * (free.y + by_y * force.x);
-    body.spin.z += kDt * free.z;
-    body.rotation = turned(body.rotation, body.spin);
-  };
-  turn(s.rod, rod_turn, kRodArm / kRod.x, kRodArm / kRod.y, f + g);
-  turn(s.bob, bob_turn, kBobArm / kBob.x, kBobArm / kBob.y, hang);
+  const Hanging<Real> pose(s.rod.rotation, s.bob.rotation);
+  FlyerVelocity<Real> middle(s.base, r);
+  const CarrierRates<Real> first = pose.rates(rotors, middle, s.rod.spin, s.bob.spin);
+  middle.kick_half(first.base, r);
+  const Real half(0.5 * kDt);
+  const CarrierRates<Real> second =
+      pose.rates(rotors, middle, Vec3<Real>(s.rod.spin + first.rod * half),
+                 Vec3<Real>(s.bob.spin + first.bob * half));
+  kick(s.base, second.base, r);
+  s.rod.spin += second.rod * Real(kDt);
+  s.bob.spin += second.bob * Real(kDt);
+  drift_to_end(s.base);
+  s.rod.rotation = turned_to_unit(s.rod.rotation, s.rod.spin);
+  s.bob.rotation = turned_to_unit(s.bob.rotation, s.bob.spin);
 }
 
 }  // namespace skybody::bench::limit

@@ -86,14 +86,24 @@ struct PayloadTask {
   template <class Get>
   SKYBODY_INLINE Outcome<Real> observe(Get&&, Real (&values)[kOwnObservation]) const {
     const Flyer<Real>& base = carrier.base;
+    const Turning<Real> rod = in_world({base.rotation, base.spin}, carrier.rod);
+    const Turning<Real> bob = in_world(rod, carrier.bob);
     PointMotion<Real> load{base.position, base.velocity};
     load.descend(base.rotation, base.spin, kHookArm - kCom);
-    load.descend(carrier.rod.rotation, carrier.rod.spin, 2.0 * kRodArm);
-    load.descend(carrier.bob.rotation, carrier.bob.spin, kBobArm);
-    return observe_payload(base, load, carrier.bob.spin, values);
+    load.descend(rod.rotation, rod.spin, 2.0 * kRodArm);
+    load.descend(bob.rotation, bob.spin, kBobArm);
+    return observe_payload(base, load, bob.spin, values);
   }
 
   Carrier<Real> carrier;
+
+ private:
+  /// @param parent, body  the parent against W, and the body against its parent
+  static SKYBODY_INLINE Turning<Real> in_world(const Turning<Real>& parent,
+                                               const Turning<Real>& body) {
+    return {parent.rotation * body.rotation,
+            rotate_inverse(body.rotation, parent.spin) + body.spin};
+  }
 };
 
 }  // namespace skybody::bench::limit

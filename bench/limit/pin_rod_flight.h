@@ -31,88 +31,122 @@ struct Swinger {
   Real angle, rate;  ///< of the pin [rad, rad/s]
 };
 
+/// What velocities change by in a second.
+template <class Real>
+struct SwingerRates {
+  FlyerRates<Real> base;
+  Real rate;  ///< of the pin [rad/s^2]
+};
+
+/// What the pin's angle says of the equations: both evaluations of a step are at one angle.
+template <class Real>
+class PinRodPose {
+ public:
+  SKYBODY_INLINE explicit PinRodPose(const Real& angle) {
+    const SinCos<Real> turn = sincos_of(angle);
+    const Real ss = turn.sin * turn.sin;
+    constexpr double kFlat = kPinRod.z - kPinRod.x;
+    ixx_ = kPinRod.x + kFlat * ss;
+    izz_ = kPinRod.z - kFlat * ss;
+    ixz_ = kFlat * (turn.sin * turn.cos);
+    r1x_ = -kPinRod.arm * turn.sin;
+    r1z_ = -kPinRod.arm * turn.cos;
+    dz_ = r1z_ - kPinArm;
+
+    // I1 y + m d x e has a y component only.
+    const Real mdx = kReduced * r1x_, mdz = kReduced * dz_;
+    coupling_ = kPinRod.y + (mdz * r1z_ + mdx * r1x_);
+    const Real xx = (kInertiaX + ixx_) + mdz * dz_, zz = (kInertiaZ + izz_) + mdx * r1x_;
+    const Real xz = ixz_ - mdx * dz_;
+    const Real yy = ((kInertiaY + kPinRod.y) + (mdx * r1x_ + mdz * dz_)) -
+                    coupling_ * coupling_ * (1.0 / kPinInertia);
+    const Real flat = xx * zz - xz * xz, one_by = 1.0 / (flat * yy), by_xz = one_by * yy;
+    xx_ = by_xz * zz;
+    xz_ = -(by_xz * xz);
+    zz_ = by_xz * xx;
+    yy_ = one_by * flat;
+  }
+
+  SKYBODY_INLINE SwingerRates<Real> rates(const RotorSums<Real>& sums,
+                                          const FlyerVelocity<Real>& at, const Real& rate) const {
+    const Vec3<Real>& w = at.spin;
+    const RotorWrench<Real> rotors = rotor_wrench(sums, at.x, at.y, w);
+    // d, e and the rod's rates: d = (r1.x, 0, dz), e = y x r1 = (r1.z, 0, -r1.x).
+    const Real &dx = r1x_, &dz = dz_, &ex = r1z_, ez = -r1x_;
+    const Vec3<Real> w1{w.x, w.y + rate, w.z};
+    // w x y rate: what turns the pin's axis.
+    const Real cx = -(w.z * rate), cz = w.x * rate;
+    const Vec3<Real> rod = swirl(w1, r1x_, r1z_), base = swirl(w, Real(0.0), Real(kPinArm));
+    Vec3<Real> bias = rod - base;  // d's second derivative without accelerations; and (c x r1):
+    bias.y += cz * r1x_ - cx * r1z_;
+
+    // The force on d, from the rotors at the base and from bias.
+    const Vec3<Real> pull = (rotors.push * Real(kReduced) + bias * Real(kReduced)) * Real(-1.0);
+    const Vec3<Real> gyro1 = cross(w1, rod_inertia(w1)) + rod_inertia({cx, Real(0.0), cz});
+    const Vec3<Real> gyro0 =
+        cross(w, Vec3<Real>{kInertiaX * w.x, kInertiaY * w.y, kInertiaZ * w.z});
+    const Vec3<Real> moment{
+        ((rotors.moment.x + (kCom * kMass) * rotors.push.y) - (gyro0.x + gyro1.x)) - dz * pull.y,
+        ((rotors.moment.y - (kCom * kMass) * rotors.push.x) - (gyro0.y + gyro1.y)) +
+            (dz * pull.x - dx * pull.z),
+        (rotors.moment.z - (gyro0.z + gyro1.z)) + dx * pull.y};
+    const Real pin = (ex * pull.x + ez * pull.z) - gyro1.y - kPinRod.damping * rate;
+
+    const Vec3<Real> angular{xx_ * moment.x + xz_ * moment.z,
+                             yy_ * (moment.y - coupling_ * (pin * (1.0 / kPinInertia))),
+                             zz_ * moment.z + xz_ * moment.x};
+    const Real pin_rate = (pin - coupling_ * angular.y) * (1.0 / kPinInertia);
+
+    // d'' and with it the base's centre of mass, then its origin.
+    const Vec3<Real> away{(angular.y * dz + ex * pin_rate) + bias.x,
+                          (angular.z * dx - angular.x * dz) + bias.y,
+                          (ez * pin_rate - angular.y * dx) + bias.z};
+    const Vec3<Real> center = rotors.push * Real(kMass / kAll) - away * Real(kPinRod.mass / kAll);
+    return {{{center.x - kCom * (angular.y + w.x * w.z), center.y + kCom * (angular.x - w.y * w.z),
+              center.z + kCom * (w.x * w.x + w.y * w.y)},
+             angular},
+            pin_rate};
+  }
+
+ private:
+  static constexpr double kAll = kMass + kPinRod.mass, kReduced = kMass * kPinRod.mass / kAll;
+  static constexpr double kPinInertia = kPinRod.y + kReduced * kPinRod.arm * kPinRod.arm;
+
+  /// u x (u x (x, 0, z)).
+  static SKYBODY_INLINE Vec3<Real> swirl(const Vec3<Real>& u, const Real& x, const Real& z) {
+    const Real along = u.x * x + u.z * z, square = (u.x * u.x + u.y * u.y) + u.z * u.z;
+    return {u.x * along - x * square, u.y * along, u.z * along - z * square};
+  }
+  /// The rod's inertia in base axes, times u.
+  SKYBODY_INLINE Vec3<Real> rod_inertia(const Vec3<Real>& u) const {
+    return {ixx_ * u.x + ixz_ * u.z, kPinRod.y * u.y, ixz_ * u.x + izz_ * u.z};
+  }
+
+  Real ixx_, izz_, ixz_;  ///< the rod's inertia in base axes
+  Real r1x_, r1z_;        ///< from the pin to the rod's centre of mass
+  Real dz_;
+  Real coupling_;           ///< of the pin's acceleration and the base's about y
+  Real xx_, xz_, yy_, zz_;  ///< inverse of the base's equations without the pin
+};
+
 /// One physics step.
 /// @param command  of the rotors, within what they can do [rad/s]
 template <class Real>
 SKYBODY_INLINE void fly(Swinger<Real>& s, const Real* command) {
+  const RotorSums<Real> rotors = run_rotors(s.base.rotor, command);
+  drift(s.base);
+  s.angle += (0.5 * kDt) * s.rate;
   const Mat3<Real> r = to_mat3(s.base.rotation);
-  const Vec3<Real>&v = s.base.velocity, w = s.base.spin;
-  const Real vx = (r.m[0] * v.x + r.m[3] * v.y) + r.m[6] * v.z;
-  const Real vy = (r.m[1] * v.x + r.m[4] * v.y) + r.m[7] * v.z;
-  const RotorWrench<Real> rotors = turn_rotors(s.base.rotor, command, vx, vy, w);
-
-  // The rod's inertia in base axes: turned about y by the angle.
-  const SinCos<Real> turn = sincos_of(s.angle);
-  const Real ss = turn.sin * turn.sin;
-  constexpr double kFlat = kPinRod.z - kPinRod.x;
-  const Real ixx = kPinRod.x + kFlat * ss, izz = kPinRod.z - kFlat * ss;
-  const Real ixz = kFlat * (turn.sin * turn.cos);
-  const auto rod_inertia = [&](const Vec3<Real>& u) __attribute__((always_inline)) {
-    return Vec3<Real>{ixx * u.x + ixz * u.z, kPinRod.y * u.y, ixz * u.x + izz * u.z};
-  };
-
-  // d, e and the rod's rates. r1 from the pin to its centre of mass, r0 to the base's.
-  const Real r1x = -kPinRod.arm * turn.sin, r1z = -kPinRod.arm * turn.cos;
-  const Real dx = r1x, dz = r1z - kPinArm;  // d.y = 0
-  const Real ex = r1z, ez = -r1x;           // e.y = 0
-  const Vec3<Real> w1{w.x, w.y + s.rate, w.z};
-  const auto swirl = [](const Vec3<Real>& u, const Real& x, const Real& z)
-      __attribute__((always_inline)) {  // u x (u x (x, 0, z))
-    const Real along = u.x * x + u.z * z, square = (u.x * u.x + u.y * u.y) + u.z * u.z;
-    return Vec3<Real>{u.x * along - x * square, u.y * along, u.z * along - z * square};
-  };
-  // w x y rate: what turns the pin's axis.
-  const Real cx = -(w.z * s.rate), cz = w.x * s.rate;
-  const Vec3<Real> rod = swirl(w1, r1x, r1z), base = swirl(w, Real(0.0), Real(kPinArm));
-  Vec3<Real> bias = rod - base;  // d's second derivative without accelerations; and (c x r1):
-  bias.y += cz * r1x - cx * r1z;
-
-  constexpr double kAll = kMass + kPinRod.mass, kReduced = kMass * kPinRod.mass / kAll;
-  // The force on d, from the rotors at the base and from bias.
-  const Vec3<Real> pull = (rotors.push * Real(kReduced) + bias * Real(kReduced)) * Real(-1.0);
-  const Vec3<Real> l1 = rod_inertia(w1), c1 = rod_inertia({cx, Real(0.0), cz});
-  const Vec3<Real> gyro1 = cross(w1, l1) + c1;
-  const Vec3<Real> l0{kInertiaX * w.x, kInertiaY * w.y, kInertiaZ * w.z};
-  const Vec3<Real> gyro0 = cross(w, l0);
-  const Vec3<Real> moment{
-      ((rotors.moment.x + (kCom * kMass) * rotors.push.y) - (gyro0.x + gyro1.x)) - dz * pull.y,
-      ((rotors.moment.y - (kCom * kMass) * rotors.push.x) - (gyro0.y + gyro1.y)) +
-          (dz * pull.x - dx * pull.z),
-      (rotors.moment.z - (gyro0.z + gyro1.z)) + dx * pull.y};
-  const Real pin = (ex * pull.x + ez * pull.z) - gyro1.y - kPinRod.damping * s.rate;
-
-  // The pin's angle out, the rest by cofactors. I1 y + m d x e has a y component only.
-  const Real mdx = kReduced * dx, mdz = kReduced * dz;
-  const Real coupling = kPinRod.y + (mdz * ex - mdx * ez);
-  constexpr double kPinInertia = kPinRod.y + kReduced * kPinRod.arm * kPinRod.arm;
-  const Real xx = (kInertiaX + ixx) + mdz * dz, zz = (kInertiaZ + izz) + mdx * dx;
-  const Real xz = ixz - mdx * dz;
-  const Real yy =
-      ((kInertiaY + kPinRod.y) + (mdx * dx + mdz * dz)) - coupling * coupling * (1.0 / kPinInertia);
-  const Real flat = 1.0 / ((xx * zz - xz * xz) * yy);
-  const Real by_xz = flat * yy;
-  const Vec3<Real> angular{
-      by_xz * (zz * moment.x - xz * moment.z),
-      (flat * (xx * zz - xz * xz)) * (moment.y - coupling * (pin * (1.0 / kPinInertia))),
-      by_xz * (xx * moment.z - xz * moment.x)};
-  const Real pin_rate = (pin - coupling * angular.y) * (1.0 / kPinInertia);
-
-  // d'' and with it the base's centre of mass, then its origin.
-  const Vec3<Real> away{(angular.y * dz + ex * pin_rate) + bias.x,
-                        (angular.z * dx - angular.x * dz) + bias.y,
-                        (ez * pin_rate - angular.y * dx) + bias.z};
-  constexpr double kShare = kPinRod.mass / kAll;
-  const Vec3<Real> center = rotors.push * Real(kMass / kAll) - away * Real(kShare);
-  const Vec3<Real> linear{center.x - kCom * (angular.y + w.x * w.z),
-                          center.y + kCom * (angular.x - w.y * w.z),
-                          center.z + kCom * (w.x * w.x + w.y * w.y)};
-  const Vec3<Real> a = r * linear;
-  s.base.velocity = {v.x + kDt * a.x, v.y + kDt * a.y, v.z + (kDt * a.z - kDt * kGravity)};
-  s.base.spin = {w.x + kDt * angular.x, w.y + kDt * angular.y, w.z + kDt * angular.z};
-  s.base.position += s.base.velocity * Real(kDt);
-  s.base.rotation = turned(s.base.rotation, s.base.spin);
-  s.rate += kDt * pin_rate;
-  s.angle += kDt * s.rate;
+  const PinRodPose<Real> pose(s.angle);
+  FlyerVelocity<Real> middle(s.base, r);
+  const SwingerRates<Real> first = pose.rates(rotors, middle, s.rate);
+  middle.kick_half(first.base, r);
+  const SwingerRates<Real> second =
+      pose.rates(rotors, middle, Real(s.rate + (0.5 * kDt) * first.rate));
+  kick(s.base, second.base, r);
+  s.rate += kDt * second.rate;
+  drift_to_end(s.base);
+  s.angle += (0.5 * kDt) * s.rate;
 }
 
 }  // namespace skybody::bench::limit

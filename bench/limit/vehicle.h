@@ -32,11 +32,12 @@ constexpr double kRolling = 1e-9;          ///< c_r [N s^2/rad]
 constexpr double kRotorInertia = 4.92e-6;  ///< J [kg m^2]
 constexpr double kMaxRotorSpeed = 2246.0;  ///< [rad/s]
 
-/// Share of the way to its command that a rotor goes in half a step and in a whole one.
-constexpr double kRiseHalf = 1.0 - detail::exp_near_zero(-0.5 * kDt / 0.0125);
+/// Share of the way to its command that a rotor goes in a step, and half the mean over the step of
+/// the share that it still lacks, (tau / 2 dt) (1 - exp(-dt / tau)).
 constexpr double kRise = 1.0 - detail::exp_near_zero(-kDt / 0.0125);
-constexpr double kFallHalf = 1.0 - detail::exp_near_zero(-0.5 * kDt / 0.025);
+constexpr double kRiseLack = 0.5 * 0.0125 / kDt * kRise;
 constexpr double kFall = 1.0 - detail::exp_near_zero(-kDt / 0.025);
+constexpr double kFallLack = 0.5 * 0.025 / kDt * kFall;
 
 // The base and four rotors of 5 g, merged by parallel axes.
 constexpr double kRotorMass = 0.005, kBaseMass = 1.52;

@@ -32,6 +32,9 @@ from environments import HERE, ROOT, Skipped
 from results import Row
 from skybody.program import run_program
 
+sys.path.insert(0, str(ROOT / "scripts"))
+import page_data
+
 PROGRAMS = ROOT / "build" / "release" / "bin"
 SKYBODY = PROGRAMS / "skybody"
 
@@ -255,7 +258,7 @@ def compare(options: argparse.Namespace) -> None:
     if options.json:
         report.write(options.json, json.dumps(whole.facts(), indent=1) + "\n")
     if options.markdown:
-        report.write(options.markdown, whole.markdown(options.picture))
+        page_data.write(options.markdown, whole.markdown(options.picture))
     if options.picture:
         import picture
 

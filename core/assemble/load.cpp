@@ -9,6 +9,7 @@
 #include "core/assemble/reference_use.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
+#include "core/io/plugin_use_reader.h"
 #include "core/io/scenario_reader.h"
 #include "core/io/shipped_files.h"
 #include "core/io/text.h"
@@ -52,6 +53,7 @@ class RegistryCatalog : public PluginCatalog {
   }
 
   std::vector<std::string> names(SkybodyKind kind) const override { return registry_->names(kind); }
+  std::vector<std::string> names_of_any_kind() const override { return registry_->promised(); }
 
  private:
   const PluginDeclaration* keep(PluginDeclaration&& declaration) const {
@@ -104,8 +106,12 @@ bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   if (!is_identifier(scenario) || std::filesystem::exists(scenario_file(scenario), ignored)) {
     return true;
   }
-  diagnostics.error({scenario, 0, 0}, "neither a file nor a shipped scenario" +
-                                          suggestion(scenario, shipped_scenarios(), "shipped"));
+  const std::string hint = plugin_hint(scenario);
+  diagnostics.error(
+      {scenario, 0, 0},
+      "neither a file nor a shipped scenario" +
+          (hint.empty() ? suggestion(scenario, shipped_scenarios(), "shipped")
+                        : hint + "; `skybody plugins` and `skybody modes` tell more"));
   return false;
 }
 
@@ -184,6 +190,10 @@ std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options) {
   }
   for (auto& place : default_search_path()) path.push_back(std::move(place));
   return std::make_shared<PluginRegistry>(path, options.refused_plugins);
+}
+
+std::string plugin_hint(const std::string& name) {
+  return plugin_hint(name, RegistryCatalog(find_plugins({})));
 }
 
 std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry> registry) {

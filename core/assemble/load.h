@@ -40,6 +40,9 @@ std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options);
 /// The registry as the scenario reader sees it. Keeps it alive.
 std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry> registry);
 
+/// plugin_hint() of plugins in the default places.
+std::string plugin_hint(const std::string& name);
+
 /// Reads the scenario, configures its plugins and builds the world.
 /// @returns null if `diagnostics` has errors afterwards; warnings alone do not prevent loading
 std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options,

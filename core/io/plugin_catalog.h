@@ -27,8 +27,10 @@ class PluginCatalog {
 
   /// The plugin `name` of `kind`, or null. Lives as long as the catalog.
   virtual const PluginDeclaration* find(SkybodyKind kind, const std::string& name) const = 0;
-  /// Names of all plugins of `kind`, sorted.
+  /// Names of all plugins that are known to be of `kind`, sorted.
   virtual std::vector<std::string> names(SkybodyKind kind) const = 0;
+  /// Names of plugins whose kind is not known before they are found, sorted.
+  virtual std::vector<std::string> names_of_any_kind() const = 0;
 };
 
 }  // namespace skybody

@@ -2,6 +2,7 @@
 
 #include <unordered_set>
 
+#include "core/base/installation.h"
 #include "core/io/parameter_reader.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
@@ -28,6 +29,29 @@ std::string remedy_of(const PluginUse& use, SkybodyKind kind) {
   return {};
 }
 
+/// Whether it is a plugin of the source tree that this program was built from.
+bool is_in_sources(SkybodyKind kind, const std::string& name) {
+  const std::filesystem::path folder = shipped_data("", kPluginKinds[kind].folder);
+  std::error_code ignored;
+  return is_identifier(name) && std::filesystem::exists(folder / name / "README.md", ignored);
+}
+
+/// What is said of a name that no plugin of the kind has.
+std::string unknown_plugin(const std::string& name, SkybodyKind kind,
+                           const PluginCatalog& catalog) {
+  const std::string unknown = "unknown " + std::string(kind_name(kind)) + " `" + name + "`";
+  if (const std::string hint = plugin_hint(name, catalog); !hint.empty()) return unknown + hint;
+  if (is_in_sources(kind, name)) {
+    return unknown + ": it is not built here; `./dev build` makes all plugins";
+  }
+  const std::vector<std::string> names = catalog.names(kind);
+  std::vector<std::string> all = catalog.names_of_any_kind();
+  all.insert(all.end(), names.begin(), names.end());
+  if (!closest(name, all).empty()) return unknown + suggestion(name, all);
+  return unknown + suggestion(name, names, "found") +
+         "; more folders: --plugin-path, plugin_path or SKYBODY_PLUGIN_PATH";
+}
+
 /// The declaration that `use` names, or null and an error where it is written.
 const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
@@ -38,10 +62,7 @@ const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
     return nullptr;
   }
   if (found == nullptr) {
-    const std::string hint = suggestion(use.plugin, catalog.names(kind), "found");
-    const bool is_slip = hint.find("did you mean") != std::string::npos;
-    const char* more = "; more folders: --plugin-path, plugin_path or SKYBODY_PLUGIN_PATH";
-    diagnostics.error(use.mark, "unknown " + what + hint + (is_slip ? "" : more));
+    diagnostics.error(use.mark, unknown_plugin(use.plugin, kind, catalog));
     return nullptr;
   }
   if (!found->failure.empty()) {
@@ -52,6 +73,15 @@ const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
 }
 
 }  // namespace
+
+std::string plugin_hint(const std::string& name, const PluginCatalog& catalog) {
+  for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
+    const auto of_kind = static_cast<SkybodyKind>(kind);
+    if (catalog.find(of_kind, name) != nullptr)
+      return "; `" + name + "` is a " + kind_name(of_kind);
+  }
+  return {};
+}
 
 PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const PluginCatalog& catalog,
                           Diagnostics& diagnostics) {

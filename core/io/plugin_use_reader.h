@@ -11,6 +11,10 @@
 
 namespace skybody {
 
+/// "; `ctbr` is a controller", for a name that stands for something else; empty where no plugin of
+/// any kind has it.
+std::string plugin_hint(const std::string& name, const PluginCatalog& catalog);
+
 /// Reads one use of a plugin: `{plugin: NAME, name: INSTANCE, parameters: {...}}`. Parameters are
 /// validated against the plugin's declaration; after errors they are what could be read.
 PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const PluginCatalog& catalog,

@@ -244,15 +244,18 @@ const PluginEntry* PluginRegistry::find(SkybodyKind kind, std::string_view name)
 }
 
 std::vector<std::string> PluginRegistry::names(SkybodyKind kind) const {
+  std::set<std::string> names;
+  for (const PluginEntry* entry : known(kind)) names.insert(entry->name);
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> PluginRegistry::promised() const {
   const std::lock_guard lock(mutex_);
   std::set<std::string> names;
-  for (File& file : files_) {
-    if (file.shipped) open(file);
-    for (const PluginEntry& entry : file.entries) {
-      if (entry.kind == kind && entry.failure.empty()) names.insert(entry.name);
-    }
+  for (const File& file : files_) {
+    if (file.open) continue;
     for (const PromisingFile& found : file.found) {
-      if (!file.open) names.insert(found.names.begin(), found.names.end());
+      names.insert(found.names.begin(), found.names.end());
     }
   }
   return {names.begin(), names.end()};

@@ -49,9 +49,10 @@ class PluginRegistry {
   /// null. Opens the files that promise the name. Check `failure` before use. Lives as long as
   /// this.
   const PluginEntry* find(SkybodyKind kind, std::string_view name) const;
-  /// Names of plugins of a kind, sorted, for suggestions: usable ones of the libraries that are
-  /// open and of all shipped ones, and what other libraries promise, of whatever kind.
+  /// Names of known() plugins of a kind, sorted.
   std::vector<std::string> names(SkybodyKind kind) const;
+  /// What libraries promise that are not open, sorted: plugins of kinds that are not known yet.
+  std::vector<std::string> promised() const;
   /// Usable plugins of a kind, sorted by name, of the libraries that are open and of all shipped
   /// ones: no other code is run.
   std::vector<const PluginEntry*> known(SkybodyKind kind) const;

@@ -67,6 +67,15 @@ const Wrong kWrong[] = {
      {"run", "hover", "--policy", "hodl"},
      "error: --policy: there is no policy or file `hodl`; did you mean `hold`?; allowed: zero, "
      "random, hold, shipped, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
+    {"controller_as_policy",
+     {"run", "hover", "--policy", "ctbr"},
+     "error: --policy: there is no policy or file `ctbr`; `ctbr` is a controller; allowed: zero, "
+     "random, hold, shipped, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
+    {"controller_as_scenario",
+     {"run", "ctbr"},
+     "ctbr: error: neither a file nor a shipped scenario; `ctbr` is a controller; `skybody "
+     "plugins` "
+     "and `skybody modes` tell more"},
     {"missing_file", {"run", "nowhere.yaml"}, "nowhere.yaml: error: the file does not exist"},
     {"misspelt_scenario",
      {"check", "hovr"},

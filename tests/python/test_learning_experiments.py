@@ -332,14 +332,17 @@ def test_a_page_is_written_beside_the_data_that_it_was_made_of(
         "a trial",
         "python experiments/trial.py --quick",
     )
-    result_pages.write_page(tmp_path, "trial", content, "# A trial")
+    result_pages.write_page(tmp_path, "trial", content, "# A trial\n")
     assert json.loads((tmp_path / "data/trial.json").read_text()) == content
-    assert (tmp_path / "trial.md").read_text() == "# A trial"
-    assert "# A trial\nwritten: " in capsys.readouterr().out
+    page = (tmp_path / "trial.md").read_text()
+    assert training_runs.page_data.stamp_of(page)["date"]
+    assert training_runs.page_data.body(page) == "# A trial\n"
+    assert "# A trial\n\nwritten: " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("script", [control_abstractions, recurrent_policy])
 def test_the_page_is_what_the_figures_make_of_it(script: Any) -> None:
     name = Path(script.__file__).stem
     content = json.loads((ROOT / f"docs/results/data/{name}.json").read_text())
-    assert script.markdown(content) == (ROOT / f"docs/results/{name}.md").read_text()
+    text = (ROOT / f"docs/results/{name}.md").read_text()
+    assert script.markdown(content) == training_runs.page_data.body(text)

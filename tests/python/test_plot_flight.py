@@ -154,6 +154,46 @@ def test_the_script_draws_a_robot_with_joints_among_obstacles(tmp_path: Path) ->
     assert picture.stat().st_size > 50_000
 
 
+def plot(log: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    command = [PROGRAM, "plot", log, *options]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_chosen_panels_are_drawn_as_pdf(tmp_path: Path) -> None:
+    log = flown(tmp_path, "hover")
+    done = plot(log, "--pdf", "--panels", "z,yaw,path", "--out", str(tmp_path / "drawn"))
+    picture = tmp_path / "drawn/flight-0001.pdf"
+    assert (done.returncode, done.stdout) == (0, f"picture {picture}\n"), done.stderr
+    assert picture.read_bytes().startswith(b"%PDF")
+    assert [file.name for file in picture.parent.iterdir()] == [picture.name]
+
+
+def test_every_panel_is_drawn(tmp_path: Path, load, data: ModuleType) -> None:
+    script = load("plot_flight")
+    for scenario in ("hover", "payload"):
+        log = episode_of(flown(tmp_path / scenario, scenario))
+        flight = data.read_flight(log, "0001")
+        figure = script.draw_chosen(flight, list(script.PANELS))
+        assert len(figure.axes) >= len(script.PANELS)
+        script.save(figure, tmp_path / "all.png")
+
+
+def test_an_unknown_panel_is_an_error_with_the_list(tmp_path: Path) -> None:
+    done = plot(Path(__file__), "--panels", "z,jaw")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "skybody plot: error: argument --panels: no panel `jaw`; there are x, y, z, " in (
+        done.stderr
+    )
+
+
+def test_a_log_that_is_not_there_is_one_line(tmp_path: Path) -> None:
+    done = plot(tmp_path / "flight.h5")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"skybody plot: error: argument log: there is no file {tmp_path}/flight.h5\n" in (
+        done.stderr
+    )
+
+
 def test_the_goals_heading_turns_on_as_the_bodys_does(data: ModuleType) -> None:
     turned = np.linspace(3.0, 3.0 + 4.0 * np.pi, 200)  # two turns
     angles = np.degrees(np.stack([0 * turned, 0 * turned, turned], axis=1))

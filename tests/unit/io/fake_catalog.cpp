@@ -85,4 +85,6 @@ std::vector<std::string> FakeCatalog::names(SkybodyKind kind) const {
   return list;
 }
 
+std::vector<std::string> FakeCatalog::names_of_any_kind() const { return {"my_own_law"}; }
+
 }  // namespace skybody

@@ -15,6 +15,7 @@ class FakeCatalog : public PluginCatalog {
   FakeCatalog();
   const PluginDeclaration* find(SkybodyKind kind, const std::string& name) const override;
   std::vector<std::string> names(SkybodyKind kind) const override;
+  std::vector<std::string> names_of_any_kind() const override;
 
  private:
   void add(SkybodyKind kind, const std::string& name, std::vector<ParameterSpec> parameters);

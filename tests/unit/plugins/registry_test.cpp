@@ -18,6 +18,7 @@ using std::filesystem::path;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(PluginRegistry, ListsPluginsByKind) {
   const PluginRegistry registry({"/no/such/folder", test::good_plugins()});
@@ -29,6 +30,15 @@ TEST(PluginRegistry, ListsPluginsByKind) {
   EXPECT_THAT(registry.names(SKYBODY_RANDOMIZER), ElementsAre("lane_randomizer"));
   EXPECT_THAT(registry.names(SKYBODY_TASK), ElementsAre("lane_task"));
   EXPECT_EQ(registry.find(SKYBODY_SENSOR, "lane_task"), nullptr);
+}
+
+TEST(PluginRegistry, NamesOfAClosedLibraryAreOfNoKindYet) {
+  const PluginRegistry registry({test::good_plugins()});
+  EXPECT_TRUE(registry.names(SKYBODY_CONTROLLER).empty());
+  EXPECT_THAT(registry.promised(), Contains("lane_controller"));
+  ASSERT_NE(registry.find(SKYBODY_CONTROLLER, "lane_controller"), nullptr);
+  EXPECT_THAT(registry.names(SKYBODY_CONTROLLER), ElementsAre("lane_controller"));
+  EXPECT_THAT(registry.promised(), Not(Contains("lane_controller")));
 }
 
 TEST(PluginRegistry, ShowsWhatAPluginDeclares) {

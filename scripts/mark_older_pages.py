@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Says on each page of docs/results what of the code has changed since its data were measured.
+
+    scripts/mark_older_pages.py                                   # writes, or takes away, the notes
+    scripts/mark_older_pages.py --raise contact "no rebound is too fast"  # a new version, and notes
+    scripts/mark_older_pages.py --same flight                     # hashes moved by rounding alone
+    scripts/mark_older_pages.py --stamp docs/results/memory.md    # data of this page are of today
+
+Raise a subject's version with each change that moves figures of its pages. tests/golden tells some:
+a subject with flights in `golden` fails tests/python/test_result_pages.py where their motion has
+moved and nobody has said --raise or --same. docs/results/README.md says more.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+from pathlib import Path
+
+import page_data
+
+
+def mark(page: Path) -> bool:
+    """Writes the note on a page. Returns whether it has changed."""
+    text = page.read_text(encoding="utf-8")
+    data = page_data.stamp_of(text)
+    if data is None:
+        raise SystemExit(f"{page}: no line `Data: commit ...`; --stamp {page} writes one")
+    marked = page_data.stamped(page.stem, text, data)
+    page.write_text(marked, encoding="utf-8")
+    return marked != text
+
+
+def change(subject: str, words: str | None) -> None:
+    """Notes the golden hashes of today, and with `words` a new version."""
+    versions = page_data.read_versions()
+    row = versions["subjects"][subject]
+    row["golden"] = {flight: page_data.motion_of(flight) for flight in row["golden"]}
+    if words is not None:
+        date = datetime.date.today().isoformat()
+        row["changes"].append({"date": date, "change": words.rstrip(".")})
+    page_data.write_versions(versions)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    subjects = list(page_data.read_versions()["subjects"])
+    one = parser.add_mutually_exclusive_group()
+    one.add_argument("--raise", dest="raised", nargs=2, metavar=("SUBJECT", "CHANGE"))
+    one.add_argument("--same", choices=subjects)
+    one.add_argument("--stamp", type=Path, metavar="PAGE")
+    options = parser.parse_args()
+    if options.raised:
+        if options.raised[0] not in subjects:
+            parser.error(f"no subject `{options.raised[0]}`; there are {', '.join(subjects)}")
+        change(*options.raised)
+    elif options.same:
+        change(options.same, None)
+    elif options.stamp:
+        page_data.write(options.stamp, options.stamp.read_text(encoding="utf-8"))
+    for page in page_data.pages():
+        if mark(page):
+            print(f"marked {page.relative_to(page_data.ROOT)}")
+
+
+if __name__ == "__main__":
+    main()

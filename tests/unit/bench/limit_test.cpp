@@ -1,0 +1,12 @@
+// The hand-written loops that ./dev bench compares with do what the engine does.
+#include <gtest/gtest.h>
+
+#include "bench/limit/check.h"
+
+namespace skybody::bench {
+namespace {
+
+TEST(Limit, FliesTheRuleOfTheEngineInItsLanes) { EXPECT_TRUE(limit::check(limit::all_loops())); }
+
+}  // namespace
+}  // namespace skybody::bench
