@@ -36,17 +36,15 @@ class ObjReader {
     const std::string_view keyword = words_.next_in_line();
     if (keyword == "v") take_vertex();
     if (keyword != "f" && keyword != "l" && keyword != "p") return;
-    for (auto word = words_.next_in_line(); !word.empty(); word = words_.next_in_line()) {
-      use(word.substr(0, word.find('/')));
-    }
+    for (auto word = next(); !word.empty(); word = next()) use(word.substr(0, word.find('/')));
   }
 
   /// x y z, x y z w or x y z red green blue.
   void take_vertex() {
-    const Vec3<double> v{in_line(), in_line(), in_line()};
+    const Vec3<double> v{next_coordinate(), next_coordinate(), next_coordinate()};
     std::array<std::string_view, 3> more;
     std::size_t count = 0;
-    for (auto word = words_.next_in_line(); !word.empty(); word = words_.next_in_line()) {
+    for (auto word = next(); !word.empty(); word = next()) {
       if (count < more.size()) more[count] = word;
       ++count;
     }
@@ -62,7 +60,13 @@ class ObjReader {
     }
   }
 
-  double in_line() { return words_.coordinate(words_.next_in_line()); }
+  /// The next word of the line, up to a comment.
+  std::string_view next() {
+    const std::string_view word = words_.next_in_line();
+    return word.substr(0, word.find('#'));
+  }
+
+  double next_coordinate() { return words_.coordinate(next()); }
 
   void use(std::string_view word) {
     const std::optional<long> number = parse_integer<long>(word);

@@ -104,8 +104,7 @@ std::string binary_stl() {
   bytes += "\2\0\0\0"s;
   for (int triangle = 0; triangle < 2; ++triangle) {
     bytes.append(12, '\0');
-    for (int k = 0; k < 9; ++k)
-      bytes += (k * (triangle + 1)) % 4 == 1 ? "\0\0\x80\x3f"s : "\0\0\0\0"s;
+    for (int k = 0; k < 9; ++k) bytes += k % 4 == 0 ? "\0\0\x80\x3f"s : "\0\0\0\0"s;
     bytes.append(2, '\0');
   }
   return bytes;

@@ -140,7 +140,7 @@ TEST(DaeMeshes, NodesStandForOthers) {
 }
 
 TEST(DaeMeshes, DamagedDocumentsAreRefused) {
-  EXPECT_EQ(read("no COLLADA\n"), "line 1: not well-formed XML: mismatched element");
+  EXPECT_EQ(read("no COLLADA\n"), "line 1: not well-formed XML: parsing text");
   EXPECT_EQ(read("<robot/>"), "its first element is not <COLLADA>");
   EXPECT_EQ(read("<COLLADA/>"), "line 1: <COLLADA> has no <scene>");
   Dae dae;
