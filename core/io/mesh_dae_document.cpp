@@ -88,7 +88,7 @@ std::uint32_t dae_count(const XMLElement& element, const char* attribute, std::u
   return element.Attribute(attribute) == nullptr ? absent : dae_count(element, attribute);
 }
 
-bool has_attribute(const XMLElement& element, const char* attribute, const char* value) {
+bool attribute_is(const XMLElement& element, const char* attribute, const char* value) {
   return element.Attribute(attribute, value) != nullptr;
 }
 

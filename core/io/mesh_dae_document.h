@@ -47,7 +47,7 @@ std::uint32_t dae_count(const tinyxml2::XMLElement& element, const char* attribu
 std::uint32_t dae_count(const tinyxml2::XMLElement& element, const char* attribute,
                         std::uint32_t absent);
 
-bool has_attribute(const tinyxml2::XMLElement& element, const char* attribute, const char* value);
+bool attribute_is(const tinyxml2::XMLElement& element, const char* attribute, const char* value);
 
 /// Calls visit(word, words) for each word of an element's text.
 template <class Visit>

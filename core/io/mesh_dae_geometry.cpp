@@ -24,7 +24,7 @@ void for_each_child(const XMLElement& parent, const char* name, const Visit& vis
 const XMLElement* find_input(const XMLElement& parent, const char* semantic) {
   for (const XMLElement* e = parent.FirstChildElement("input"); e;
        e = e->NextSiblingElement("input")) {
-    if (has_attribute(*e, "semantic", semantic)) return e;
+    if (attribute_is(*e, "semantic", semantic)) return e;
   }
   return nullptr;
 }
@@ -82,38 +82,41 @@ DaePart DaeGeometries::read_part(const XMLElement& primitives) {
   }
   if (input == nullptr) return part;
   const Accessor& from = positions_of(document_.find(*input, "source", {"vertices"}));
+  const Corners corners{width_of(primitives), dae_count(*input, "offset", 0)};
   part.values = &from.array->values;
   part.x = from.x;
   part.y = from.y;
   part.z = from.z;
-  const std::uint64_t width = width_of(primitives), place = dae_count(*input, "offset", 0);
   ++parts_;
-  std::uint64_t corners = 0;
-  const auto take = [&](const XMLElement& p) {
-    std::uint64_t k = 0;
-    for_each_word(p, [&](std::string_view word, const MeshWords& words) {
-      if (k++ % width != place) return;
-      const auto index = parse_integer<std::uint32_t>(word);
-      if (!index || *index >= from.count) {
-        words.refuse("the number of a position is none of 0 to " + std::to_string(from.count) +
-                     " - 1, which <accessor> has");
-      }
-      const std::uint32_t first = from.offset + *index * from.stride;
-      if (from.array->user[first] == parts_) return;
-      from.array->user[first] = parts_;
-      part.positions.push_back(first);
-    });
-    if (k % width != 0) {
-      refuse_element(p, "<p> has " + std::to_string(k) + " numbers; needed: a multiple of " +
-                            std::to_string(width) + ", one for each offset");
-    }
-    corners += k / width;
-  };
+  std::uint64_t count = 0;
+  const auto take = [&](const XMLElement& p) { count += add_positions(p, corners, from, part); };
   for_each_child(primitives, "p", take);
   for_each_child(primitives, "ph",
                  [&](const XMLElement& with_holes) { for_each_child(with_holes, "p", take); });
-  check_corners(primitives, corners);
+  check_corners(primitives, count);
   return part;
+}
+
+std::uint64_t DaeGeometries::add_positions(const XMLElement& p, const Corners& corners,
+                                           const Accessor& from, DaePart& part) {
+  std::uint64_t k = 0;
+  for_each_word(p, [&](std::string_view word, const MeshWords& words) {
+    if (k++ % corners.width != corners.place) return;
+    const auto index = parse_integer<std::uint32_t>(word);
+    if (!index || *index >= from.count) {
+      words.refuse("<p> names a position that its <accessor> does not have: it has " +
+                   std::to_string(from.count) + ", numbered from 0");
+    }
+    const std::uint32_t first = from.offset + *index * from.stride;
+    if (from.array->user[first] == parts_) return;
+    from.array->user[first] = parts_;
+    part.positions.push_back(first);
+  });
+  if (k % corners.width != 0) {
+    refuse_element(p, "<p> has " + std::to_string(k) + " numbers; needed: a multiple of " +
+                          std::to_string(corners.width) + ", one for each offset");
+  }
+  return k / corners.width;
 }
 
 const DaeGeometries::Accessor& DaeGeometries::positions_of(const XMLElement& vertices) {
@@ -132,33 +135,41 @@ DaeGeometries::Accessor DaeGeometries::read_accessor(const XMLElement& accessor)
   result.offset = dae_count(accessor, "offset", 0);
   result.stride = dae_count(accessor, "stride", 1);
   result.count = dae_count(accessor, "count");
-  std::uint32_t params = 0, named = 0;
-  for_each_child(accessor, "param", [&](const XMLElement& param) {
-    const char* const axes[] = {"X", "Y", "Z"};
-    std::uint32_t* const places[] = {&result.x, &result.y, &result.z};
-    for (int k = 0; k < 3; ++k) {
-      if (!has_attribute(param, "name", axes[k])) continue;
-      *places[k] = params;
-      named |= 1u << k;
-    }
-    ++params;
-  });
-  if (named != 7) refuse_element(accessor, "<accessor> has no <param>s of the names X, Y and Z");
+  const std::uint32_t params = read_params(accessor, result);
   if (params > result.stride) {
     refuse_element(accessor, "`stride` of <accessor> is " + std::to_string(result.stride) +
                                  "; needed: at least its " + std::to_string(params) + " <param>s");
   }
+  if (result.count == 0) return result;
   const std::uint64_t has = result.array->values.size();
-  const std::uint64_t needed =
-      result.count == 0
-          ? 0
-          : result.offset + (result.count - std::uint64_t{1}) * result.stride + params;
+  const std::uint64_t before_last = (result.count - std::uint64_t{1}) * result.stride;
+  const std::uint64_t needed = result.offset + before_last + params;
   if (needed > has) {
     refuse_element(accessor, "<accessor> says " + std::to_string(result.count) +
                                  " positions, which take " + std::to_string(needed) +
                                  " values, and its <float_array> has " + std::to_string(has));
   }
   return result;
+}
+
+/// Notes which values of a position are x, y and z, and returns how many it has.
+std::uint32_t DaeGeometries::read_params(const XMLElement& accessor, Accessor& result) {
+  std::uint32_t count = 0;
+  bool has_x = false, has_y = false, has_z = false;
+  const auto note = [&](const XMLElement& param, const char* axis, bool& is_known,
+                        std::uint32_t& place) {
+    if (!attribute_is(param, "name", axis)) return;
+    is_known = true;
+    place = count;
+  };
+  for_each_child(accessor, "param", [&](const XMLElement& param) {
+    note(param, "X", has_x, result.x);
+    note(param, "Y", has_y, result.y);
+    note(param, "Z", has_z, result.z);
+    ++count;
+  });
+  if (has_x && has_y && has_z) return count;
+  refuse_element(accessor, "<accessor> has no <param>s of the names X, Y and Z");
 }
 
 DaeGeometries::Array& DaeGeometries::array_of(const XMLElement& float_array) {

@@ -39,9 +39,18 @@ class DaeGeometries {
     std::uint32_t x = 0, y = 0, z = 0;
   };
 
+  /// The numbers of a corner in <p>, and which of them is a position's.
+  struct Corners {
+    std::uint64_t width, place;
+  };
+
   DaePart read_part(const tinyxml2::XMLElement& primitives);
+  /// Adds the positions that <p> names and `part` does not have yet. @returns its corners
+  std::uint64_t add_positions(const tinyxml2::XMLElement& p, const Corners& corners,
+                              const Accessor& from, DaePart& part);
   const Accessor& positions_of(const tinyxml2::XMLElement& vertices);
   Accessor read_accessor(const tinyxml2::XMLElement& accessor);
+  static std::uint32_t read_params(const tinyxml2::XMLElement& accessor, Accessor& result);
   Array& array_of(const tinyxml2::XMLElement& float_array);
 
   const DaeDocument& document_;

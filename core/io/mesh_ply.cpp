@@ -43,7 +43,7 @@ class BinaryValues {
   double coordinate(const PlyType& type) {
     const double number =
         type.kind == PlyType::kReal ? real(type) : static_cast<double>(integer(type));
-    if (!std::isfinite(number)) refuse("a coordinate that is no finite number");
+    if (!std::isfinite(number)) refuse("a coordinate that is not finite");
     return number;
   }
   std::int64_t integer(const PlyType& type) {

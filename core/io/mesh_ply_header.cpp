@@ -1,7 +1,9 @@
 #include "core/io/mesh_ply_header.h"
 
 #include <array>
+#include <utility>
 
+#include "core/base/printable.h"
 #include "core/io/mesh_words.h"
 
 namespace skybody {
@@ -115,7 +117,8 @@ class HeaderReader {
   /// Whether the file may hold as many rows of an element as it says.
   void check_size(const PlyElement& element) const {
     if (element.count == 0) return;
-    if (element.properties.empty()) throw MeshError("an element without properties");
+    const std::string what = "the element `" + shortened(element.name, 40) + "` ";
+    if (element.properties.empty()) throw MeshError(what + "has no properties");
     std::size_t least = 0;  // bytes of a row
     for (const PlyProperty& property : element.properties) {
       const PlyType& first = property.count_type ? *property.count_type : *property.type;
@@ -123,9 +126,9 @@ class HeaderReader {
     }
     const std::size_t rest = bytes_.size() - header_.size + 1;  // the last blank may be missing
     if (element.count <= rest / least) return;
-    throw MeshError("it says " + std::to_string(element.count) + " rows of an element, of " +
-                    std::to_string(least) + " bytes or more, and has " + std::to_string(rest - 1) +
-                    " bytes");
+    throw MeshError(what + "says " + std::to_string(element.count) + " rows of at least " +
+                    std::to_string(least) + " bytes, and " + std::to_string(rest - 1) +
+                    " bytes follow the header");
   }
 
   static constexpr std::size_t kMostElements = 100;

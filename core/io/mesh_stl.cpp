@@ -1,8 +1,6 @@
 // STL: binary, 80 bytes of any text, the number of triangles, and 50 bytes for each; or a text,
 // "solid NAME facet normal X Y Z outer loop (vertex X Y Z) x 3 endloop endfacet ... endsolid NAME".
 // Binary files may begin with "solid", too: size and NUL bytes tell the two apart.
-#include <cmath>
-
 #include "core/io/mesh_bytes.h"
 #include "core/io/mesh_words.h"
 
@@ -24,8 +22,8 @@ bool is_binary(const std::string& bytes) {
 VertexBox read_binary(const std::string& bytes) {
   const std::size_t size = binary_size(bytes);
   if (bytes.size() != size) {
-    throw MeshError("it says " + std::to_string((size - kHeader) / kTriangle) +
-                    " triangles, which are " + std::to_string(size) + " bytes, and has " +
+    throw MeshError("its header says " + std::to_string((size - kHeader) / kTriangle) +
+                    " triangles, which make " + std::to_string(size) + " bytes, and it has " +
                     std::to_string(bytes.size()));
   }
   VertexBox box;
@@ -36,7 +34,7 @@ VertexBox read_binary(const std::string& bytes) {
       const Vec3<double> v{coordinate(0), coordinate(1), coordinate(2)};
       if (!is_finite(v)) {
         throw MeshError("triangle " + std::to_string((at - kHeader) / kTriangle + 1) +
-                        " has a coordinate that is no finite number");
+                        " has a coordinate that is not finite");
       }
       box.add(v);
     }

@@ -49,7 +49,7 @@ bool MeshWords::next_line() {
 double MeshWords::coordinate(std::string_view word) const {
   const std::optional<double> number = parse_number(word);
   if (number && std::isfinite(*number)) return *number;
-  refuse(word.empty() ? "a coordinate is missing" : "a coordinate that is no finite number");
+  refuse(word.empty() ? "a number is missing" : "a number that is not finite, or none at all");
 }
 
 bool is_word(std::string_view word, std::string_view expected) {

@@ -75,21 +75,20 @@ TEST_F(MeshBoxes, StlsAreBinaryOrText) {
 TEST_F(MeshBoxes, DamagedStlsAreRefused) {
   const std::array<float, 9> one = {0, 0, 0, 1, 0, 0, 0, 2, 0};
   EXPECT_EQ(read("short.stl", binary_stl(3, {one, one})),
-            "cannot be read: it says 3 triangles, which are 234 bytes, and has 184");
+            "cannot be read: its header says 3 triangles, which make 234 bytes, and it has 184");
   EXPECT_THAT(read("many.stl", binary_stl(0xffffffffu, {one})), HasSubstr("4294967295 triangles"));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(read("nan.stl", binary_stl(2, {one, {0, 0, 0, 1, nan, 0, 0, 2, 0}})),
-            "cannot be read: triangle 2 has a coordinate that is no finite number");
+            "cannot be read: triangle 2 has a coordinate that is not finite");
   EXPECT_EQ(read("none.stl", binary_stl(0, {})), "has no vertices");
   EXPECT_EQ(read("empty.stl", ""), "has no vertices");
   EXPECT_EQ(read("other.stl", "ply\n"), "cannot be read: line 1: `solid` is missing");
   const std::string facet = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n";
-  EXPECT_EQ(read("cut.stl", facet + "vertex 1 0"),
-            "cannot be read: line 5: a coordinate is missing");
+  EXPECT_EQ(read("cut.stl", facet + "vertex 1 0"), "cannot be read: line 5: a number is missing");
   EXPECT_EQ(read("word.stl", facet + "vertex 1 0 O\n"),
-            "cannot be read: line 5: a coordinate that is no finite number");
+            "cannot be read: line 5: a number that is not finite, or none at all");
   EXPECT_EQ(read("inf.stl", facet + "vertex 1 inf 0\n"),
-            "cannot be read: line 5: a coordinate that is no finite number");
+            "cannot be read: line 5: a number that is not finite, or none at all");
   EXPECT_EQ(read("two.stl", facet + "vertex 1 0 0\nendloop\n"),
             "cannot be read: line 6: `vertex` is missing");
   EXPECT_EQ(read("open.stl", facet + "vertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"),
@@ -117,12 +116,12 @@ TEST_F(MeshBoxes, DamagedObjsAreRefused) {
   EXPECT_EQ(read("c.obj", vertices + "f 1 2 -4\n"), "cannot be read: line 4: " + none);
   EXPECT_THAT(read("d.obj", vertices + "f 1 2 0\n"), HasSubstr("line 4: the number of a vertex"));
   EXPECT_THAT(read("e.obj", vertices + "f 1 2 x\n"), HasSubstr("line 4: the number of a vertex"));
-  EXPECT_EQ(read("f.obj", "v 1 2\nv 1 2 3\n"), "cannot be read: line 1: a coordinate is missing");
+  EXPECT_EQ(read("f.obj", "v 1 2\nv 1 2 3\n"), "cannot be read: line 1: a number is missing");
   EXPECT_EQ(read("g.obj", "v 1 2 3 4 5\n"),
             "cannot be read: line 1: a vertex of 5 numbers; allowed: 3, 4 with a weight, 6 with a "
             "colour");
   EXPECT_EQ(read("h.obj", "v 1 2 3 0\n"), "cannot be read: line 1: the weight of a vertex is 0");
-  EXPECT_THAT(read("i.obj", "v 1 nan 3\n"), HasSubstr("no finite number"));
+  EXPECT_THAT(read("i.obj", "v 1 nan 3\n"), HasSubstr("not finite"));
 }
 
 TEST_F(MeshBoxes, ManyGroupsTakeLinearTime) {
@@ -178,10 +177,10 @@ TEST_F(MeshBoxes, DamagedPlysAreRefused) {
               HasSubstr("line 3: the count of an element is no whole number from 0 on"));
   EXPECT_THAT(read("e.ply", header("element vertex 65535e9\n" + xyz)), HasSubstr("line 3"));
   EXPECT_EQ(read("f.ply", header("element vertex 1000000000000\n" + xyz) + "0 0 0\n"),
-            "cannot be read: it says 1000000000000 rows of an element, of 6 bytes or more, and has "
-            "6 bytes");
+            "cannot be read: the element `vertex` says 1000000000000 rows of at least 6 bytes, and "
+            "6 bytes follow the header");
   EXPECT_EQ(read("g.ply", header("element vertex 99999999999\n")),
-            "cannot be read: an element without properties");
+            "cannot be read: the element `vertex` has no properties");
   EXPECT_EQ(read("h.ply", header("element vertex 1\nproperty float x\nproperty float y\n") + "0 0"),
             "cannot be read: the element `vertex` has no property `z`");
   EXPECT_THAT(read("i.ply", header("element vertex 1\nproperty flaot x\n")), HasSubstr("line 4"));
@@ -199,7 +198,7 @@ TEST_F(MeshBoxes, DamagedPlysAreRefused) {
   EXPECT_EQ(read("o.ply", cut), "cannot be read: the file ends before its last row");
   const std::string vertices = header("element vertex 2\n" + xyz);
   EXPECT_EQ(read("p.ply", vertices + "0 0 0\n1 2 .nan\n"),
-            "cannot be read: line 9: a coordinate that is no finite number");
+            "cannot be read: line 9: a number that is not finite, or none at all");
   EXPECT_EQ(read("q.ply", header("element face 1\nproperty list char int vertex_indices\n") + "-1"),
             "cannot be read: line 6: the count of a list is negative");
   EXPECT_EQ(read("r.ply",

@@ -159,8 +159,9 @@ TEST(DaeMeshes, CountsThatTheDataDoNotHaveAreRefused) {
       "stride=\"4294967295\">";
   EXPECT_THAT(read(dae.text()), HasSubstr("line 5: <accessor> says 4294967295 positions"));
   dae.accessor = "<accessor source=\"#pa\" count=\"1\" stride=\"3\">";
-  EXPECT_EQ(read(dae.text()),
-            "line 7: the number of a position is none of 0 to 1 - 1, which <accessor> has");
+  EXPECT_EQ(
+      read(dae.text()),
+      "line 7: <p> names a position that its <accessor> does not have: it has 1, numbered from 0");
   for (const char* count : {"-5", "-0", "16", "4294967296", "x", ""}) {
     Dae damaged;
     damaged.floats = "<float_array id=\"pa\" count=\"" + std::string(count) +
@@ -169,7 +170,7 @@ TEST(DaeMeshes, CountsThatTheDataDoNotHaveAreRefused) {
   }
   Dae infinite;
   infinite.floats = "<float_array id=\"pa\" count=\"3\">0 0 inf</float_array>";
-  EXPECT_EQ(read(infinite.text()), "line 4: a coordinate that is no finite number");
+  EXPECT_EQ(read(infinite.text()), "line 4: a number that is not finite, or none at all");
 }
 
 TEST(DaeMeshes, PrimitivesThatDoNotFitAreRefused) {
@@ -178,8 +179,9 @@ TEST(DaeMeshes, PrimitivesThatDoNotFitAreRefused) {
             "line 7: <triangles> says 9 corners, and has 6");
   EXPECT_EQ(with_primitives("<polylist>" + input + "<vcount>3 4</vcount><p>0 1 2</p></polylist>"),
             "line 7: <polylist> says 7 corners, and has 3");
-  EXPECT_THAT(with_primitives("<lines>" + input + "<p>0 1e9</p></lines>"),
-              HasSubstr("line 7: the number of a position is none of 0 to 5 - 1"));
+  EXPECT_THAT(
+      with_primitives("<lines>" + input + "<p>0 1e9</p></lines>"),
+      HasSubstr("line 7: <p> names a position that its <accessor> does not have: it has 5"));
   EXPECT_EQ(with_primitives("<lines><input semantic=\"VERTEX\" source=\"#v\" offset=\"1\"/>"
                             "<p>0 0 0</p></lines>"),
             "line 7: <p> has 3 numbers; needed: a multiple of 2, one for each offset");
