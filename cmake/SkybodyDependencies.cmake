@@ -7,7 +7,6 @@ find_package(Boost 1.74 REQUIRED CONFIG COMPONENTS filesystem)  # Boost.DLL is h
 find_package(yaml-cpp REQUIRED CONFIG)
 find_package(urdfdom REQUIRED CONFIG)
 find_package(tinyxml2 REQUIRED CONFIG)
-find_package(assimp 5 REQUIRED CONFIG)
 find_package(spdlog REQUIRED CONFIG)
 find_package(CLI11 REQUIRED CONFIG)
 find_package(HDF5 REQUIRED COMPONENTS C)
@@ -49,7 +48,6 @@ skybody_dependency(yaml ${yaml_target})
 skybody_dependency(eigen Eigen3::Eigen)
 skybody_dependency(dll Boost::filesystem Boost::headers ${CMAKE_DL_LIBS})
 skybody_dependency(xml tinyxml2::tinyxml2)
-skybody_dependency(assimp assimp::assimp)
 skybody_dependency(log spdlog::spdlog)
 skybody_dependency(cli11 CLI11::CLI11)
 skybody_dependency(hdf5)
@@ -77,7 +75,7 @@ if(NOT urdfdom_VERSION)  # Debian's package leaves it out; its pkg-config file h
   endif()
 endif()
 set(SKYBODY_LIBRARY_VERSIONS
-  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, assimp ${assimp_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
+  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
 
 # DAQP, a solver of quadratic programs (MIT): C sources that ./dev fetches. Its core alone is compiled, with our
 # floating-point flags, so that its bits are ours; api.c, which allocates, is left out. Without it the plugins that

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/base/vec3.h"
+#include "core/io/mesh_format.h"
 
 namespace skybody {
 
@@ -21,13 +21,12 @@ struct MeshBox {
   Vec3<double> center() const { return 0.5 * (low + high); }
 };
 
-/// Whether a name ends as those of meshes that are read do: .stl, .dae, .obj, .ply.
-bool is_readable_mesh(const std::string& name);
-
-/// Reads the box about all vertices of a mesh file of up to kLargestMesh. Nothing but this one file
-/// is read, whatever it names. COLLADA's unit counts, its upward direction does not, as in RViz.
+/// Reads the box about the vertices of a mesh file of up to kLargestMesh: those that its faces,
+/// lines and points use, or all where the format does not say (PLY) or the file has none of these.
+/// Nothing but this one file is read, whatever it names. COLLADA's unit counts, its upward
+/// direction does not, as in RViz.
 /// @returns why there is no box ("is a folder"), or an empty text
-std::string read_mesh_box(const std::string& file, MeshBox& box);
+std::string read_mesh_box(const std::string& file, const MeshFormat& format, MeshBox& box);
 
 /// The box about a mesh that is scaled along its axes, rounded to micrometres.
 /// @returns why contact cannot do with it ("is flat"), or an empty text

@@ -172,12 +172,15 @@ class DocumentBuilder {
   bool take_box(const std::string& file, const std::string& what, const SourceMark& mark,
                 Shape& shape) {
     const std::string remedy = ", and contact needs the box about it; ";
-    if (!is_readable_mesh(shape.mesh)) {
-      diagnostics_.error(mark, what + "is none of .stl, .dae, .obj and .ply" + remedy +
-                                   "convert it, or write a box, cylinder, sphere or capsule");
+    const MeshFormat* const format = find_mesh_format(shape.mesh);
+    if (format == nullptr) {
+      diagnostics_.error(mark, what + "is of a format that is not read (" + mesh_extensions() +
+                                   " are)" + remedy +
+                                   "convert it (Blender, MeshLab and Python's trimesh do), or "
+                                   "write a box, cylinder, sphere or capsule");
       return false;
     }
-    const ReadMesh& read = read_mesh(file);
+    const ReadMesh& read = read_mesh(file, *format);
     MeshBox box = read.box;
     const std::string problem =
         read.problem.empty() ? scale_mesh_box(shape.size, box) : read.problem;
@@ -202,14 +205,14 @@ class DocumentBuilder {
     MeshBox box;
     std::string problem;
   };
-  const ReadMesh& read_mesh(const std::string& file) {
-    const auto [found, is_new] = read_meshes_.try_emplace(file);
+  const ReadMesh& read_mesh(const std::string& file, const MeshFormat& format) {
+    const auto [found, is_new] = read_meshes_.try_emplace(file + format.extension);
     ReadMesh& mesh = found->second;
     if (!is_new) return mesh;
     mesh.problem = read_meshes_.size() > kMostMeshes
                        ? "is not read: the model has more than " + std::to_string(kMostMeshes) +
                              " meshes that are collision shapes"
-                       : read_mesh_box(file, mesh.box);
+                       : read_mesh_box(file, format, mesh.box);
     return mesh;
   }
 
@@ -244,8 +247,8 @@ class DocumentBuilder {
   Diagnostics& diagnostics_;
   UrdfDocument document_;
   std::unordered_map<std::string, int> index_;
-  std::unordered_map<std::string, ReadMesh> read_meshes_;
-  bool primitive_collision_ = false;  ///< of the link at hand
+  std::unordered_map<std::string, ReadMesh> read_meshes_;  ///< by file and format
+  bool primitive_collision_ = false;                       ///< of the link at hand
 };
 
 }  // namespace

@@ -3,24 +3,12 @@
 #include <cmath>
 
 #include "core/io/text.h"
-#include "core/io/urdf_text.h"
+#include "core/io/xml_text.h"
 
 namespace skybody {
 namespace {
 
 using tinyxml2::XMLElement;
-
-/// "mismatched element" from tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
-std::string error_words(std::string name) {
-  for (const std::string prefix : {"XML_ERROR_", "XML_"}) {
-    if (name.rfind(prefix, 0) == 0) name = name.substr(prefix.size());
-  }
-  for (char& c : name) {
-    if (c == '_') c = ' ';
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return name;
-}
 
 }  // namespace
 
@@ -54,12 +42,7 @@ Pose xml_origin(const XMLElement& element) {
 bool check_urdf_xml(const std::string& text, const std::string& file, UrdfXml& xml,
                     Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();
-  if (!check_xml_text(text, file, diagnostics)) return false;
-  if (xml.document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    diagnostics.error({file, xml.document.ErrorLineNum(), 0},
-                      "not well-formed XML: " + error_words(xml.document.ErrorName()));
-    return false;
-  }
+  if (!parse_xml(text, file, xml.document, XmlReferences::kChecked, diagnostics)) return false;
   if (xml.document.RootElement() == nullptr) {
     diagnostics.error({file, 0, 0}, "the file has no XML element; a URDF is a <robot>");
     return false;

@@ -9,6 +9,7 @@ const std::vector<AreaRow>& area_rows() {
       {"scenario", make_scenario_area, {text, text, bytes}},
       {"override", make_override_area, {text, text, bytes}},
       {"urdf", make_urdf_area, {text, text, bytes}},
+      {"mesh", make_mesh_area, {text, text, bytes}},
       {"rotors", make_rotors_area, {text, text, bytes}},
       {"policy", make_policy_area, {bytes}},
       {"replay", make_replay_area, {bytes}},

@@ -24,16 +24,6 @@ struct Outcome {
   bool operator==(const Outcome&) const = default;
 };
 
-std::string check_messages(const Diagnostics& diagnostics) {
-  bool names_a_place = false;
-  for (const Diagnostic& diagnostic : diagnostics.all()) {
-    names_a_place |= diagnostic.severity == Severity::kError && !diagnostic.mark.file.empty();
-    check_message(diagnostic.to_string());
-  }
-  if (!names_a_place) wrong_answer("refused without a place: " + diagnostics.to_string());
-  return diagnostics.to_string();
-}
-
 bool takes_too_long(const Stepping& stepping) {
   return is_error_controlled(stepping.integrator) && stepping.solver.max_steps > kMostSolverSteps;
 }
@@ -61,7 +51,7 @@ Outcome load_and_fly(const LoadOptions& options) {
   Diagnostics diagnostics;
   auto compiled = compile_scenario(options, shipped_plugins(), diagnostics);
   if (compiled == nullptr) {
-    outcome.messages = check_messages(diagnostics);
+    outcome.messages = check_refusal(diagnostics);
     return outcome;
   }
   outcome.answer = Answer::kAccepted;
@@ -77,6 +67,16 @@ void check_message(const std::string& message) {
   if (printable(message) != message) {
     wrong_answer("a message that is no printable UTF-8 in one line: " + message);
   }
+}
+
+std::string check_refusal(const Diagnostics& diagnostics) {
+  bool names_a_place = false;
+  for (const Diagnostic& diagnostic : diagnostics.all()) {
+    names_a_place |= diagnostic.severity == Severity::kError && !diagnostic.mark.file.empty();
+    check_message(diagnostic.to_string());
+  }
+  if (!names_a_place) wrong_answer("refused without a place: " + diagnostics.to_string());
+  return diagnostics.to_string();
 }
 
 void check_finite(const char* what, std::span<const float> values) {

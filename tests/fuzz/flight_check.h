@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/assemble/load.h"
+#include "core/io/diagnostics.h"
 #include "core/simulation/simulation.h"
 #include "tests/fuzz/area.h"
 
@@ -18,6 +19,10 @@ Answer check_flight(const LoadOptions& options, bool thorough);
 
 /// @throws Finding if the message would not be one readable line
 void check_message(const std::string& message);
+
+/// The messages of a refusal.
+/// @throws Finding if none is an error that names a place, or one is no readable line
+std::string check_refusal(const Diagnostics& diagnostics);
 
 /// What rows with a fault may hold: a fault gives the last finite observation, which a state that
 /// somebody made up need not have.

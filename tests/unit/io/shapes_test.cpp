@@ -224,7 +224,8 @@ TEST_F(ShapeFiles, MeshesWithoutABoxAreRefusedWithTheReason) {
               HasSubstr("is flat: it is 1 x 2 x 0 m"));
   EXPECT_THAT(refused("thin.stl", kStl, "1 0 1"), HasSubstr("is flat: it is 1 x 0 x 3 m"));
   EXPECT_THAT(refused("far.stl", kStl, "1e6 1 1e6"), HasSubstr("farther off than 1000000 m"));
-  EXPECT_THAT(refused("t.fbx", kStl), HasSubstr("is none of .stl, .dae, .obj and .ply"));
+  EXPECT_THAT(refused("t.fbx", kStl),
+              HasSubstr("is of a format that is not read (.stl, .dae, .obj, .ply are)"));
   EXPECT_THAT(refused("large.stl", std::string(kLargestMesh + 1, ' ')),
               HasSubstr("is larger than 32 MiB"));
   // One format in the clothes of another is not looked at by any other importer.

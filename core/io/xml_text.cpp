@@ -1,4 +1,4 @@
-#include "core/io/urdf_text.h"
+#include "core/io/xml_text.h"
 
 #include <algorithm>
 #include <string_view>
@@ -7,6 +7,7 @@ namespace skybody {
 namespace {
 
 constexpr int kMostAttributes = 100;           // of one element; URDF has up to six
+constexpr long kMostParts = 1'000'000;         // tags and attributes of a text
 constexpr std::size_t kLongestReference = 12;  // &#x0010FFFF;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -31,8 +32,9 @@ bool is_reference(std::string_view name) {
 /// Goes through a text once, comments and the like left out.
 class Scan {
  public:
-  Scan(std::string_view text, const std::string& file, Diagnostics& diagnostics)
-      : text_(text), file_(file), diagnostics_(diagnostics) {}
+  Scan(std::string_view text, const std::string& file, XmlReferences references,
+       Diagnostics& diagnostics)
+      : text_(text), file_(file), references_(references), diagnostics_(diagnostics) {}
 
   bool run() {
     while (good_ && at_ < text_.size()) {
@@ -52,6 +54,7 @@ class Scan {
     if (text_.substr(at_, begin.size()) != begin) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());
     const std::size_t next = found == text_.npos ? text_.size() : found + end.size();
+    count_part();
     for (; at_ < next && good_; ++at_) take(text_[at_]);
     return true;
   }
@@ -59,12 +62,13 @@ class Scan {
   void step() {
     const char c = text_[at_];
     take(c);
-    if (c == '&') check_reference();
+    if (c == '&' && references_ == XmlReferences::kChecked) check_reference();
     if (quote_ != 0) {
       if (c == quote_) quote_ = 0;
     } else if (c == '<' || c == '>') {
       is_in_tag_ = c == '<';
       attributes_ = 0;
+      if (is_in_tag_) count_part();
     } else if (is_in_tag_) {
       step_in_tag(c);
     }
@@ -73,10 +77,18 @@ class Scan {
 
   void step_in_tag(char c) {
     if (c == '"' || c == '\'') quote_ = c;
-    if (c == '=' && ++attributes_ == kMostAttributes + 1) {
+    if (c != '=') return;
+    count_part();
+    if (++attributes_ == kMostAttributes + 1) {
       fail("an element with more than " + std::to_string(kMostAttributes) +
-           " attributes; URDF knows none with more than six");
+           " attributes, which is the most that is allowed; remove those that are not needed");
     }
+  }
+
+  void count_part() {
+    if (++parts_ != kMostParts + 1) return;
+    fail("more than " + std::to_string(kMostParts) +
+         " tags and attributes, which is the most that is allowed; split the file");
   }
 
   void take(char c) {
@@ -100,19 +112,40 @@ class Scan {
 
   std::string_view text_;
   const std::string& file_;
+  XmlReferences references_;
   Diagnostics& diagnostics_;
   std::size_t at_ = 0;
   int line_ = 1;
   bool is_in_tag_ = false;
   char quote_ = 0;  ///< that an attribute's value began with; 0: outside of values
   int attributes_ = 0;
+  long parts_ = 0;
   bool good_ = true;
 };
 
+/// "mismatched element" from tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
+std::string error_words(std::string name) {
+  for (const std::string prefix : {"XML_ERROR_", "XML_"}) {
+    if (name.rfind(prefix, 0) == 0) name = name.substr(prefix.size());
+  }
+  for (char& c : name) {
+    if (c == '_') c = ' ';
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return name;
+}
+
 }  // namespace
 
-bool check_xml_text(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
-  return Scan(text, file, diagnostics).run();
+bool parse_xml(const std::string& text, const std::string& file, tinyxml2::XMLDocument& document,
+               XmlReferences references, Diagnostics& diagnostics) {
+  if (!Scan(text, file, references, diagnostics).run()) return false;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    diagnostics.error({file, document.ErrorLineNum(), 0},
+                      "not well-formed XML: " + error_words(document.ErrorName()));
+    return false;
+  }
+  return true;
 }
 
 }  // namespace skybody

@@ -1,0 +1,63 @@
+// Positions that the geometries of a COLLADA document use, for mesh_dae.cpp. Internal to core/io.
+#pragma once
+
+#include "core/io/mesh_dae_document.h"
+
+namespace skybody {
+
+/// The positions of one set of primitives.
+struct DaePart {
+  const std::vector<double>* values = nullptr;
+  std::uint32_t x = 0, y = 0, z = 0;  ///< places of the coordinates, from a position's first value
+  std::vector<std::uint32_t> positions;  ///< the first value of each that is used, once
+
+  Vec3<double> position(std::uint32_t first) const {
+    return {(*values)[first + x], (*values)[first + y], (*values)[first + z]};
+  }
+};
+
+using DaeGeometry = std::vector<DaePart>;
+
+/// Reads each geometry, array and accessor once, however many others name it.
+class DaeGeometries {
+ public:
+  explicit DaeGeometries(const DaeDocument& document) : document_(document) {}
+
+  /// @param geometry  <geometry>  @throws MeshError
+  const DaeGeometry& read(const tinyxml2::XMLElement& geometry);
+
+ private:
+  /// A <float_array>, with the number of the part that used a value last as a position's first.
+  struct Array {
+    std::vector<double> values;
+    std::vector<std::uint32_t> user;
+  };
+  /// Where an <accessor> finds positions.
+  struct Accessor {
+    Array* array = nullptr;
+    std::uint32_t offset = 0, stride = 1, count = 0;
+    std::uint32_t x = 0, y = 0, z = 0;
+  };
+
+  /// The numbers of a corner in <p>, and which of them is a position's.
+  struct Corners {
+    std::uint64_t width, place;
+  };
+
+  DaePart read_part(const tinyxml2::XMLElement& primitives);
+  /// Adds the positions that <p> names and `part` does not have yet. @returns its corners
+  std::uint64_t add_positions(const tinyxml2::XMLElement& p, const Corners& corners,
+                              const Accessor& from, DaePart& part);
+  const Accessor& positions_of(const tinyxml2::XMLElement& vertices);
+  Accessor read_accessor(const tinyxml2::XMLElement& accessor);
+  static std::uint32_t read_params(const tinyxml2::XMLElement& accessor, Accessor& result);
+  Array& array_of(const tinyxml2::XMLElement& float_array);
+
+  const DaeDocument& document_;
+  std::uint32_t parts_ = 0;
+  std::unordered_map<const tinyxml2::XMLElement*, DaeGeometry> geometries_;
+  std::unordered_map<const tinyxml2::XMLElement*, Accessor> accessors_;  ///< by <vertices>
+  std::unordered_map<const tinyxml2::XMLElement*, Array> arrays_;
+};
+
+}  // namespace skybody

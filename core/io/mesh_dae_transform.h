@@ -1,0 +1,27 @@
+// Transformations of COLLADA's nodes. Internal to core/io.
+#pragma once
+
+#include "core/base/mat3.h"
+#include "core/io/mesh_dae_document.h"
+
+namespace skybody {
+
+/// x -> linear x + shift.
+struct DaeTransform {
+  Mat3<double> linear = Mat3<double>::identity();
+  Vec3<double> shift{0.0, 0.0, 0.0};
+
+  friend Vec3<double> operator*(const DaeTransform& a, const Vec3<double>& v) {
+    return a.linear * v + a.shift;
+  }
+  /// First b, then a.
+  friend DaeTransform operator*(const DaeTransform& a, const DaeTransform& b) {
+    return {a.linear * b.linear, a * b.shift};
+  }
+};
+
+/// What <matrix>, <rotate>, <translate>, <scale> or <lookat> do; nothing of any other element.
+/// @throws MeshError  also for <skew>
+DaeTransform read_dae_transform(const tinyxml2::XMLElement& element);
+
+}  // namespace skybody

@@ -1,0 +1,58 @@
+// The mesh formats that are read, and what their readers share. Internal to core/io.
+//
+// Meshes may be a stranger's. So each reader takes time and memory that are linear in the file's
+// size, opens no other file, checks each declared count against what the file holds before it
+// relies on it, and refuses a file that contradicts itself.
+#pragma once
+
+#include <string>
+
+#include "core/base/error.h"
+#include "core/base/math.h"
+#include "core/base/vec3.h"
+
+namespace skybody {
+
+/// Why a mesh is refused. Readers throw it, read_mesh_box() catches it.
+class MeshError : public Error {
+ public:
+  explicit MeshError(const std::string& reason) : Error(reason) {}
+  MeshError(int line, const std::string& reason)
+      : Error("line " + std::to_string(line) + ": " + reason) {}
+};
+
+/// The smallest box along the axes that holds all points that are added.
+class VertexBox {
+ public:
+  void add(const Vec3<double>& v) {
+    low_ = {min(low_.x, v.x), min(low_.y, v.y), min(low_.z, v.z)};
+    high_ = {max(high_.x, v.x), max(high_.y, v.y), max(high_.z, v.z)};
+  }
+
+  bool is_empty() const { return !(low_.x <= high_.x); }
+  const Vec3<double>& low() const { return low_; }
+  const Vec3<double>& high() const { return high_; }
+
+ private:
+  Vec3<double> low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
+};
+
+/// Each reader takes the bytes of a file, and gives the box about its vertices in metres.
+/// @throws MeshError
+VertexBox read_stl(const std::string& bytes);
+VertexBox read_dae(const std::string& bytes);
+VertexBox read_obj(const std::string& bytes);
+VertexBox read_ply(const std::string& bytes);
+
+struct MeshFormat {
+  const char* extension;  ///< in lower case
+  VertexBox (*read)(const std::string& bytes);
+};
+
+/// The format that the end of a file's name stands for, in capitals too; null: it is not read.
+const MeshFormat* find_mesh_format(const std::string& name);
+
+/// ".stl, .dae, .obj, .ply".
+std::string mesh_extensions();
+
+}  // namespace skybody
