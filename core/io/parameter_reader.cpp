@@ -5,6 +5,7 @@
 
 #include "core/io/file.h"
 #include "core/io/text.h"
+#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -112,6 +113,9 @@ class ValueReader {
     const bool below = *number < spec_.min || (spec_.min_exclusive && *number == spec_.min);
     if (!std::isfinite(*number) || (integer && !integral) || below || *number > spec_.max) {
       return complain(node, name, node.scalar);
+    }
+    if (spec_.unit == "rad") {
+      warn_unless_usual(Usual::kAngle, *number, "`" + name + "`", {}, node.mark, diagnostics_);
     }
     value_.numbers.push_back(*number);
     return true;
