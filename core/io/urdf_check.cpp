@@ -309,7 +309,10 @@ class Checker {
     for (const char* name : {"effort", "velocity"}) optional_number(name);
     const double lower = optional_number("lower"), upper = optional_number("upper");
     const bool limited = joint.type == "revolute" || joint.type == "prismatic";
-    if (limited && !(lower < upper)) {
+    // Written as 0 to 0, it is read as fixed (fix_joints).
+    const bool is_written = e.Attribute("lower") != nullptr && e.Attribute("upper") != nullptr;
+    const bool stays_at_zero = is_written && lower == 0.0 && upper == 0.0;
+    if (limited && !(lower < upper) && !stays_at_zero) {
       const bool is_stuck = lower == upper;
       error(e, "the limits of " + where + " are " + format_number(lower) + " to " +
                    format_number(upper) + "; lower must be less than upper" +

@@ -36,14 +36,16 @@ void fix_joints(UrdfDocument& document, const std::set<std::string>& spinning,
     const bool is_on_world =
         document.links[static_cast<std::size_t>(joint.parent)].name == "world" &&
         joint.parent == document.root;
-    const bool can_be_fixed = !is_on_world && joint.type != UrdfJointType::kFixed &&
-                              joint.type != UrdfJointType::kFloating;
+    const bool can_be_fixed =
+        joint.type != UrdfJointType::kFixed && joint.type != UrdfJointType::kFloating;
     if (!can_be_fixed) continue;
     if (spinning.count(joint.name) > 0) {
       fix(joint,
           "it turns freely about the axis of a rotor on it, and would take the rotor's drag torque "
           "from the vehicle; make it `fixed`");
-    } else if (!has_mass[static_cast<std::size_t>(joint.child)]) {
+    } else if (joint.limited && joint.lower == joint.upper) {
+      fix(joint, "its limits are 0 to 0; make it `fixed`");
+    } else if (!is_on_world && !has_mass[static_cast<std::size_t>(joint.child)]) {
       fix(joint, "nothing that hangs on it has mass");
     }
   }

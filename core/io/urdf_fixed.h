@@ -10,7 +10,8 @@
 namespace skybody {
 
 /// Makes joints of the document fixed, with a warning each: those in `spinning`, which turn freely
-/// about the axis of a rotor on them, and those on which nothing has mass.
+/// about the axis of a rotor on them, those whose limits are 0 to 0, and those on which nothing has
+/// mass.
 void fix_joints(UrdfDocument& document, const std::set<std::string>& spinning,
                 Diagnostics& diagnostics);
 

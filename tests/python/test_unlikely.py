@@ -44,7 +44,7 @@ robots:
     controllers: [{{plugin: ctbr}}]
 obstacles: [{{name: hill, position: [500, 0, 0], height_field:
   {{size: [2, 2], columns: 2, heights: {heights}}}}}]
-task: {{plugin: hover, parameters: {{target: [0, 0, 3], target_yaw: {yaw}}}}}
+task: {{plugin: hover, parameters: {{target: [0, 0, 3, {yaw}]}}}}
 """
 USUAL = {
     "mass": 2.0,
@@ -139,7 +139,7 @@ MISTAKES = {
     ),
     "degrees_in_a_target": (
         {"yaw": 45},
-        "`target_yaw` is 45 rad; usual is -6.3 to 6.3 rad; do you mean 0.7854 (degrees written "
+        "`target[3]` is 45 rad; usual is -6.3 to 6.3 rad; do you mean 0.7854 (degrees written "
         "for radians)?",
     ),
     "heights_in_mm": (
@@ -274,7 +274,7 @@ def test_springs_and_limits_act_on_universal_joints(tmp_path: Path) -> None:
         "    joints:\n"
         "      x: {position: 0.19, damping: 0.005, stiffness: 5, rest: 1}\n"
         "      y: {damping: 0.02, stiffness: 2, rest: 0.5}\n"
-        "task: {plugin: watch}\n"
+        "task: {plugin: watch, parameters: {link: rod}}\n"
     )
     sim = skybody.Simulation(str(tmp_path / "scenario.yaml"))
     sim.reset()

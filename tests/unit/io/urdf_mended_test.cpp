@@ -138,10 +138,16 @@ TEST(UrdfLimits, EffortAndVelocityMayBeLeftOut) {
 }
 
 TEST(UrdfLimits, LimitsWithoutTravelAdviseFixed) {
+  const Read stuck = read(heavy("base") + heavy("arm") +
+                          joint("j", "revolute", "base", "arm", R"(<limit lower="0" upper="0"/>)"));
+  ASSERT_TRUE(stuck.model) << stuck.messages;
+  EXPECT_EQ(stuck.model->bodies.size(), 1u);
+  EXPECT_THAT(stuck.messages, HasSubstr("warning: the joint `j` is read as fixed: its limits are 0 "
+                                        "to 0; make it `fixed`"));
   EXPECT_THAT(read(heavy("base") + heavy("arm") +
-                   joint("j", "revolute", "base", "arm", R"(<limit lower="0" upper="0"/>)"))
+                   joint("j", "revolute", "base", "arm", R"(<limit lower="1" upper="1"/>)"))
                   .messages,
-              HasSubstr("the limits of the joint `j` are 0 to 0; lower must be less than upper: a "
+              HasSubstr("the limits of the joint `j` are 1 to 1; lower must be less than upper: a "
                         "joint that cannot move is `fixed`, one without limits is `continuous`"));
 }
 
