@@ -1,6 +1,6 @@
 #include "core/io/fold_warnings.h"
 
-#include <cctype>
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -12,19 +12,37 @@ namespace {
 
 constexpr std::size_t kMostLines = 5;  // that a folded warning lists
 
+bool is_digit_at(const std::string& text, std::size_t at) {
+  return at < text.size() && text[at] >= '0' && text[at] <= '9';
+}
+
+/// The place behind a number such as 2.5e-07 that begins at `at`.
+std::size_t end_of_number(const std::string& text, std::size_t at) {
+  while (is_digit_at(text, at) || (text[at] == '.' && is_digit_at(text, at + 1))) ++at;
+  const bool has_exponent =
+      at + 1 < text.size() && text[at] == 'e' && (text[at + 1] == '-' || text[at + 1] == '+');
+  if (!has_exponent) return at;
+  at += 2;
+  while (is_digit_at(text, at)) ++at;
+  return at;
+}
+
 /// The message without numbers and without what stands in `` or <>.
 std::string warning_kind(const std::string& message) {
   std::string kind;
-  char end = 0;
-  for (const char c : message) {
-    if (end != 0) {
-      if (c == end) end = 0;
-    } else if (c == '`' || c == '<') {
-      end = c == '`' ? '`' : '>';
-      kind += c;
-    } else if (std::isdigit(static_cast<unsigned char>(c)) == 0) {
-      kind += c;
+  for (std::size_t at = 0; at < message.size();) {
+    const char c = message[at];
+    if (is_digit_at(message, at)) {
+      at = end_of_number(message, at);
+      continue;
     }
+    kind += c;
+    ++at;
+    if (c == '`' || c == '<') {
+      at = std::min(message.find(c == '`' ? '`' : '>', at), message.size());
+    }
+    // A closing backtick is no opening one.
+    if (c == '`' && at < message.size()) ++at;
   }
   return kind;
 }

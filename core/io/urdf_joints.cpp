@@ -345,7 +345,8 @@ class BodyMaker {
         return "the origins of `" + first.name + "` and `" + joint.name + "` differ";
       }
       if (limits_matter(joint)) return "`" + joint.name + "` has limits";
-      if (options_.own_joints.count(joint.name) > 0) {
+      // Three pins in the place of a ball have a pose in which they move two ways only.
+      if (chain.size() == 2 && options_.own_joints.count(joint.name) > 0) {
         return "the scenario gives `" + joint.name + "` values of its own";
       }
       if (joint.damping != first.damping) {

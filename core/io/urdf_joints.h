@@ -11,7 +11,7 @@
 namespace skybody {
 
 /// Fills bodies and links of `model`. Two (three) consecutive revolute or continuous joints with
-/// one origin, orthogonal axes, no limits, none of them in `own_joints`, and nothing but massless,
+/// one origin, orthogonal axes, no limits, of two none in `own_joints`, and nothing but massless,
 /// shapeless links between them become one universal (ball) joint, named after the last of them.
 /// Every other massless link that moves gets a light mass, with a warning, or an error where that
 /// would leave a motion without inertia. The base is welded to the world with `fixed_base`.

@@ -28,7 +28,7 @@ struct UrdfOptions {
   bool fixed_base = false;      ///< weld the root link to the world; it needs no mass then
   bool repair_inertia = false;  ///< an inertia that no rigid body has: mend it in place of an error
   std::set<std::string> fixed_joints = {};  ///< turn with a rotor: read as fixed, with a warning
-  std::set<std::string> own_joints = {};    ///< kept out of universal and ball joints
+  std::set<std::string> own_joints = {};    ///< kept out of universal joints
 };
 
 /// Reads `file`; nothing and errors with file and line if anything is wrong. Rotors stay empty.

@@ -29,9 +29,9 @@ constexpr double kTurnAMinute = kPi / 30.0;
 constexpr Slip kNoSlip{"", 1.0, 1.0, nullptr};
 
 // In the order of Usual. Ranges of vehicles: from a Crazyflie to what carries people, with room on
-// either side (randomization/vehicle/README.md has figures).
+// either side (randomization/vehicle/README.md has figures). Angles: courses count turns on.
 constexpr UsualRow kRows[] = {
-    {"rad", -6.3, 6.3, {{{"", kDegree, 1, "degrees written for radians"}, kNoSlip, kNoSlip}}},
+    {"rad", -12.6, 12.6, {{{"", kDegree, 1, "degrees written for radians"}, kNoSlip, kNoSlip}}},
     {"m", -11e3, 9e3, {{{"", 1e-3, 1, "mm written for m"}, kNoSlip, kNoSlip}}},
     {"m/s^2", -30, 0, {{{"", -1, 1, "z of the world points up"}, kNoSlip, kNoSlip}}},
     {"",
