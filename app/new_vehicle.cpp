@@ -1,9 +1,9 @@
 #include "app/new_vehicle.h"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/io/text.h"
