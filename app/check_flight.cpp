@@ -109,24 +109,6 @@ void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<BodySt
   }
 }
 
-/// Robots that are to hover, and would need speeds that their rotors do not reach.
-void warn_of_weight(const CompiledScenario& compiled, Diagnostics& diagnostics) {
-  const Scenario& scenario = compiled.scenario();
-  for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
-    const RobotUse& use = scenario.robots[r];
-    if (use.rotor_speed >= 0.0) continue;
-    const double speed = hover_rotor_speed(compiled.scenario(), static_cast<int>(r));
-    double slowest = kInfinity;
-    for (const Rotor& rotor : use.model.rotors) {
-      slowest = min(slowest, rotor.constants[kMaxSpeed]);
-    }
-    if (speed <= slowest) continue;
-    diagnostics.warning(use.mark, "robot `" + use.name +
-                                      "` cannot hover: `rotor_speed: hover` is " + rounded(speed) +
-                                      " rad/s, and `max_speed` " + rounded(slowest) + " rad/s");
-  }
-}
-
 std::vector<float> random_action(int size, std::uint64_t step) {
   Random<double> random(RandomKey{0, 0}, 0, step, derive_stream("check.action"));
   std::vector<float> action(static_cast<std::size_t>(size));
@@ -292,7 +274,6 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         {compiled->scenario().file, 0, 0},
         "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
   }
-  warn_of_weight(*compiled, diagnostics);
   try_starts(compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;

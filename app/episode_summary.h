@@ -40,6 +40,7 @@ struct EpisodeSummary {
   std::vector<std::vector<double>> params;  ///< drawn values: at the reset, then after each change
   std::vector<InfoRange> infos;             ///< in the order of the row; empty: no step
   std::uint64_t redraws = 0;                ///< how often the start was drawn again
+  std::uint64_t clipped = 0;                ///< action values that the policy held to [-1, 1]
 };
 
 /// Plugins report a time below 0 of what does not happen in the episode, such as a rotor's failure.

@@ -67,6 +67,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   ErrorWindow window(simulation.compiled());
   ReferenceErrors references(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  const std::uint64_t clipped_before = policy.clipped();
   simulation.reset();
   summary.params = {simulation.params()};
   log.begin_episode(summary.params.front());
@@ -89,6 +90,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   }
   log.event(summary.end);
   summary.steps = simulation.steps();
+  summary.clipped = policy.clipped() - clipped_before;
   summary.time = simulation.time();
   summary.goals = window.errors();
   summary.references = references.errors();

@@ -129,6 +129,19 @@ std::string success_line(const CompiledScenario& compiled,
   return "";
 }
 
+/// "clipped: 12 of 8000 action values lay beyond [-1, 1]", or nothing.
+std::string clipped_line(const CompiledScenario& compiled,
+                         const std::vector<EpisodeSummary>& episodes) {
+  std::uint64_t clipped = 0, all = 0;
+  for (const EpisodeSummary& episode : episodes) {
+    clipped += episode.clipped;
+    all += episode.steps * static_cast<std::uint64_t>(compiled.action_size());
+  }
+  if (clipped == 0) return "";
+  return "clipped: " + std::to_string(clipped) + " of " + std::to_string(all) +
+         " action values lay beyond [-1, 1]\n";
+}
+
 }  // namespace
 
 std::string summary_table(const CompiledScenario& compiled,
@@ -150,7 +163,7 @@ std::string summary_table(const CompiledScenario& compiled,
              goals, episode.goals);
   }
   if (!episodes.empty()) add_total(table, goals, episodes);
-  return table.to_string() + success_line(compiled, episodes) +
+  return table.to_string() + success_line(compiled, episodes) + clipped_line(compiled, episodes) +
          (goals.empty() ? "" : "errors: mean and greatest of the last second\n") +
          whole_ends(episodes);
 }

@@ -7,6 +7,7 @@
 #include "core/assemble/check_uses.h"
 #include "core/assemble/controller_survey.h"
 #include "core/assemble/reference_use.h"
+#include "core/assemble/unlikely.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
 #include "core/io/plugin_use_reader.h"
@@ -234,6 +235,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
     check_uses(*compiled);
     check_world(compiled->world());  // a world that cannot be built is said here
+    warn_of_unlikely(*compiled, diagnostics);
     return compiled;
   } catch (const ChainGap& gap) {
     diagnostics.error(gap.mark(), gap.what() + bridge(gap, *registry));

@@ -13,4 +13,10 @@ Vec3<double> eigenvalues(const SymMat3<double>& matrix);
 /// it; rounded URDF values of flat bodies reach the bound).
 bool is_physical_inertia(const SymMat3<double>& inertia, double tolerance = 1e-6);
 
+/// The inertia of a rigid body near one that no body has, with the same principal axes: moments
+/// below the floor are raised to it, then the largest is lowered to the sum of the other two. The
+/// floor is 1e-3 of the largest moment, or `mass` times (1 mm)^2 if that is more.
+/// @param inertia  about the centre of mass [kg m^2], finite; @param mass  [kg], positive
+SymMat3<double> repaired_inertia(const SymMat3<double>& inertia, double mass);
+
 }  // namespace skybody

@@ -1,5 +1,6 @@
 #include "core/env/param_access.h"
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 
@@ -77,6 +78,22 @@ void check_vector_size(const Scenario& scenario, const Layout& layout, const std
                   std::to_string(size));
     }
     i += size;
+  }
+}
+
+void check_one_value(const Scenario& scenario, const Layout& layout, const std::string& path) {
+  const std::vector<int> found = find_params(scenario, layout, path);
+  if (path.back() == ']' || path.back() == '*') return;  // names each value
+  for (const int k : found) {
+    const std::string& name = layout.param_info[static_cast<std::size_t>(k)].path;
+    if (name.back() != ']') continue;
+    const std::string vector = stem_of(name);
+    const auto size = std::count_if(found.begin(), found.end(), [&](int other) {
+      return stem_of(layout.param_info[static_cast<std::size_t>(other)].path) == vector;
+    });
+    throw Error("`" + vector + "` has " + std::to_string(size) +
+                " values, and one number is given: give all " + std::to_string(size) +
+                ", or name one of them, such as `" + name + "`");
   }
 }
 

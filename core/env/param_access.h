@@ -22,6 +22,10 @@ std::string nearest_param(const Layout& layout, const std::string& path);
 void check_vector_size(const Scenario& scenario, const Layout& layout, const std::string& path,
                        std::size_t count);
 
+/// Refuses one number for a path that names a vector without an index: of gravity, x, y and z would
+/// all become it. @throws Error with the size and the first index
+void check_one_value(const Scenario& scenario, const Layout& layout, const std::string& path);
+
 /// Value of a randomizable parameter in one lane. @throws Error if there is none at `path`
 double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,
                  const std::string& path);

@@ -75,13 +75,19 @@ class Override {
     const auto value = parse_yaml(assignment.substr(equals + 1), mark_.file, diagnostics_, budget_);
     if (!value) return false;
     ConfigNode* node = &root;
+    ConfigNode* owner = nullptr;
     std::string path;
     for (const PathStep& step : *steps) {
+      owner = node;
       node = descend(*node, step, path);
       if (node == nullptr) return false;
       path += (path.empty() || step.index >= 0 ? "" : ".") + step.text();
     }
-    *node = *value;
+    if (value->is_null()) {
+      remove(*owner, node);
+    } else {
+      *node = *value;
+    }
     return true;
   }
 
@@ -89,6 +95,12 @@ class Override {
   bool fail(const std::string& message) {
     diagnostics_.error(mark_, message);
     return false;
+  }
+
+  /// Takes a value out of the map or list that has it, as `~` does in a file that includes others.
+  static void remove(ConfigNode& owner, const ConfigNode* value) {
+    std::erase_if(owner.items, [&](const ConfigNode& item) { return &item == value; });
+    std::erase_if(owner.entries, [&](const ConfigEntry& entry) { return &entry.value == value; });
   }
 
   ConfigNode* none(const std::string& message) {

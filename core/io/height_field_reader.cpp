@@ -1,5 +1,7 @@
 #include "core/io/height_field_reader.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "core/io/field.h"
@@ -7,6 +9,7 @@
 #include "core/io/ranges.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
+#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -160,7 +163,13 @@ bool read_height_field(const ConfigNode& node, InputBudget& budget, Diagnostics&
   shape.size = {size[0], size[1], 0.0};
   shape.heights = has_file ? heights_of_file(reader, budget, diagnostics)
                            : heights_of_yaml(reader, diagnostics);
-  return shape.heights != nullptr;
+  if (shape.heights == nullptr) return false;
+  const std::vector<double>& heights = shape.heights->heights();
+  const auto is_higher = [](double a, double b) { return std::fabs(a) < std::fabs(b); };
+  const double farthest = *std::max_element(heights.begin(), heights.end(), is_higher);
+  warn_unless_usual(Usual::kHeight, farthest, "the height farthest from 0", {}, node.mark,
+                    diagnostics);
+  return true;
 }
 
 }  // namespace skybody

@@ -5,6 +5,7 @@
 
 #include "core/io/file.h"
 #include "core/io/text.h"
+#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -39,6 +40,7 @@ class ValueReader {
     bool good = true;
     for (int i = 0; i < count; ++i) {
       const std::string name = spec_.name + '[' + std::to_string(i) + ']';
+      is_last_ = i + 1 == count;
       good = take(node.items[static_cast<std::size_t>(i)], name) && good;
     }
     return good ? done() : std::nullopt;
@@ -113,11 +115,23 @@ class ValueReader {
     if (!std::isfinite(*number) || (integer && !integral) || below || *number > spec_.max) {
       return complain(node, name, node.scalar);
     }
+    if (is_angle()) {
+      warn_unless_usual(Usual::kAngle, *number, "`" + name + "`", {}, node.mark, diagnostics_);
+    }
     value_.numbers.push_back(*number);
     return true;
   }
 
+  /// Whether the value at hand is in rad: by its unit, or of "m, rad" as the last of a list.
+  bool is_angle() const {
+    const std::string& unit = spec_.unit;
+    const std::string ending = ", rad";
+    return unit == "rad" || (is_last_ && unit.size() > ending.size() &&
+                             unit.compare(unit.size() - ending.size(), ending.size(), ending) == 0);
+  }
+
   const ParameterSpec& spec_;
+  bool is_last_ = false;  ///< of a list
   Broadcast broadcast_;
   Diagnostics& diagnostics_;
   ParameterValue value_;

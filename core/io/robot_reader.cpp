@@ -1,12 +1,15 @@
 #include "core/io/robot_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <set>
 #include <unordered_map>
 
 #include "core/base/hash.h"
 #include "core/base/suggestion.h"
 #include "core/io/file.h"
+#include "core/io/fold_warnings.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/rotors_reader.h"
 #include "core/io/scenario_fields.h"
@@ -69,6 +72,40 @@ std::string model_meant_by(const std::string& written, const std::string& file) 
   if (file.find('\0') != file.npos || fs::exists(file, problem) || problem) return "";
   const std::string mended = mended_path(file);
   return mended.empty() ? closest(fs::path(written).stem().string(), shipped_models()) : mended;
+}
+
+/// Joints to which the scenario gives what a universal or ball joint does not have.
+std::vector<std::string> own_joints(const MapReader& reader) {
+  std::vector<std::string> names;
+  const ConfigNode* joints = reader.node("joints");
+  if (joints == nullptr) return names;
+  for (const ConfigEntry& entry : joints->entries) {
+    const std::vector<std::string> keys = entry.value.keys();
+    const std::string shared = row_at(kJointConstants, kJointDamping).key;
+    const bool is_own = std::any_of(keys.begin(), keys.end(),
+                                    [&](const std::string& key) { return key != shared; });
+    if (is_own) names.push_back(entry.key);
+  }
+  return names;
+}
+
+/// How far a hub may lie from the axis about which its link turns [m]: more than rounding.
+constexpr double kOnAxis = 1e-3;
+/// Cosine of the angle between that axis and the rotor's, from which they are one.
+constexpr double kAlongAxis = 0.9999;
+
+/// Joints without limits that turn about the own axis of a rotor on them.
+std::set<std::string> spinning_joints(const RobotModel& model) {
+  std::set<std::string> names;
+  for (const Rotor& rotor : model.rotors) {
+    const Joint& joint = model.bodies[static_cast<std::size_t>(rotor.body)].joint;
+    if (joint.type != JointType::kPin || joint.limit.enabled) continue;
+    const Vec3<double> axis = rotate(joint.frame_in_body.rotation, Vec3<double>{0.0, 0.0, 1.0});
+    const Vec3<double> arm = rotor.position() - joint.frame_in_body.position;
+    const bool is_along = std::fabs(dot(axis, rotor.axis)) > kAlongAxis;
+    if (is_along && norm(cross(arm, axis)) < kOnAxis) names.insert(joint.name);
+  }
+  return names;
 }
 
 }  // namespace
@@ -135,7 +172,8 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
   }
   const std::string rotors_key =
       reader.node("rotors") == nullptr ? "" : resolve_path(rotors, reader.mark("rotors"));
-  const std::string key = file + '\n' + rotors_key + (fixed_base ? "\nfixed" : "\nfree");
+  const std::string key = file + '\n' + rotors_key + (fixed_base ? "\nfixed" : "\nfree") + '\n' +
+                          reader.text("inertia") + '\n' + join(own_joints(reader));
   if (const auto known = models_.find(key); known != models_.end()) {
     return known->second ? &*known->second : nullptr;
   }
@@ -152,8 +190,7 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
     return nullptr;
   }
   note(*text);
-  model = parse_urdf(*text, file, {fixed_base}, diagnostics_);
-  if (model && !add_rotors(reader, *model)) model.reset();
+  model = make_model(*text, file, reader);
   if (model) note_meshes(*model);
   const bool refuses = model && model->fixed_base && !fixed_base;
   if (refuses && reader.node("fixed_base") != nullptr) {
@@ -161,6 +198,27 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
                                                       file + " is `world`: remove one of them");
   }
   return model ? &*model : nullptr;
+}
+
+/// Reads the URDF and the rotors. Joints that turn freely with a rotor are known only then: with
+/// some, both are read again, with these joints fixed.
+std::optional<RobotModel> RobotReader::make_model(const std::string& text, const std::string& file,
+                                                  const MapReader& reader) {
+  const std::vector<std::string> own = own_joints(reader);
+  UrdfOptions options{reader.boolean("fixed_base"), reader.text("inertia") == "repair", {}, {}};
+  options.own_joints.insert(own.begin(), own.end());
+  std::optional<RobotModel> model;
+  for (int pass = 0; pass < 2; ++pass) {
+    Diagnostics found;
+    model = parse_urdf(text, file, options, found);
+    if (model && !add_rotors(reader, *model, found)) model.reset();
+    if (model && pass == 0) options.fixed_joints = spinning_joints(*model);
+    if (pass == 1 || options.fixed_joints.empty()) {
+      diagnostics_.add(fold_warnings(found));
+      break;
+    }
+  }
+  return model;
 }
 
 /// The boxes about meshes decide how a robot flies, as the text of its files does.
@@ -174,7 +232,7 @@ void RobotReader::note_meshes(const RobotModel& model) {
   }
 }
 
-bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model) {
+bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model, Diagnostics& diagnostics) {
   const std::string written = reader.text("rotors");
   if (written == "none") return true;
   std::string file;
@@ -188,7 +246,7 @@ bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model) {
     if (!is_file(file)) return true;
   }
   std::string text;
-  const bool good = read_rotors(file, used_at, model, text, diagnostics_, budget_);
+  const bool good = read_rotors(file, used_at, model, text, diagnostics, budget_);
   note(text);
   return good;
 }

@@ -29,8 +29,10 @@ class RobotReader {
  private:
   /// The model, or null after errors; it stays the reader's.
   const RobotModel* read_model(const MapReader& reader);
+  std::optional<RobotModel> make_model(const std::string& text, const std::string& file,
+                                       const MapReader& reader);
   void note_meshes(const RobotModel& model);
-  bool add_rotors(const MapReader& reader, RobotModel& model);
+  bool add_rotors(const MapReader& reader, RobotModel& model, Diagnostics& diagnostics);
   void read_joints(const MapReader& reader, RobotModel& model);
   void read_joint(const ConfigEntry& entry, Joint& joint);
   void read_joint_position(const MapReader& reader, const std::string& name, Joint& joint);

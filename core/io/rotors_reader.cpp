@@ -41,7 +41,9 @@ class RotorsReader {
       return;
     }
     if (defaults != nullptr && !take_defaults(*defaults, rotors->items.size())) return;
+    if (defaults != nullptr && !has_values(*defaults)) return;
     for (const ConfigNode& item : rotors->items) {
+      if (!has_values(item)) continue;
       ConfigNode merged = item;
       if (defaults != nullptr && item.is_map()) {
         merged = *defaults;
@@ -60,6 +62,18 @@ class RotorsReader {
     }
     diagnostics_.error(defaults.mark, too_many_values());
     return false;
+  }
+
+  /// Whether every key has a value. One without would take a default away, unseen.
+  bool has_values(const ConfigNode& rotor) {
+    bool good = true;
+    for (const ConfigEntry& entry : rotor.entries) {
+      if (!entry.value.is_null()) continue;
+      diagnostics_.error(entry.value.mark, "`" + entry.key + "` has no value; give it one, or " +
+                                               "leave the key out");
+      good = false;
+    }
+    return good;
   }
 
   void read_rotor(const ConfigNode& node) {

@@ -47,6 +47,11 @@ Field any_count(Field field) {
   return field;
 }
 
+Field may_be_empty(Field field) {
+  field.value.min_count = 0;
+  return field;
+}
+
 Field no_default(Field field) {
   field.value.default_numbers.clear();
   return field;
@@ -158,6 +163,9 @@ const MapSpec& robot_fields() {
                      "rotors file, or `none`; without this key it is rotors.yaml beside the URDF, "
                      "where that exists"),
           boolean_field("fixed_base", false, "weld the base to the world"),
+          choice_field("inertia", {"as_written", "repair"},
+                       "repair: inertias in the URDF that no rigid body has become near ones, with "
+                       "a warning, in place of an error"),
           map_field("pose", Field::Kind::kMap, pose_fields(), "of the base at reset"),
           hover_or(real_field(
               "rotor_speed", "rad/s", 0.0, 0.0, kFar,
@@ -319,7 +327,8 @@ const MapSpec& scenario_fields() {
           short_form("channel", map_field("observe", Field::Kind::kMapList, observed_fields(),
                                           "channels of sensors that join the task's observation, "
                                           "in order")),
-          list_field("infos", "paths of randomizable values that join the infos, as they are"),
+          may_be_empty(
+              list_field("infos", "paths of randomizable values that join the infos, as they are")),
           plugin_field("randomization", Field::Kind::kPluginList, SKYBODY_RANDOMIZER,
                        "what draws values at a reset, in order"),
           required(plugin_field("task", Field::Kind::kPlugin, SKYBODY_TASK,

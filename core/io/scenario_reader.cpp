@@ -16,6 +16,7 @@
 #include "core/io/robot_reader.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
+#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -53,6 +54,8 @@ class ScenarioReader {
     if (scenario_.name.empty()) scenario_.name = stem_of(scenario_.file);
     read_stepping(reader);
     read_constants(reader, kWorldConstants, scenario_.constants.data());
+    warn_unless_usual(Usual::kGravity, scenario_.gravity().z, "`gravity[2]`", {},
+                      reader.mark("gravity"), diagnostics_);
     read_contact(reader);
     read_robots(reader);
     read_teams(reader);
@@ -61,7 +64,7 @@ class ScenarioReader {
     scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
     scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
     scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
-    if (reader.node("infos") != nullptr) {
+    if (reader.node("infos") != nullptr && !reader.node("infos")->is_null()) {
       scenario_.infos = {reader.texts("infos"), reader.mark("infos")};
     }
     scenario_.randomization = uses(reader, "randomization", SKYBODY_RANDOMIZER);

@@ -167,7 +167,25 @@ class Checker {
       return;
     }
     for (const char* name : {"ixx", "iyy", "izz"}) within(*inertia, name, 1, kInertiaRange, where);
-    for (const char* name : {"ixy", "ixz", "iyz"}) within(*inertia, name, 1, kProductRange, where);
+    for (const char* name : {"ixy", "ixz", "iyz"}) check_product(*inertia, name, where);
+  }
+
+  /// A product of inertia, and its mirror image: the matrix is symmetric, so that URDF has one.
+  void check_product(const XMLElement& inertia, const std::string& name, const std::string& where) {
+    const std::string mirrored = {name[0], name[2], name[1]};
+    const bool has_mirrored = inertia.Attribute(mirrored.c_str()) != nullptr;
+    if (has_mirrored && inertia.Attribute(name.c_str()) == nullptr) {
+      error(inertia, "<inertia> of " + where + " has `" + mirrored + "` and no `" + name +
+                         "`; URDF has the elements ixy, ixz and iyz: write it as `" + name + "`");
+      return;
+    }
+    const auto value = within(inertia, name.c_str(), 1, kProductRange, where);
+    if (!has_mirrored) return;
+    const auto mirror = within(inertia, mirrored.c_str(), 1, kProductRange, where);
+    if (!value || !mirror || *value == *mirror) return;
+    error(inertia, "the inertia of " + where + " is not symmetric: " + name + " is " +
+                       format_numbers(*value) + " and " + mirrored + " is " +
+                       format_numbers(*mirror) + "; remove `" + mirrored + "`");
   }
 
   void check_shape(const XMLElement& shape, const std::string& where) {
@@ -185,6 +203,11 @@ class Checker {
     const XMLElement* e = geometry == nullptr ? nullptr : geometry->FirstChildElement();
     if (e == nullptr) {
       error(shape, "<" + std::string(shape.Name()) + "> of " + where + " has no <geometry>");
+      return;
+    }
+    if (const XMLElement* origin = geometry->FirstChildElement("origin")) {
+      error(*origin, "<origin> stands in <geometry> of " + where +
+                         "; move it out of <geometry>, into <" + shape.Name() + ">");
       return;
     }
     if (const XMLElement* second = e->NextSiblingElement()) {
@@ -283,14 +306,20 @@ class Checker {
     const auto optional_number = [&](const char* name) {
       return e.Attribute(name) == nullptr ? 0.0 : number(e, name, where).value_or(0.0);
     };
-    for (const char* name : {"effort", "velocity"}) number(e, name, where);
+    for (const char* name : {"effort", "velocity"}) optional_number(name);
     const double lower = optional_number("lower"), upper = optional_number("upper");
     const bool limited = joint.type == "revolute" || joint.type == "prismatic";
-    if (limited && !(lower < upper)) {
-      error(e,
-            "the limits of " + where + " are " + format_number(lower) + " to " +
-                format_number(upper) + "; lower must be less than upper" +
-                (joint.type == "revolute" ? ", and a joint without limits is `continuous`" : ""));
+    // Written as 0 to 0, it is read as fixed (fix_joints).
+    const bool is_written = e.Attribute("lower") != nullptr && e.Attribute("upper") != nullptr;
+    const bool stays_at_zero = is_written && lower == 0.0 && upper == 0.0;
+    if (limited && !(lower < upper) && !stays_at_zero) {
+      const bool is_stuck = lower == upper;
+      error(e, "the limits of " + where + " are " + format_number(lower) + " to " +
+                   format_number(upper) + "; lower must be less than upper" +
+                   (is_stuck ? ": a joint that cannot move is `fixed`" : "") +
+                   (joint.type == "revolute" ? std::string(is_stuck ? "," : ", and") +
+                                                   " one without limits is `continuous`"
+                                             : ""));
     }
     if (!limited) return;
     check_range(e, "the lower limit of " + where, lower, kTravelRange);

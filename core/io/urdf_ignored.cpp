@@ -39,7 +39,7 @@ const std::vector<Part>& parts() {
       {"color", {"rgba"}, {}},
       {"origin", {"xyz", "rpy"}, {}},
       {"mass", {"value"}, {}},
-      {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}},
+      {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz", "iyx", "izx", "izy"}, {}},
       {"joint",
        {"name", "type"},
        {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration",

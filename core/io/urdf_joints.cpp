@@ -6,6 +6,7 @@
 
 #include "core/base/mat3.h"
 #include "core/io/pose.h"
+#include "core/io/text.h"
 
 namespace skybody {
 namespace {
@@ -13,6 +14,10 @@ namespace {
 constexpr double kSameOrigin = 1e-6;   // [m]
 constexpr double kOrthogonal = 1e-4;   // cosine of the angle between axes; rounded rpy stays below
 constexpr double kFullTurn = 6.28318;  // [rad]; limits at least this wide do not limit
+constexpr double kParallel = 0.999;    // cosine from which two axes are one direction
+/// Mass and inertia of a link that has none, by those of what hangs on it: far below what anybody
+/// measures, and far above the rounding of the sums in which it stands.
+constexpr double kLightShare = 1e-6;
 
 /// The shortest rotation that takes `from` to `to`, both unit. Only sqrt.
 Quat<double> shortest_rotation(const Vec3<double>& from, const Vec3<double>& to) {
@@ -43,21 +48,27 @@ bool limits_matter(const UrdfJoint& joint) {
 
 class BodyMaker {
  public:
-  BodyMaker(const UrdfDocument& document, const UrdfGroups& groups, RobotModel& model,
-            Diagnostics& diagnostics)
-      : document_(document), groups_(groups), model_(model), diagnostics_(diagnostics) {
+  BodyMaker(const UrdfDocument& document, const UrdfGroups& groups, const UrdfOptions& options,
+            RobotModel& model, Diagnostics& diagnostics)
+      : document_(document),
+        groups_(groups),
+        options_(options),
+        model_(model),
+        diagnostics_(diagnostics) {
     body_of_group_.assign(groups.groups.size(), -1);
+    why_light_.assign(groups.groups.size(), "");
+    outboard_.assign(groups.groups.size(), MassProperties{});
   }
 
-  void run(bool fixed_base) {
-    for (std::size_t g = 0; g < groups_.groups.size(); ++g) {
-      const UrdfGroup& group = groups_.groups[g];
-      if (is_base(group, fixed_base)) {
-        add_base(static_cast<int>(g), fixed_base);
-      } else if (group.is_massless()) {
-        check_massless(group);
-      } else {
-        add_moving(static_cast<int>(g));
+  void run() {
+    const auto count = static_cast<int>(groups_.groups.size());
+    for (int g = 0; g < count; ++g) find_light(g);
+    for (int g = count - 1; g >= 0; --g) sum_outboard(g);
+    for (int g = 0; g < count; ++g) {
+      if (is_base(group(g), options_.fixed_base)) {
+        add_base(g);
+      } else if (!group(g).is_massless() || is_light(g)) {
+        add_moving(g);
       }
     }
     add_links();
@@ -103,7 +114,8 @@ class BodyMaker {
   }
 
   /// The root, or what is welded to the link `world`.
-  void add_base(int g, bool fixed_base) {
+  void add_base(int g) {
+    const bool fixed_base = options_.fixed_base;
     const UrdfGroup& source = group(g);
     Joint joint;
     joint.name = source.joint < 0 ? "base" : joint_of(source).name;
@@ -125,36 +137,116 @@ class BodyMaker {
     }
   }
 
-  /// A moving group without mass is fine only inside a chain, which its child finds.
-  void check_massless(const UrdfGroup& source) {
-    if (source.children.size() == 1 && !source.has_shapes() && joint_of(source).turns()) return;
-    std::string reason;
-    if (source.children.empty()) {
-      reason = "nothing hangs on it";
-    } else if (source.children.size() > 1) {
-      reason = std::to_string(source.children.size()) + " moving links hang on it";
-    } else {
-      reason = source.has_shapes() ? "it has shapes" : "its joint does not turn";
+  bool is_light(int g) const { return !why_light_[static_cast<std::size_t>(g)].empty(); }
+
+  /// Whether a group could be the inside of a universal or ball joint, by itself.
+  bool is_inner(const UrdfGroup& source) const {
+    return source.joint >= 0 && source.is_massless() && source.children.size() == 1 &&
+           !source.has_shapes() && joint_of(source).turns();
+  }
+
+  /// Notes why a massless group that moves cannot vanish inside a universal or ball joint.
+  void find_light(int g) {
+    const UrdfGroup& source = group(g);
+    if (source.joint < 0 || is_base(source, options_.fixed_base)) return;
+    if (source.is_massless() && !is_inner(source)) {
+      std::string& why = why_light_[static_cast<std::size_t>(g)];
+      why = source.has_shapes() ? "it has shapes"
+            : source.children.size() > 1
+                ? std::to_string(source.children.size()) + " moving links hang on it"
+                : "its joint does not turn";
     }
-    refuse_massless(source, reason);
+    if (is_inner(source)) return;
+    const std::vector<int> chain = chain_to(g);
+    if (chain.size() == 1) return;
+    const std::string problem = chain_problem(chain);
+    if (problem.empty()) return;
+    for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+      why_light_[static_cast<std::size_t>(chain[i])] = problem;
+    }
   }
 
-  void refuse_massless(const UrdfGroup& source, const std::string& reason) {
-    const UrdfLink& bad = first_link(source);
-    const std::string what = bad.has_inertial ? "has no mass" : "has no <inertial>";
-    error(bad.line, "the link `" + bad.name + "` " + what + " and moves on the joint `" +
-                        joint_of(source).name +
-                        "`; give it a mass, or fix the joint (no part of a "
-                        "universal or ball joint: " +
-                        reason + ")");
+  /// Adds up what hangs on each group, itself included, and not what floats. Masses and inertias
+  /// alone: for light links the order of magnitude is enough.
+  void sum_outboard(int g) {
+    const UrdfGroup& source = group(g);
+    MassProperties& sum = outboard_[static_cast<std::size_t>(g)];
+    sum.mass += source.mass.mass;
+    sum.inertia = sum.inertia + source.mass.inertia;
+    const bool floats = source.joint >= 0 && joint_of(source).type == UrdfJointType::kFloating;
+    if (source.parent < 0 || floats) return;
+    MassProperties& parent = outboard_[static_cast<std::size_t>(source.parent)];
+    parent.mass += sum.mass;
+    parent.inertia = parent.inertia + sum.inertia;
   }
 
-  /// The groups from the one that hangs on a body to `g`, massless ones in between.
+  MassProperties light_mass(int g) {
+    const UrdfLink& bad = first_link(group(g));
+    const MassProperties& sum = outboard_[static_cast<std::size_t>(g)];
+    const double moment = kLightShare * (sum.inertia.xx + sum.inertia.yy + sum.inertia.zz) / 3.0;
+    const MassProperties mass{
+        kLightShare * sum.mass, {0.0, 0.0, 0.0}, {moment, moment, moment, 0.0, 0.0, 0.0}};
+    diagnostics_.warning(
+        document_.mark(bad.line),
+        lack_of(bad) + joint_of(group(g)).name + "`; it gets " + format_number(mass.mass) +
+            " kg, a millionth of what hangs on it (no part of a universal or ball joint: " +
+            why_light_[static_cast<std::size_t>(g)] + ")");
+    return mass;
+  }
+
+  static std::string lack_of(const UrdfLink& link) {
+    return "the link `" + link.name + "` " +
+           (link.has_inertial ? "has no mass" : "has no <inertial>") + " and moves on the joint `";
+  }
+
+  void refuse_massless(int g, const std::string& reason) {
+    const UrdfLink& bad = first_link(group(g));
+    error(bad.line, lack_of(bad) + joint_of(group(g)).name +
+                        "`; give it a mass, or fix the joint: " + reason);
+  }
+
+  /// A light link must not leave a motion without inertia.
+  /// @returns whether it has been refused
+  bool refuses_light(int g) {
+    if (outboard_[static_cast<std::size_t>(g)].mass == 0.0) {
+      refuse_massless(g, "nothing that hangs on it has mass");
+      return true;
+    }
+    if (joint_of(group(g)).type == UrdfJointType::kFloating) {
+      refuse_massless(g, "what floats needs a mass of its own");
+      return true;
+    }
+    const std::string same = joint_like(joint_of(group(g)), g, Pose{});
+    if (same.empty()) return false;
+    refuse_massless(g, "the joint `" + same + "` moves it about the same axis");
+    return true;
+  }
+
+  /// Of two joints with one axis and nothing but light links between them only the sum of their
+  /// angles moves a mass. @returns the joint that moves as `own` does, or an empty text
+  /// @param frame  of the group `g` in that which `own` moves
+  std::string joint_like(const UrdfJoint& own, int g, const Pose& frame) const {
+    for (const int child : group(g).children) {
+      const UrdfJoint& next = joint_of(group(child));
+      const Pose inner = compose(frame, joint_frame(next));
+      const bool is_one_place =
+          !own.turns() || norm(cross(inner.position, own.axis)) <= kSameOrigin;
+      const double cosine = dot(own.axis, rotate(inner.rotation, next.axis));
+      if (next.type != UrdfJointType::kFloating && own.turns() == next.turns() && is_one_place &&
+          std::fabs(cosine) >= kParallel) {
+        return next.name;
+      }
+      const std::string further = is_light(child) ? joint_like(own, child, inner) : "";
+      if (!further.empty()) return further;
+    }
+    return "";
+  }
+
+  /// The groups from the one that hangs on a body to `g`, those that can vanish in between.
   std::vector<int> chain_to(int g) const {
     std::vector<int> chain = {g};
     int parent = group(g).parent;
-    while (parent >= 0 && group(parent).is_massless() && group(parent).joint >= 0 &&
-           body_of_group_[static_cast<std::size_t>(parent)] < 0) {
+    while (parent >= 0 && is_inner(group(parent)) && !is_light(parent)) {
       chain.push_back(parent);
       parent = group(parent).parent;
     }
@@ -163,6 +255,7 @@ class BodyMaker {
   }
 
   void add_moving(int g) {
+    if (is_light(g) && refuses_light(g)) return;
     const std::vector<int> chain = chain_to(g);
     const UrdfJoint& last = joint_of(group(g));
     Joint joint;
@@ -177,6 +270,7 @@ class BodyMaker {
     }
     if (joint.type == JointType::kFree && joint.parent < 0) set_free_base(last, joint);
     push_body(g, std::move(joint));
+    if (is_light(g)) model_.bodies.back().mass = light_mass(g);
   }
 
   void set_single(const UrdfJoint& source, Joint& joint) const {
@@ -208,26 +302,28 @@ class BodyMaker {
     joint.frame_in_body = Pose{};
   }
 
-  void set_chain(const std::vector<int>& chain, Joint& joint) {
-    if (chain.size() > 3) {
-      refuse_massless(group(chain[chain.size() - 2]),
-                      std::to_string(chain.size()) + " joints follow one another");
-      return;
-    }
-    // Frames and axes of all joints at zero, in the first joint's frame.
+  /// Frames of all joints of a chain at zero, in the first joint's frame.
+  std::vector<Pose> frames_of(const std::vector<int>& chain) const {
     std::vector<Pose> frames = {Pose{}};
     for (std::size_t i = 1; i < chain.size(); ++i) {
       frames.push_back(compose(frames.back(), joint_frame(joint_of(group(chain[i])))));
     }
+    return frames;
+  }
+
+  /// Their axes, likewise.
+  std::vector<Vec3<double>> axes_of(const std::vector<int>& chain,
+                                    const std::vector<Pose>& frames) const {
     std::vector<Vec3<double>> axes;
     for (std::size_t i = 0; i < chain.size(); ++i) {
       axes.push_back(rotate(frames[i].rotation, joint_of(group(chain[i])).axis));
     }
-    const std::string problem = chain_problem(chain, frames, axes);
-    if (!problem.empty()) {
-      refuse_massless(group(chain[chain.size() - 2]), problem);
-      return;
-    }
+    return axes;
+  }
+
+  void set_chain(const std::vector<int>& chain, Joint& joint) const {
+    const std::vector<Pose> frames = frames_of(chain);
+    const std::vector<Vec3<double>> axes = axes_of(chain, frames);
     Pose canonical;  // F in the first joint's frame
     joint.type = chain.size() == 2 ? JointType::kUniversal : JointType::kBall;
     if (chain.size() == 2) canonical.rotation = frame_of_axes(axes[0], axes[1]);
@@ -236,8 +332,10 @@ class BodyMaker {
   }
 
   /// Why the joints of `chain` are not one universal or ball joint, or an empty text.
-  std::string chain_problem(const std::vector<int>& chain, const std::vector<Pose>& frames,
-                            const std::vector<Vec3<double>>& axes) const {
+  std::string chain_problem(const std::vector<int>& chain) const {
+    if (chain.size() > 3) return std::to_string(chain.size()) + " joints follow one another";
+    const std::vector<Pose> frames = frames_of(chain);
+    const std::vector<Vec3<double>> axes = axes_of(chain, frames);
     const UrdfJoint& last = joint_of(group(chain.back()));
     if (!last.turns()) return "the joint `" + last.name + "` does not turn";
     for (std::size_t i = 0; i < chain.size(); ++i) {
@@ -246,7 +344,11 @@ class BodyMaker {
       if (norm(frames[i].position) > kSameOrigin) {
         return "the origins of `" + first.name + "` and `" + joint.name + "` differ";
       }
-      if (limits_matter(joint)) return "`" + joint.name + "` has limits; make it continuous";
+      if (limits_matter(joint)) return "`" + joint.name + "` has limits";
+      // Three pins in the place of a ball have a pose in which they move two ways only.
+      if (chain.size() == 2 && options_.own_joints.count(joint.name) > 0) {
+        return "the scenario gives `" + joint.name + "` values of its own";
+      }
       if (joint.damping != first.damping) {
         return "the damping of `" + first.name + "` and `" + joint.name + "` differs";
       }
@@ -273,16 +375,19 @@ class BodyMaker {
 
   const UrdfDocument& document_;
   const UrdfGroups& groups_;
+  const UrdfOptions& options_;
   RobotModel& model_;
   Diagnostics& diagnostics_;
   std::vector<int> body_of_group_;
+  std::vector<std::string> why_light_;    ///< per group: empty where it has a mass or needs none
+  std::vector<MassProperties> outboard_;  ///< per group: what hangs on it, itself included
 };
 
 }  // namespace
 
-void make_bodies(const UrdfDocument& document, const UrdfGroups& groups, bool fixed_base,
+void make_bodies(const UrdfDocument& document, const UrdfGroups& groups, const UrdfOptions& options,
                  RobotModel& model, Diagnostics& diagnostics) {
-  BodyMaker(document, groups, model, diagnostics).run(fixed_base);
+  BodyMaker(document, groups, options, model, diagnostics).run();
 }
 
 }  // namespace skybody

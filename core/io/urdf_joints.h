@@ -5,15 +5,17 @@
 #include "core/io/diagnostics.h"
 #include "core/io/urdf_document.h"
 #include "core/io/urdf_merge.h"
+#include "core/io/urdf_reader.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {
 
 /// Fills bodies and links of `model`. Two (three) consecutive revolute or continuous joints with
-/// one origin, orthogonal axes and nothing but massless, shapeless links between them become one
-/// universal (ball) joint, named after the last of them. Every other massless body that moves is an
-/// error. The base is welded to the world with `fixed_base`.
-void make_bodies(const UrdfDocument& document, const UrdfGroups& groups, bool fixed_base,
+/// one origin, orthogonal axes, no limits, of two none in `own_joints`, and nothing but massless,
+/// shapeless links between them become one universal (ball) joint, named after the last of them.
+/// Every other massless link that moves gets a light mass, with a warning, or an error where that
+/// would leave a motion without inertia. The base is welded to the world with `fixed_base`.
+void make_bodies(const UrdfDocument& document, const UrdfGroups& groups, const UrdfOptions& options,
                  RobotModel& model, Diagnostics& diagnostics);
 
 /// Sets stiffness and damping of every joint limit from the masses that it has to stop: with I the

@@ -22,14 +22,31 @@ std::string moments_text(const Vec3<double>& moments) {
   return text;
 }
 
+/// The rule that the moments break, with the bound: "izz must not exceed ixx + iyy, 0.08".
+std::string bound_text(const SymMat3<double>& i) {
+  const Vec3<double> p = eigenvalues(i);
+  if (!(p.x > 0.0)) return "all must be above 0";
+  const auto rule = [](const std::string& largest, const std::string& others, double bound) {
+    char number[32];
+    std::snprintf(number, sizeof(number), "%.6g", bound);
+    return largest + " must not exceed " + others + ", " + number;
+  };
+  if (i.xy != 0.0 || i.xz != 0.0 || i.yz != 0.0) {
+    return rule("the largest", "the sum of the other two", p.x + p.y);
+  }
+  if (i.zz >= i.xx && i.zz >= i.yy) return rule("izz", "ixx + iyy", i.xx + i.yy);
+  if (i.yy >= i.xx) return rule("iyy", "ixx + izz", i.xx + i.zz);
+  return rule("ixx", "iyy + izz", i.yy + i.zz);
+}
+
 bool is_zero(const SymMat3<double>& i) {
   return i.xx == 0.0 && i.yy == 0.0 && i.zz == 0.0 && i.xy == 0.0 && i.xz == 0.0 && i.yz == 0.0;
 }
 
 class Merger {
  public:
-  Merger(const UrdfDocument& document, Diagnostics& diagnostics)
-      : document_(document), diagnostics_(diagnostics) {
+  Merger(const UrdfDocument& document, bool repair_inertia, Diagnostics& diagnostics)
+      : document_(document), repairs_(repair_inertia), diagnostics_(diagnostics) {
     result_.link_pose.resize(document.links.size());
     result_.link_group.assign(document.links.size(), -1);
   }
@@ -148,14 +165,46 @@ class Merger {
     for (int index : group.links) {
       const UrdfLink& source = link(index);
       const Pose& pose = result_.link_pose[static_cast<std::size_t>(index)];
-      if (!source.is_massless()) parts.push_back(transform(pose, source.mass));
+      if (!source.is_massless()) parts.push_back(transform(pose, mass_of(source, group)));
       if (source.is_massless() && index != group.links[0]) warn_massless(source);
       if (source.is_massless() && !is_zero(source.mass.inertia)) warn_lone_inertia(source);
       for (const Shape& shape : source.collisions) group.collisions.push_back(place(shape, pose));
       for (const Shape& shape : source.visuals) group.visuals.push_back(place(shape, pose));
     }
     group.mass = add_masses(parts);
-    if (!group.is_massless()) check_inertia(group);
+    if (group.is_massless()) return;
+    if (repairs_ && !is_physical_inertia(group.mass.inertia)) {
+      const UrdfLink& source = link(group.links[0]);
+      group.mass.inertia = repaired(body_of(source), source, group.mass);
+    }
+    check_inertia(group);
+  }
+
+  static std::string body_of(const UrdfLink& source) {
+    return "the body of the link `" + source.name + "` (links on fixed joints merged)";
+  }
+
+  /// A link that merges and has no inertia counts as a point.
+  static bool is_point(const UrdfLink& source, const UrdfGroup& group) {
+    return group.links.size() > 1 && is_zero(source.mass.inertia);
+  }
+
+  MassProperties mass_of(const UrdfLink& source, const UrdfGroup& group) {
+    MassProperties mass = source.mass;
+    if (repairs_ && !is_point(source, group) && !is_physical_inertia(mass.inertia)) {
+      mass.inertia = repaired("the link `" + source.name + "`", source, mass);
+    }
+    return mass;
+  }
+
+  SymMat3<double> repaired(const std::string& what, const UrdfLink& source,
+                           const MassProperties& mass) {
+    const SymMat3<double> mended = repaired_inertia(mass.inertia, mass.mass);
+    diagnostics_.warning(document_.mark(source.line),
+                         "`inertia: repair` gives " + what + " the principal moments " +
+                             moments_text(eigenvalues(mended)) + " kg m^2; written are " +
+                             moments_text(eigenvalues(mass.inertia)));
+    return mended;
   }
 
   static Shape place(Shape shape, const Pose& pose) {
@@ -181,38 +230,36 @@ class Merger {
   /// body's values: a warning.
   void check_inertia(const UrdfGroup& group) {
     const bool good = is_physical_inertia(group.mass.inertia);
+    if (good && repairs_) return;
     bool named = false;
     for (int index : group.links) {
       const UrdfLink& source = link(index);
       const SymMat3<double>& inertia = source.mass.inertia;
-      const bool point_mass = group.links.size() > 1 && is_zero(inertia);
-      if (source.is_massless() || point_mass || is_physical_inertia(inertia)) continue;
+      if (source.is_massless() || is_point(source, group) || is_physical_inertia(inertia)) continue;
       not_physical("the link `" + source.name + "`", source, inertia, good);
       named = true;
     }
     if (good || named) return;
     const UrdfLink& source = link(group.links[0]);
-    not_physical("the body of the link `" + source.name + "` (links on fixed joints merged)",
-                 source, group.mass.inertia, false);
+    not_physical(body_of(source), source, group.mass.inertia, false);
   }
 
   void not_physical(const std::string& what, const UrdfLink& source, const SymMat3<double>& inertia,
                     bool only_warn) {
-    const Vec3<double> p = eigenvalues(inertia);
-    const std::string rule =
-        p.x > 0.0 ? "the largest must not exceed the sum of the other two" : "all must be above 0";
     const std::string message = "no rigid body has the inertia of " + what + ", " +
                                 inertia_text(inertia) + ": its principal moments are " +
-                                moments_text(p) + " kg m^2; " + rule;
+                                moments_text(eigenvalues(inertia)) + " kg m^2; " +
+                                bound_text(inertia);
     const SourceMark mark = document_.mark(source.line);
     if (only_warn) {
       diagnostics_.warning(mark, message + " (the body that it merges into is sound)");
     } else {
-      diagnostics_.error(mark, message);
+      diagnostics_.error(mark, message + "; `inertia: repair` of the robot mends it");
     }
   }
 
   const UrdfDocument& document_;
+  bool repairs_;
   Diagnostics& diagnostics_;
   UrdfGroups result_;
 };
@@ -235,8 +282,9 @@ MassProperties add_masses(const std::vector<MassProperties>& parts) {
   return total;
 }
 
-UrdfGroups merge_fixed_joints(const UrdfDocument& document, Diagnostics& diagnostics) {
-  return Merger(document, diagnostics).run();
+UrdfGroups merge_fixed_joints(const UrdfDocument& document, bool repair_inertia,
+                              Diagnostics& diagnostics) {
+  return Merger(document, repair_inertia, diagnostics).run();
 }
 
 }  // namespace skybody

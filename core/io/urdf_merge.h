@@ -34,7 +34,9 @@ struct UrdfGroups {
 /// Merges links exactly (parallel axes, rotations). Warns of each massless link that is merged and
 /// of inertias that no rigid body has in links whose body is sound nevertheless; errors for bodies
 /// that are not, and for mass on the root link `world`.
-UrdfGroups merge_fixed_joints(const UrdfDocument& document, Diagnostics& diagnostics);
+/// @param repair_inertia  mend inertias that no rigid body has (repaired_inertia()), with a warning
+UrdfGroups merge_fixed_joints(const UrdfDocument& document, bool repair_inertia,
+                              Diagnostics& diagnostics);
 
 /// Mass properties of several bodies given in one frame, as one. Exact for a single one.
 MassProperties add_masses(const std::vector<MassProperties>& parts);

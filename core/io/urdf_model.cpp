@@ -52,6 +52,11 @@ void write_element(const XMLElement& element, tinyxml2::XMLPrinter& out, Childre
     const std::string value = a->Value();
     out.PushAttribute(a->Name(), (is_name(a->Name()) ? value : with_single_blanks(value)).c_str());
   }
+  if (name == "limit") {  // what urdfdom demands, and nobody reads
+    for (const char* unread : {"effort", "velocity"}) {
+      if (element.Attribute(unread) == nullptr) out.PushAttribute(unread, "0");
+    }
+  }
   for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
        e = e->NextSiblingElement()) {
     children(*e);

@@ -2,6 +2,7 @@
 
 #include "core/io/file.h"
 #include "core/io/urdf_document.h"
+#include "core/io/urdf_fixed.h"
 #include "core/io/urdf_joints.h"
 #include "core/io/urdf_merge.h"
 
@@ -17,13 +18,14 @@ std::optional<RobotModel> read_urdf(const std::string& file, const UrdfOptions& 
 std::optional<RobotModel> parse_urdf(const std::string& text, const std::string& file,
                                      const UrdfOptions& options, Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();
-  const std::optional<UrdfDocument> document = parse_urdf_document(text, file, diagnostics);
+  std::optional<UrdfDocument> document = parse_urdf_document(text, file, diagnostics);
   if (!document) return std::nullopt;
-  const UrdfGroups groups = merge_fixed_joints(*document, diagnostics);
+  fix_joints(*document, options.fixed_joints, diagnostics);
+  const UrdfGroups groups = merge_fixed_joints(*document, options.repair_inertia, diagnostics);
   RobotModel model;
   model.name = document->name;
   model.urdf_file = file;
-  make_bodies(*document, groups, options.fixed_base, model, diagnostics);
+  make_bodies(*document, groups, options, model, diagnostics);
   if (model.bodies.empty() && diagnostics.error_count() == errors_before) {
     diagnostics.error({file, 0, 0}, "the robot has no link besides `world`");
   }

@@ -3,9 +3,9 @@
 // Supported: links with inertials in rotated frames, visuals and collisions (box, cylinder, sphere,
 // mesh); fixed joints (merged exactly), revolute, continuous, prismatic, floating. Two or three
 // revolute or continuous joints in one place make a universal or ball joint (urdf_joints.h). Planar
-// and other types are errors. Elements that are not URDF, meshes that are missing and massless
-// links on fixed joints are warnings, each with its line; a missing mesh is an error only where it
-// is the link's sole kind of collision shape.
+// and other types are errors. Elements that are not URDF, meshes that are missing, massless links
+// on fixed joints and joints that are read as fixed are warnings, each with its line; a missing
+// mesh is an error only where it is the link's sole kind of collision shape.
 //
 // The base. The root link moves freely, or is welded to the world with `fixed_base`. A root link
 // called `world` stands for the world itself: what a fixed joint attaches to it is a fixed base, a
@@ -15,6 +15,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "core/io/diagnostics.h"
@@ -24,7 +25,10 @@ namespace skybody {
 
 /// What the scenario says about a model.
 struct UrdfOptions {
-  bool fixed_base = false;  ///< weld the root link to the world; it needs no mass then
+  bool fixed_base = false;      ///< weld the root link to the world; it needs no mass then
+  bool repair_inertia = false;  ///< an inertia that no rigid body has: mend it in place of an error
+  std::set<std::string> fixed_joints = {};  ///< turn with a rotor: read as fixed, with a warning
+  std::set<std::string> own_joints = {};    ///< kept out of universal joints
 };
 
 /// Reads `file`; nothing and errors with file and line if anything is wrong. Rotors stay empty.

@@ -55,6 +55,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
+    check_tag(tag, mark);
     ConfigNode node;
     node.kind = ConfigNode::Kind::kScalar;
     node.mark = to_mark(mark);
@@ -72,12 +73,14 @@ class TreeBuilder : public YAML::EventHandler {
     insert(found->second.node);
   }
 
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
+    check_tag(tag, mark);
     open(ConfigNode::Kind::kSequence, mark, anchor);
   }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
+    check_tag(tag, mark);
     open(ConfigNode::Kind::kMap, mark, anchor);
   }
   void OnSequenceEnd() override { close(); }
@@ -100,6 +103,16 @@ class TreeBuilder : public YAML::EventHandler {
   [[noreturn]] void fail(const SourceMark& mark, const std::string& message) {
     diagnostics_.error(mark, message);
     throw Stop();
+  }
+
+  /// A tag such as !!float says of which type a value is; here its key does. yaml-cpp gives plain
+  /// values the tag "?" and quoted ones "!".
+  void check_tag(const std::string& tag, const YAML::Mark& mark) {
+    if (tag.empty() || tag == "?" || tag == "!") return;
+    const std::string standard = "tag:yaml.org,2002:";
+    const bool is_standard = tag.compare(0, standard.size(), standard) == 0;
+    fail(to_mark(mark), "the tag `" + (is_standard ? "!!" + tag.substr(standard.size()) : tag) +
+                            "`; tags are not allowed: write the value alone");
   }
 
   void take(const ConfigCost& cost, const YAML::Mark& mark) {

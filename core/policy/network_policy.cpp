@@ -179,7 +179,7 @@ void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observa
   }
   for (std::size_t k = 0; k < agent.action.size(); ++k) {
     const double value = policy_.squash == ActionSquash::kTanh ? tanh(values_[k]) : values_[k];
-    action[static_cast<std::size_t>(agent.action[k])] = static_cast<float>(clamp(value, -1.0, 1.0));
+    action[static_cast<std::size_t>(agent.action[k])] = held(value);
   }
 }
 

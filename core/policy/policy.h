@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/math.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {
@@ -21,6 +22,18 @@ class Policy {
   /// @returns a warning if the policy was made for another scenario, else ""
   /// @throws Error if its sizes are not the environment's
   virtual std::string check_fits(const CompiledScenario&) const { return ""; }
+  /// How many values of all actions so far lay beyond [-1, 1] before they were held to it.
+  std::uint64_t clipped() const { return clipped_; }
+
+ protected:
+  /// A value of an action, held to [-1, 1].
+  float held(double value) {
+    if (value < -1.0 || value > 1.0) ++clipped_;
+    return static_cast<float>(clamp(value, -1.0, 1.0));
+  }
+
+ private:
+  std::uint64_t clipped_ = 0;
 };
 
 /// The baselines: zero, random, hold.

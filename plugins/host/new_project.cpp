@@ -96,6 +96,14 @@ void write(const fs::path& file, const std::string& text) {
   if (!out) throw Error("cannot write " + file.string() + ": " + std::strerror(errno));
 }
 
+fs::path template_folder() {
+  const fs::path templates = shipped_data("template", "plugins/template");
+  if (templates.empty()) {
+    throw Error("the templates are missing: share/skybody/template of this installation");
+  }
+  return templates;
+}
+
 /// A new folder beside the final one, so that renaming it is one step; removed unless kept.
 class TemporaryFolder {
  public:
@@ -126,9 +134,8 @@ class TemporaryFolder {
 
 }  // namespace
 
-fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
-                                  const fs::path& target_dir) {
-  check_name(name);
+fs::path write_new_project(const std::vector<std::string>& templates, const ProjectWords& words,
+                           const std::string& name, const fs::path& target_dir) {
   const fs::path place = target_dir.empty() ? fs::path(".") : target_dir;
   fs::path folder = place / name;
   std::error_code ignored;
@@ -136,27 +143,16 @@ fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
     throw Error(folder.string() + " exists; nothing was written. Remove it or choose another name");
   }
   if (!fs::is_directory(place, ignored)) throw Error("there is no folder " + place.string());
-  const fs::path templates = shipped_data("template", "plugins/template");
-  if (templates.empty()) {
-    throw Error("the templates are missing: share/skybody/template of this installation");
-  }
-
   TemporaryFolder fresh(place);
-  const fs::path own = templates / kind_name(kind);
-  const std::vector<std::pair<std::string_view, std::string>> words = {
-      {"@ABOUT@", read(own / kAboutFile)},
-      {"@NAME@", name},
-      {"@CLASS@", class_name(name)},
-      {"@KIND@", kind_name(kind)},
-      {"@A_KIND@", (kind == SKYBODY_EFFECT ? "An " : "A ") + std::string(kind_name(kind))}};
-  for (const fs::path& source : {templates / "common", own}) {
+  for (const std::string& sort : templates) {
+    const fs::path source = template_folder() / sort;
     for (const auto& item : fs::recursive_directory_iterator(source)) {
       if (!item.is_regular_file() || item.path().extension() != ".in") continue;
       // tests/NAME_test.cpp.in -> tests/wind_gust_test.cpp
       fs::path target = replaced(fs::relative(item.path(), source).string(), "NAME", name);
       target = fresh.path() / target.replace_extension();
       fs::create_directories(target.parent_path());
-      std::string text = read(item.path());
+      std::string text = replaced(read(item.path()), "@NAME@", name);
       for (const auto& [word, meaning] : words) text = replaced(std::move(text), word, meaning);
       write(target, text);
     }
@@ -167,6 +163,17 @@ fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
   }
   fresh.keep();
   return folder;
+}
+
+fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
+                                  const fs::path& target_dir) {
+  check_name(name);
+  const ProjectWords words = {
+      {"@ABOUT@", read(template_folder() / kind_name(kind) / kAboutFile)},
+      {"@CLASS@", class_name(name)},
+      {"@KIND@", kind_name(kind)},
+      {"@A_KIND@", (kind == SKYBODY_EFFECT ? "An " : "A ") + std::string(kind_name(kind))}};
+  return write_new_project({"common", kind_name(kind)}, words, name, target_dir);
 }
 
 }  // namespace skybody

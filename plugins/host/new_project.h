@@ -1,16 +1,30 @@
-// `skybody new`: a plugin project to start from.
+// `skybody new`: projects to start from.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "plugins/api/abi.h"
 
 namespace skybody {
 
+/// Words of templates, such as @KIND@, and their meanings.
+using ProjectWords = std::vector<std::pair<std::string_view, std::string>>;
+
+/// Writes the folder `target_dir`/`name` from templates, with @NAME@ and `words` replaced. All or
+/// nothing: the folder appears complete, or not at all.
+/// @param templates  folders below plugins/template
+/// @returns the new folder
+/// @throws Error if the folder exists, or if it cannot be written
+std::filesystem::path write_new_project(const std::vector<std::string>& templates,
+                                        const ProjectWords& words, const std::string& name,
+                                        const std::filesystem::path& target_dir);
+
 /// Writes the folder `target_dir`/`name`: CMakeLists.txt, NAME.cpp with a small working plugin of
-/// that kind, a test, a scenario that flies it and a README with the commands. All or nothing: the
-/// folder appears complete, or not at all.
+/// that kind, a test, a scenario that flies it and a README with the commands.
 /// @returns the new folder
 /// @throws Error if the name is not lower_snake_case or is the name of a shipped plugin or test
 ///         target, if the folder exists, or if it cannot be written

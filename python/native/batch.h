@@ -1,7 +1,9 @@
 // What recv() gave, as Python holds it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/batch/batch.h"
 #include "core/env/compiled_scenario.h"
@@ -12,6 +14,7 @@ namespace skybody::python {
 struct ReceivedBatch {
   std::shared_ptr<const Batch> core;
   std::shared_ptr<const CompiledScenario> compiled;
+  std::vector<std::int32_t> clipped = {};  ///< per row: action values beyond [-1, 1]; empty: none
 };
 
 }  // namespace skybody::python

@@ -43,6 +43,12 @@ std::optional<std::vector<std::optional<std::string>>> fault_reasons(const Recei
   return reasons;
 }
 
+/// Nothing where no action was clipped, as nearly always.
+nb::object clipped(const ReceivedBatch& self) {
+  if (self.clipped.empty()) return nb::none();
+  return array_of<std::int32_t>(self.clipped);
+}
+
 template <auto column, auto width>
 Array2<float> rows(nb::handle_t<ReceivedBatch> self) {
   const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
@@ -131,6 +137,10 @@ void bind_flags(Class& c) {
       "bootstrap it.");
   c.def_prop_ro("fault_reasons", &fault_reasons,
                 "Per row why it is a fault, None where it is none; None where no row is one.");
+  c.def_prop_ro("clipped", &clipped,
+                nb::sig("def clipped(self) -> numpy.typing.NDArray[numpy.int32] | None"),
+                "(n,) int32: how many values of each row's action lay beyond [-1, 1] and were\n"
+                "clipped; None where no row has any.");
   c.def_prop_ro("was_reset", &values<&Batch::was_reset, bool>,
                 "(n,) bool: the transition was a reset: no reward, the action was ignored.");
   c.def_prop_ro("status", &values<&Batch::status, std::uint64_t>,

@@ -282,6 +282,9 @@ void bind_params(nb::class_<LoadedScenario>& c) {
   c.def("check_vector", &E::check_vector, nb::arg("path"), nb::arg("count"),
         "What requests ask before they give a list of values to a path.\n\n"
         "Raises ValueError where the path names anything but vectors of `count` values.");
+  c.def("check_one_value", &E::check_one_value, nb::arg("path"),
+        "What requests ask before they give one number to a path.\n\n"
+        "Raises ValueError where the path names a vector without an index.");
 }
 
 }  // namespace

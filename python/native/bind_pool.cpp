@@ -78,21 +78,24 @@ void send(PythonPool& self, nb::handle actions, nb::handle env_ids) {
   const std::int64_t width = self.compiled()->action_size();
   if (env_ids.is_none()) {
     const auto rows = read_array<float>(actions, "actions", {self.envs(), width});
-    self.call_with_argument([&](Pool& pool) { pool.send(rows.span()); });
+    self.send(rows.span());
     return;
   }
   const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
   const auto rows =
       read_array<float>(actions, "actions", {static_cast<std::int64_t>(ids.rows()), width});
-  self.call_with_argument([&](Pool& pool) {
-    if (!ids.span().empty()) pool.send(rows.span(), ids.span());  // empty means all to the pool
-  });
+  if (!ids.span().empty()) self.send(rows.span(), ids.span());  // empty means all to the pool
+}
+
+ReceivedBatch received(const PythonPool& self, std::shared_ptr<const Batch> batch) {
+  std::vector<std::int32_t> clipped = self.clipped(*batch);
+  return {std::move(batch), self.compiled().shared(), std::move(clipped)};
 }
 
 ReceivedBatch step(PythonPool& self, nb::handle actions) {
   const std::int64_t width = self.compiled()->action_size();
   const auto rows = read_array<float>(actions, "actions", {self.envs(), width});
-  return ReceivedBatch{self.step(rows.span()), self.compiled().shared()};
+  return received(self, self.step(rows.span()));
 }
 
 /// @param lines  changes, see read_param_change(); @param redraws  all randomizers draw instead
@@ -198,10 +201,7 @@ void bind_flow(Class& c) {
         "(with\n"
         "autoreset disabled) its episode has ended; then nothing was sent.");
   c.def(
-      "recv",
-      [](PythonPool& self) {
-        return ReceivedBatch{self.recv(), self.compiled().shared()};
-      },
+      "recv", [](PythonPool& self) { return received(self, self.recv()); },
       "Waits for batch_size finished environments, fewer where fewer are in flight. Works with\n"
       "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
       "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"
@@ -325,6 +325,10 @@ void bind_facts(Class& c) {
       "fresh_buffers",
       [](PythonPool& self) { return self.call([](Pool& pool) { return pool.fresh_buffers(); }); },
       "Buffers made because Python still held the one to be reused.");
+  c.def_prop_ro(
+      "clipped",
+      [](PythonPool& self) { return self.call([&](Pool&) { return self.all_clipped(); }); },
+      "Action values sent so far that lay beyond [-1, 1], and were clipped.");
   c.def_prop_ro(
       "faults",
       [](PythonPool& self) { return self.call([](Pool& pool) { return pool.faults(); }); },

@@ -36,6 +36,14 @@ void LoadedScenario::check_vector(const std::string& path, std::size_t count) co
   }
 }
 
+void LoadedScenario::check_one_value(const std::string& path) const {
+  try {
+    skybody::check_one_value(compiled_->scenario(), compiled_->layout(), path);
+  } catch (const Error& e) {
+    throw nb::value_error(e.what());
+  }
+}
+
 const EnvParam& LoadedScenario::param(const std::string& path) const {
   const int index = compiled_->layout().find_param(path);
   if (index < 0) {

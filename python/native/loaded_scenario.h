@@ -25,6 +25,8 @@ class LoadedScenario {
   std::map<std::string, std::string> plugins() const;
   /// @throws ValueError if nothing randomizable is called so, or it is no vector of `count` values
   void check_vector(const std::string& path, std::size_t count) const;
+  /// @throws ValueError if nothing randomizable is called so, or it is a vector without an index
+  void check_one_value(const std::string& path) const;
   /// @throws ValueError if nothing randomizable is called so
   const EnvParam& param(const std::string& path) const;
 

@@ -1,6 +1,9 @@
 #include "python/native/python_pool.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -8,6 +11,19 @@
 #include "core/io/flight_log.h"
 
 namespace skybody::python {
+namespace {
+
+/// How many values lie beyond [-1, 1]. Those that are not finite are a fault, and not counted.
+std::size_t clipped_values(std::span<const float> actions) {
+  std::size_t count = 0;
+  for (const float a : actions) {
+    const float size = std::fabs(a);
+    count += size > 1.0f && size <= std::numeric_limits<float>::max() ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
 
 PythonPool::PythonPool(const LoadedScenario& compiled, const PoolOptions& options)
     : compiled_(compiled), process_(process_id()) {
@@ -42,6 +58,38 @@ Pool& PythonPool::open() const {
   return *pool_;
 }
 
+void PythonPool::send(std::span<const float> actions, std::span<const std::int32_t> env_ids) {
+  call_with_argument([&](Pool& pool) {
+    pool.send(actions, env_ids);
+    count_clipped(actions, env_ids);
+  });
+}
+
+/// One look at all values says that there are none, as nearly always.
+void PythonPool::count_clipped(std::span<const float> actions,
+                               std::span<const std::int32_t> env_ids) {
+  const std::size_t all = clipped_values(actions);
+  all_clipped_ += all;
+  if (all == 0 && clipped_.empty()) return;
+  clipped_.resize(static_cast<std::size_t>(envs_));
+  const auto width = static_cast<std::size_t>(compiled_->action_size());
+  for (std::size_t row = 0; row * width < actions.size(); ++row) {
+    const std::size_t env = env_ids.empty() ? row : static_cast<std::size_t>(env_ids[row]);
+    clipped_[env] = static_cast<std::int32_t>(clipped_values(actions.subspan(row * width, width)));
+  }
+}
+
+std::vector<std::int32_t> PythonPool::clipped(const Batch& batch) const {
+  std::vector<std::int32_t> counts;
+  if (clipped_.empty()) return counts;
+  for (std::size_t row = 0; row < static_cast<std::size_t>(batch.rows); ++row) {
+    const auto env = static_cast<std::size_t>(batch.env_id[row]);
+    counts.push_back(batch.was_reset[row] != 0 ? 0 : clipped_[env]);
+  }
+  const bool is_any = std::any_of(counts.begin(), counts.end(), [](int n) { return n > 0; });
+  return is_any ? counts : std::vector<std::int32_t>{};
+}
+
 std::shared_ptr<const Batch> PythonPool::recv() {
   return call([](Pool& pool) {
     if (!pool.broken() && pool.in_flight() == 0) {
@@ -55,6 +103,7 @@ std::shared_ptr<const Batch> PythonPool::step(std::span<const float> actions) {
   return call([&](Pool& pool) {
     check_not_interrupted(pool);
     with_argument(pool, [&](Pool& ready) { ready.send(actions); });
+    count_clipped(actions, {});
     return receive(pool);
   });
 }

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/batch/pool.h"
 #include "core/replay/replay_recorder.h"
@@ -45,6 +46,10 @@ class PythonPool {
     return with_argument(pool, std::forward<Work>(work));
   }
 
+  /// Hands actions over. @param env_ids  empty: all environments in order
+  /// @throws ValueError as Pool::send()
+  void send(std::span<const float> actions, std::span<const std::int32_t> env_ids = {});
+
   /// Waits for a batch; signals (KeyboardInterrupt) get through.
   /// @throws ValueError if nothing is in flight; whatever a worker met
   std::shared_ptr<const Batch> recv();
@@ -52,6 +57,11 @@ class PythonPool {
   /// One transition of all environments: send() and recv() in one call.
   /// @throws Error where an interrupted step is under way; as send() and recv()
   std::shared_ptr<const Batch> step(std::span<const float> actions);
+  /// Of each row of a batch: how many values of the action that led to it lay beyond [-1, 1]. Empty
+  /// where none did.
+  std::vector<std::int32_t> clipped(const Batch& batch) const;
+  /// How many did in all that was sent so far.
+  std::uint64_t all_clipped() const { return all_clipped_; }
   /// @throws Error where a step was interrupted and its transitions are under way
   void refuse_interrupted() { call(check_not_interrupted); }
 
@@ -81,6 +91,7 @@ class PythonPool {
   }
   static void check_not_interrupted(const Pool& pool);
   static std::shared_ptr<const Batch> receive(Pool& pool);
+  void count_clipped(std::span<const float> actions, std::span<const std::int32_t> env_ids);
   bool of_this_process() const;
   void finish_recording();
   void let_go();
@@ -90,6 +101,8 @@ class PythonPool {
   std::unique_ptr<Pool> pool_;
   std::atomic<bool> in_use_ = false;
   int process_;
+  std::vector<std::int32_t> clipped_;  ///< per environment, of its last action; empty: none ever
+  std::uint64_t all_clipped_ = 0;
   int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;
 };
 

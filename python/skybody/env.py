@@ -26,7 +26,8 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     each, or (count,) arrays), and `fault` (bool): action, observation or reward was not finite, or
     the physics diverged (beyond 1e6 in SI units); the episode is then truncated, and its value must
     not be bootstrapped. With several agents it also has `agent_reward` (agents,) float32, with
-    privileged columns `privileged` (privileged_size,) float32, for a critic only.
+    privileged columns `privileged` (privileged_size,) float32, for a critic only. Where values of
+    the action lay beyond [-1, 1], `clipped` (int) says how many.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -136,6 +137,8 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         info["fault"] = bool(batch.fault[0])
         if (reasons := batch.fault_reasons) is not None:
             info["fault_reason"] = reasons[0]
+        if (clipped := batch.clipped) is not None:
+            info["clipped"] = int(clipped[0])
         if len(self.compiled.agents) > 1:
             info["agent_reward"] = batch.agent_reward[0].copy()
         return info

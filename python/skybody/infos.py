@@ -15,6 +15,7 @@ RESERVED = (
     "was_reset",
     "fault",
     "fault_reason",
+    "clipped",
     "agent_reward",
     "privileged",
     "final_obs",
@@ -41,6 +42,8 @@ class InfoRows(ValueRows, Protocol):
     def fault(self) -> NDArray[np.bool_]: ...
     @property
     def fault_reasons(self) -> Any: ...
+    @property
+    def clipped(self) -> NDArray[np.int32] | None: ...
 
 
 class KeptRows(NamedTuple):
@@ -75,6 +78,10 @@ class FinalRows:
     @property
     def fault_reasons(self) -> Any:
         return self._batch.fault_reasons
+
+    @property
+    def clipped(self) -> NDArray[np.int32] | None:
+        return self._batch.clipped
 
 
 class ScatteredRows:
@@ -127,6 +134,11 @@ class ScatteredRows:
     def fault_reasons(self) -> Any:
         reasons = self._rows.fault_reasons
         return None if reasons is None else self._scattered(np.array(reasons, dtype=object))
+
+    @property
+    def clipped(self) -> NDArray[np.int32] | None:
+        clipped = self._rows.clipped
+        return None if clipped is None else self._scattered(clipped)
 
 
 class InfoChannels:
@@ -182,6 +194,8 @@ class InfoChannels:
         infos["fault"], infos["_fault"] = rows.fault, mask
         if (reasons := rows.fault_reasons) is not None:
             add_fault_reasons(infos, reasons)
+        if (clipped := rows.clipped) is not None:
+            infos["clipped"], infos["_clipped"] = clipped, mask
         if self._team:
             infos["agent_reward"], infos["_agent_reward"] = rows.agent_reward, mask
         return infos

@@ -119,6 +119,7 @@ class Pool(PooledEnvironments):
               diverged (beyond 1e6 in SI units). The row is truncated; its value must not be
               bootstrapped. Where some row is one, `fault_reason` (n,) has the reasons as texts, and
               `_fault_reason` is `fault`;
+            * where values of actions lay beyond [-1, 1]: `clipped` (n,) int32, how many of each;
             * `agent_reward` (n, agents) float32;
             * one entry per info value of the task, (n,) or (n, count) float32;
             * with privileged columns `privileged` (n, privileged_size) float32, for a critic only;
@@ -138,6 +139,8 @@ class Pool(PooledEnvironments):
         }
         if (reasons := batch.fault_reasons) is not None:
             add_fault_reasons(info, reasons)
+        if (clipped := batch.clipped) is not None:
+            info["clipped"] = clipped
         info.update(self._channels.columns(batch))
         if self._same_step:
             info["final_obs"] = self._observations.final_of(batch)

@@ -211,6 +211,11 @@ class PooledEnvironments:
         self.native.stop_recording()
 
     @property
+    def clipped(self) -> int:
+        """Action values sent so far that lay beyond [-1, 1], and were clipped: 0 if all is well."""
+        return self.native.clipped
+
+    @property
     def faults(self) -> int:
         """Faulted transitions received so far, in all environments."""
         return self.native.faults

@@ -71,6 +71,7 @@ def request_lines(compiled: CompiledScenario, changes: Mapping[str, Change]) -> 
             continue
         values = _numbers(path, change, "a number, a list of numbers for a vector, or a draw")
         if values.ndim == 0:
+            compiled.check_one_value(path)
             lines.append(f"{path} value each constant {_number(path, values)}")
         elif values.ndim == 1 and values.size > 0:
             compiled.check_vector(path, values.size)

@@ -62,7 +62,8 @@ class SkybodyVectorEnv(
     Infos are arrays with Gymnasium's `_name` masks: one per info value of the task, and `fault`
     (num_envs,) bool: action, observation or reward was not finite, or the physics diverged (beyond
     1e6 in SI units). A fault ends the episode, truncated; its value must not be bootstrapped. Other
-    environments go on.
+    environments go on. Where values of actions lay beyond [-1, 1], as rad/s or newtons do,
+    `clipped` (num_envs,) int32 says how many; `clipped` of the environments is the sum so far.
     With SAME_STEP, `fault` is the ended episode's (as are the flags beside it), while the other
     infos are the new episode's. With several agents there is also `agent_reward`
     (num_envs, agents) float32: the transition's, like the reward. With privileged columns there is

@@ -6,14 +6,12 @@
 #include <vector>
 
 #include "randomization/common/schedule.h"
-#include "randomization/vehicle/ranges.h"
+#include "randomization/vehicle/laws.h"
 
 namespace skybody {
 namespace {
 
 using namespace randomization;
-
-constexpr double kAirDensity = 1.225;  // [kg/m^3], of the standard atmosphere at sea level
 
 class Vehicle : public Randomizer {
  public:
@@ -70,13 +68,6 @@ class Vehicle : public Randomizer {
     Vec3<double> middle;  ///< the centre of mass [m]
     std::vector<Hub> hubs;
   };
-  /// What a vehicle's rotors share.
-  template <class Real>
-  struct Rotors {
-    Real arm, sweep;
-    Real constants[SKYBODY_ROTOR_POSITION];  ///< at the places of SkybodyRotorConstant
-  };
-
   /// ---- in an episode
 
   /// Those of one draw, or of one vehicle of the fleet, whoever draws it.
@@ -101,35 +92,24 @@ class Vehicle : public Randomizer {
     };
     const Real mass = is_by_size_ ? cube(at(kMass)) : at(kMass);
     const Real log_mass = log(mass);
-    Rotors<Real> rotors;
+    const auto has = [&](int k)
+                         SKYBODY_INLINE_LAMBDA { return is_used_[static_cast<std::size_t>(k)]; };
+    const VehicleLaws<Real, decltype(at), decltype(has)> laws{at, has};
+    VehicleRotors<Real> rotors;
     rotors.arm = exp(at(kArm) + log_mass * (1.0 / 3.0));
     rotors.sweep = at(kSweep);
     const Real ratio = at(kThrustToWeight);
     const Real full = ratio * mass * (0.25 * gravity_);  // of one rotor
-    const Real about_x = roll_inertia(at, mass, ratio, full, rotors.arm);
+    const Real about_x = laws.roll_inertia(mass, ratio, full, rotors.arm);
     put(target.body + SKYBODY_BODY_MASS, mass);
     put_inertia(about_x, at(kPitchInertia), at(kYawInertia), target, put);
-    make_rotors(at, log_mass, full, ratio, rotors);
+    laws.make_rotors(exp(log_mass * tau_exponent_), full, ratio, rotors);
     for (const Hub& hub : target.hubs) put_rotor(rotors, hub, target.middle, put);
   }
 
   template <class Real>
   static SKYBODY_INLINE Real cube(const Real& x) {
     return x * x * x;
-  }
-
-  /// @param full  thrust of one rotor at its largest speed [N]
-  template <class At, class Real>
-  SKYBODY_INLINE Real roll_inertia(const At& at, const Real& mass, const Real& ratio,
-                                   const Real& full, const Real& arm) const {
-    if (is_used_[kGyration]) {
-      const Real radius = at(kGyration) * arm;
-      return mass * (radius * radius);
-    }
-    // Two rotors of an X push with a lever of arm / sqrt(2) each.
-    const Real torque = arm * full * sqrt(2.0);
-    if (is_used_[kTorqueToInertia]) return torque / at(kTorqueToInertia);
-    return torque * at(kWeightByTurn) / ratio;
   }
 
   template <class Real, class Put>
@@ -141,32 +121,8 @@ class Vehicle : public Randomizer {
     for (int k = 0; k < 6; ++k) put(target.body + SKYBODY_BODY_INERTIA + k, values[k]);
   }
 
-  template <class At, class Real>
-  SKYBODY_INLINE void make_rotors(const At& at, const Real& log_mass, const Real& full,
-                                  const Real& ratio, Rotors<Real>& out) const {
-    const Real radius = at(kRotorRadius) * out.arm;
-    const Real squared = radius * radius;
-    // rho C_T n^2 D^4 with n = w / (2 pi), D = 2 R.
-    const Real thrust =
-        at(kThrustCoefficient) * (squared * squared) * (16.0 * kAirDensity / (kTwoPi * kTwoPi));
-    const Real moment_arm = is_used_[kMomentArm] ? at(kMomentArm) : at(kMomentByRadius) * radius;
-    const Real growth = exp(log_mass * tau_exponent_);
-    const Real up = at(kTauUp);
-    const Real down = is_used_[kTauDown] ? at(kTauDown) : at(kTauDownByUp) * up;
-    out.constants[SKYBODY_ROTOR_THRUST_CONSTANT] = thrust;
-    out.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] = thrust * moment_arm;
-    out.constants[SKYBODY_ROTOR_DRAG_CONSTANT] = at(kRotorDrag) * thrust / radius;
-    out.constants[SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT] = at(kRolling) * thrust;
-    const Real hover_speed = sqrt(full / (ratio * thrust));
-    out.constants[SKYBODY_ROTOR_INERTIA] =
-        2.0 * at(kSpinDown) * growth * (thrust * moment_arm) * hover_speed;
-    out.constants[SKYBODY_ROTOR_MAX_SPEED] = sqrt(full / thrust);
-    out.constants[SKYBODY_ROTOR_TAU_UP] = up * growth;
-    out.constants[SKYBODY_ROTOR_TAU_DOWN] = down * growth;
-  }
-
   template <class Real, class Put>
-  static SKYBODY_INLINE void put_rotor(const Rotors<Real>& rotors, const Hub& hub,
+  static SKYBODY_INLINE void put_rotor(const VehicleRotors<Real>& rotors, const Hub& hub,
                                        const Vec3<double>& middle, const Put& put) {
     for (int k = 0; k < SKYBODY_ROTOR_POSITION; ++k) put(hub.first + k, rotors.constants[k]);
     const SinCos<Real> turn = sincos(rotors.sweep);

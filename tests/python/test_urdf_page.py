@@ -87,6 +87,8 @@ MODELS = {
     "origin_of_floating": model("floating", "world", "", of_joint='<origin xyz="0 0 1"/>'),
     "shapes_of_world": model("fixed", "world", f"<visual>{SPHERE}</visual>"),
     "no_mass": model("fixed", of_arm=""),
+    "moves_no_mass": model(of_arm=""),
+    "no_travel": model("revolute", of_joint='<limit lower="0" upper="0"/>'),
     "inertia_without_mass": model("fixed", of_arm=LONE_INERTIA),
     "missing_mesh": model(of_arm=MASS + mesh("visual", "arm.stl")),
     "collision_mesh": model(of_arm=MASS + mesh("collision", "there.stl")),

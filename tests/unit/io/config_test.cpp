@@ -53,6 +53,14 @@ TEST(Yaml, SyntaxErrorsHaveAPlace) {
   EXPECT_THAT(parse_error("a: [1, 2\nb: 3\n"), HasSubstr("x.yaml:2:2: error: not YAML"));
 }
 
+TEST(Yaml, TagsAreRefused) {
+  EXPECT_EQ(parse_error("a: !!float 1\n"),
+            "x.yaml:1:4: error: the tag `!!float`; tags are not allowed: write the value alone\n");
+  EXPECT_THAT(parse_error("a: !mine {b: 1}\n"), HasSubstr("the tag `!mine`"));
+  EXPECT_THAT(parse_error("a: !!seq [1]\n"), HasSubstr("the tag `!!seq`"));
+  EXPECT_TRUE(parse("a: '1'\nb: [x]\nc: {d: \"e\"}\n").is_map());
+}
+
 TEST(Yaml, SecondDocumentIsAnError) {
   EXPECT_THAT(parse_error("a: 1\n---\nb: 2\n"), HasSubstr("a second document"));
 }
@@ -226,7 +234,13 @@ TEST(Override, ReachesKeysIndicesAndNames) {
 TEST(Override, AddsKeysAndReplacesWholeValues) {
   EXPECT_EQ(override_result("a: {b: 1}\n", "a.c.d=2"), "a:\n  b: 1\n  c:\n    d: 2\n");
   EXPECT_EQ(override_result("a: {b: 1}\n", "a={x: y}"), "a:\n  x: y\n");
-  EXPECT_EQ(override_result("a: 1\n", "a="), "a: null\n");
+}
+
+TEST(Override, NoValueRemovesAKeyOrAnEntryAsInFilesThatIncludeOthers) {
+  EXPECT_EQ(override_result("a: 1\nb: 2\n", "a="), "b: 2\n");
+  EXPECT_EQ(override_result("a: {b: 1, c: 2}\n", "a.b=~"), "a:\n  c: 2\n");
+  EXPECT_EQ(override_result("a: [1, 2, 3]\n", "a[1]=null"), "a: [1, 3]\n");
+  EXPECT_EQ(override_result("a: [{name: x}, {name: y}]\n", "a.x=~"), "a:\n  - name: y\n");
 }
 
 TEST(Override, NonsenseIsAnErrorThatNamesTheOverride) {

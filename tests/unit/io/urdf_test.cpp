@@ -251,28 +251,6 @@ std::string errors_of(const std::string& body) {
   return diagnostics.to_string();
 }
 
-TEST(UrdfJoints, ChainThatIsNoJointSaysWhy) {
-  const std::string ends = link("base", inertial(1, 0.1)) + link("a", "") + link("b", "") +
-                           link("c", "") + link("arm", inertial(1, 0.1));
-  const std::string one = joint("one", "continuous", "base", "a", axis("1 0 0"));
-  const auto two_links = [&](const std::string& second) {
-    return errors_of(link("base", inertial(1, 0.1)) + link("a", "") +
-                     link("arm", inertial(1, 0.1)) + one + second);
-  };
-  EXPECT_THAT(two_links(joint("two", "continuous", "a", "arm",
-                              axis("0 1 0") + "<dynamics damping=\"0.1\"/>")),
-              HasSubstr("the damping of `one` and `two` differs"));
-  EXPECT_THAT(two_links(joint("two", "revolute", "a", "arm",
-                              axis("0 1 0") + "<limit lower=\"-1\" upper=\"1\" effort=\"1\" "
-                                              "velocity=\"1\"/>")),
-              HasSubstr("`two` has limits; make it continuous"));
-  EXPECT_THAT(two_links(joint("two", "floating", "a", "arm")), HasSubstr("`two` does not turn"));
-  EXPECT_THAT(errors_of(ends + one + joint("two", "continuous", "a", "b", axis("0 1 0")) +
-                        joint("three", "continuous", "b", "c", axis("0 0 1")) +
-                        joint("four", "continuous", "c", "arm", axis("1 0 0"))),
-              HasSubstr("4 joints follow one another"));
-}
-
 TEST(UrdfJoints, FloatingJointIsFree) {
   const RobotModel model = parse(link("base", inertial(1, 0.1)) + link("ball", inertial(1, 0.1)) +
                                  joint("j", "floating", "base", "ball", "<origin xyz=\"0 0 2\"/>"));

@@ -1,0 +1,172 @@
+#include "core/assemble/unlikely.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/io/fold_warnings.h"
+#include "core/io/usual.h"
+#include "core/physics/bodies/default_state.h"
+
+namespace skybody {
+namespace {
+
+/// The value farthest from its usual range, with whose it is.
+struct Worst {
+  double value = 1.0;
+  double distance = 0.0;
+  const Rotor* rotor = nullptr;
+};
+
+/// How far a positive value lies beyond a usual range, as a logarithm that compares.
+double distance_from(Usual what, double value) {
+  return is_usual(what, value) ? 0.0 : 1.0 + std::fabs(std::log(value));
+}
+
+/// One robot.
+class RobotCheck {
+ public:
+  RobotCheck(const CompiledScenario& compiled, int robot, const LaneState& start,
+             Diagnostics& diagnostics)
+      : scenario_(compiled.scenario()),
+        use_(scenario_.robots[static_cast<std::size_t>(robot)]),
+        first_body_(compiled.layout().robots[static_cast<std::size_t>(robot)].first_body),
+        start_(start),
+        diagnostics_(diagnostics) {}
+
+  void run() {
+    check_thrust();
+    check_moment_arms();
+    check_lags();
+    for (std::size_t b = 0; b < use_.model.bodies.size(); ++b) check_gyration(static_cast<int>(b));
+    check_sizes();
+  }
+
+ private:
+  const RobotModel& model() const { return use_.model; }
+
+  void warn(Usual what, double value, const std::string& name,
+            std::initializer_list<GivenValue> given) {
+    warn_unless_usual(what, value, name + " of the robot `" + use_.name + "`", given, use_.mark,
+                      diagnostics_);
+  }
+
+  Vec3<double> in_base(int body, const Vec3<double>& direction) const {
+    const auto rotation = [&](int b) {
+      return start_.bodies[static_cast<std::size_t>(first_body_ + b)].rotation;
+    };
+    return rotate(conjugate(rotation(0)), rotate(rotation(body), direction));
+  }
+
+  void check_thrust() {
+    const double weight = model().total_mass() * norm(scenario_.gravity());
+    if (model().rotors.empty() || model().fixed_base || !(weight > 0.0)) return;
+    Vec3<double> sum{0.0, 0.0, 0.0};
+    double up = 0.0;
+    for (const Rotor& rotor : model().rotors) {
+      const double speed = rotor.constants[kMaxSpeed];
+      const Vec3<double> thrust =
+          in_base(rotor.body, rotor.axis) * (rotor.constants[kThrustConstant] * speed * speed);
+      sum += thrust;
+      up += std::max(thrust.z, 0.0);  // rotors that push all ways carry with some of them
+    }
+    warn(Usual::kThrustToWeight, std::max(norm(sum), up) / weight, "thrust to weight",
+         {{"max_speed", model().rotors[0].constants[kMaxSpeed]}, {"mass", model().total_mass()}});
+  }
+
+  /// Looks for the rotor whose value is farthest from usual.
+  template <class Value>
+  Worst worst_rotor(Usual what, Value&& value_of) const {
+    Worst worst;
+    for (const Rotor& rotor : model().rotors) {
+      const double value = value_of(rotor);
+      if (value == 0.0) continue;  // that term is left out
+      const double distance = distance_from(what, value);
+      if (distance > worst.distance) worst = {value, distance, &rotor};
+    }
+    return worst;
+  }
+
+  void check_moment_arms() {
+    const Worst worst = worst_rotor(Usual::kMomentArm, [](const Rotor& rotor) {
+      return rotor.constants[kMomentConstant] / rotor.constants[kThrustConstant];
+    });
+    if (worst.rotor == nullptr) return;
+    warn(Usual::kMomentArm, worst.value,
+         "`moment_constant` [N m s^2/rad^2] by `thrust_constant` of the rotor `" +
+             worst.rotor->name + "`",
+         {{"moment_constant", worst.rotor->constants[kMomentConstant],
+           worst.rotor->constants[kThrustConstant]}});
+  }
+
+  void check_lags() {
+    for (const RotorParam lag : {kTauUp, kTauDown}) {
+      const Worst worst =
+          worst_rotor(Usual::kLag, [&](const Rotor& r) { return r.constants[lag]; });
+      if (worst.rotor == nullptr) continue;
+      warn(Usual::kLag, worst.value,
+           "`" + std::string(row_at(kRotorConstants, lag).key) + "` of the rotor `" +
+               worst.rotor->name + "`",
+           {});
+    }
+  }
+
+  /// Of a body with three rotors or more: fewer do not say how large it is.
+  void check_gyration(int body) {
+    const MassProperties& mass = model().bodies[static_cast<std::size_t>(body)].mass;
+    double arm = 0.0;
+    int rotors = 0;
+    for (const Rotor& rotor : model().rotors) {
+      if (rotor.body != body) continue;
+      arm = std::max(arm, norm(rotor.position() - mass.com));
+      ++rotors;
+    }
+    if (rotors < 3 || !(arm > 0.0)) return;
+    const double moments[] = {mass.inertia.xx, mass.inertia.yy, mass.inertia.zz};
+    const char* const names[] = {"ixx", "iyy", "izz"};
+    for (int k = 0; k < 3; ++k) {
+      const double ratio = std::sqrt(moments[k] / mass.mass) / arm;
+      if (is_usual(Usual::kGyration, ratio)) continue;
+      warn(Usual::kGyration, ratio,
+           std::string("radius of gyration (") + names[k] + ") by the longest arm",
+           {{"inertia", moments[k]}, {"position", arm}});
+      return;
+    }
+  }
+
+  void check_sizes() {
+    double largest = 0.0;
+    for (const Body& body : model().bodies) {
+      for (const Shape& shape : body.collisions) largest = std::max(largest, length_of(shape));
+    }
+    warn(Usual::kSize, largest, "the longest collision shape", {});
+  }
+
+  static double length_of(const Shape& shape) {
+    const Shape solid = contact_shape(shape);
+    const double box = std::max({solid.size.x, solid.size.y, solid.size.z});
+    return solid.type == ShapeType::kBox ? box : std::max(2.0 * solid.radius, solid.length);
+  }
+
+  const Scenario& scenario_;
+  const RobotUse& use_;
+  int first_body_;
+  const LaneState& start_;
+  Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+void warn_of_unlikely(const CompiledScenario& compiled, Diagnostics& diagnostics) {
+  const Scenario& scenario = compiled.scenario();
+  Diagnostics found;
+  LaneState start;
+  write_default_state(compiled.world(), start);
+  for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
+    RobotCheck(compiled, static_cast<int>(r), start, found).run();
+  }
+  diagnostics.add(fold_warnings(found));
+}
+
+}  // namespace skybody

@@ -1,0 +1,93 @@
+#include "core/io/fold_warnings.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+constexpr std::size_t kMostLines = 5;  // that a folded warning lists
+
+bool is_digit_at(const std::string& text, std::size_t at) {
+  return at < text.size() && text[at] >= '0' && text[at] <= '9';
+}
+
+/// The place behind a number such as 2.5e-07 that begins at `at`.
+std::size_t end_of_number(const std::string& text, std::size_t at) {
+  while (is_digit_at(text, at) || (text[at] == '.' && is_digit_at(text, at + 1))) ++at;
+  const bool has_exponent =
+      at + 1 < text.size() && text[at] == 'e' && (text[at + 1] == '-' || text[at + 1] == '+');
+  if (!has_exponent) return at;
+  at += 2;
+  while (is_digit_at(text, at)) ++at;
+  return at;
+}
+
+/// The message without numbers and without what stands in `` or <>.
+std::string warning_kind(const std::string& message) {
+  std::string kind;
+  for (std::size_t at = 0; at < message.size();) {
+    const char c = message[at];
+    if (is_digit_at(message, at)) {
+      at = end_of_number(message, at);
+      continue;
+    }
+    kind += c;
+    ++at;
+    if (c == '`' || c == '<') {
+      at = std::min(message.find(c == '`' ? '`' : '>', at), message.size());
+    }
+    // A closing backtick is no opening one.
+    if (c == '`' && at < message.size()) ++at;
+  }
+  return kind;
+}
+
+/// Warnings of one kind.
+struct Fold {
+  const Diagnostic* first;
+  std::vector<std::string> lines;  ///< of the others
+};
+
+std::string folded_text(const Fold& fold) {
+  const std::size_t count = fold.lines.size();
+  if (count == 0) return fold.first->message;
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(count, kMostLines));
+  const std::vector<std::string> lines(fold.lines.begin(), fold.lines.begin() + shown);
+  return fold.first->message + " (and " + std::to_string(count) + " more of this kind, in " +
+         (count == 1 ? "line " : "lines ") + join(lines) + (count > kMostLines ? ", ...)" : ")");
+}
+
+}  // namespace
+
+Diagnostics fold_warnings(const Diagnostics& diagnostics) {
+  std::vector<Fold> folds;  // errors each for itself
+  std::map<std::string, std::size_t> known;
+  for (const Diagnostic& d : diagnostics.all()) {
+    const bool may_fold = d.severity == Severity::kWarning && d.mark.line > 0;
+    if (may_fold) {
+      const auto [found, is_new] =
+          known.emplace(d.mark.file + '\n' + warning_kind(d.message), folds.size());
+      if (!is_new) {
+        folds[found->second].lines.push_back(std::to_string(d.mark.line));
+        continue;
+      }
+    }
+    folds.push_back({&d, {}});
+  }
+  Diagnostics folded;
+  for (const Fold& fold : folds) {
+    if (fold.first->severity == Severity::kError) {
+      folded.error(fold.first->mark, fold.first->message);
+    } else {
+      folded.warning(fold.first->mark, folded_text(fold));
+    }
+  }
+  return folded;
+}
+
+}  // namespace skybody

@@ -1,0 +1,13 @@
+// One warning for each kind, in place of one for each element.
+#pragma once
+
+#include "core/io/diagnostics.h"
+
+namespace skybody {
+
+/// The messages with warnings of one kind folded into the first of them, which then says in which
+/// lines the others are. Of one kind are warnings about one file whose texts differ in nothing but
+/// names and numbers. Errors stay as they are.
+Diagnostics fold_warnings(const Diagnostics& diagnostics);
+
+}  // namespace skybody
