@@ -118,7 +118,12 @@ void warn_of_weight(const CompiledScenario& compiled, Diagnostics& diagnostics) 
     const double speed = hover_rotor_speed(compiled.scenario(), static_cast<int>(r));
     double slowest = kInfinity;
     for (const Rotor& rotor : use.model.rotors) {
-      slowest = min(slowest, rotor.constants[kMaxSpeed]);
+      if (lift_of(use.model, rotor) > 0.0) slowest = min(slowest, rotor.constants[kMaxSpeed]);
+    }
+    if (!use.model.rotors.empty() && speed == 0.0 && norm(scenario.gravity()) > 0.0) {
+      diagnostics.warning(use.mark, "robot `" + use.name +
+                                        "` cannot hover: `rotor_speed: hover` is 0, as no rotor "
+                                        "pushes along +z of its base; check `axis`");
     }
     if (speed <= slowest) continue;
     diagnostics.warning(use.mark, "robot `" + use.name +
