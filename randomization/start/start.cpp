@@ -107,8 +107,8 @@ class RandomStart : public Randomizer {
       const RotorInfo& rotor = setup.rotors()[info.first_rotor + k];
       const int start = announce("rotors[" + std::to_string(k) + "].speed");
       constexpr double kLeastLift = 1e-6;  // below it is rounding
-      const double lift = rotor.axis_in_base[2];
-      t.rotors.push_back({start, rotor.first_param, lift > kLeastLift ? lift : 0.0});
+      const double up = rotor.axis_in_base[2];
+      t.rotors.push_back({start, rotor.first_param, up > kLeastLift ? up : 0.0});
       lift += t.rotors.back().lift;
     }
     if (!(lift > 1e-6)) {

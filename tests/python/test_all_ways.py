@@ -73,7 +73,7 @@ def test_rotors_that_turn_one_way_are_refused_where_they_would_have_to_pull(
     tmp_path: Path,
 ) -> None:
     chain = "[{plugin: full_pose}, {plugin: mixer, parameters: {signal: wrench}}]"
-    with pytest.raises(SkybodyError, match="N to hover, and can push 0 to .* `min_speed` below 0"):
+    with pytest.raises(SkybodyError, match=r"N to hover, and can push 0 to .* `min_speed` below 0"):
         Simulation(str(cube(tmp_path, 0, chain)))
 
 

@@ -367,7 +367,10 @@ def test_margins_that_fall_while_the_cost_does_are_told(vehicle: Vehicle) -> Non
 
 
 def test_limits_of_the_chains_laws_are_counted(vehicle: Vehicle) -> None:
-    chain = "[{plugin: position, parameters: {max_acceleration_side: 0.5}}, attitude, ctbr]"
+    chain = (
+        "[{plugin: position, parameters: {max_acceleration_side: 0.5}}, "
+        "{plugin: attitude}, {plugin: ctbr}]"
+    )
     tight = dataclasses.replace(vehicle, chain=chain).compile()
     program, gains = make_program(tight), find_gains(tight)
     with Flyer(tight, program, make_draws(tight, 1, generator(), DrawRanges())) as flyer:
