@@ -71,9 +71,8 @@ const std::vector<Lead> kLeads = {
 /// Parameters that let a chain of shipped laws follow the trajectory itself and not its position
 /// alone, where the scenario does not say otherwise.
 struct Upgrade {
-  bool position = false;  ///< `signal: trajectory` of the first controller, `position`
-  bool attitude =
-      false;  ///< `feed_forward: true` of `attitude`, the first one or behind `position`
+  bool position = false;  ///< `signal: trajectory` of `position`, the first controller
+  bool attitude = false;  ///< `feed_forward: true` of `attitude`, the first or behind `position`
 
   bool any() const { return position || attitude; }
 };
@@ -87,8 +86,9 @@ bool is_left_open(const PluginUse& use, const char* plugin, const char* paramete
 /// @param chain  controllers of the robot, from the chain's first on
 Upgrade find_upgrade(const PluginUse* chain, int count) {
   const bool begins = is_left_open(chain[0], "position", "signal");
-  if (begins && count > 1 && is_left_open(chain[1], "attitude", "feed_forward"))
+  if (begins && count > 1 && is_left_open(chain[1], "attitude", "feed_forward")) {
     return {true, true};
+  }
   return {false, is_left_open(chain[0], "attitude", "feed_forward")};
 }
 
@@ -323,8 +323,8 @@ void set_parameter(ConfigNode& use, const char* name, const char* value, const S
 
 void apply(const Upgrade& upgrade, ConfigNode* chain, const SourceMark& mark) {
   if (upgrade.position) set_parameter(chain[0], "signal", "trajectory", mark);
-  if (upgrade.attitude)
-    set_parameter(chain[upgrade.position ? 1 : 0], "feed_forward", "true", mark);
+  if (!upgrade.attitude) return;
+  set_parameter(chain[upgrade.position ? 1 : 0], "feed_forward", "true", mark);
 }
 
 /// @param more_controllers  that lead from the reference to the chain

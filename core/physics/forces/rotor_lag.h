@@ -161,7 +161,8 @@ SKYBODY_INLINE Real mean_signed_square(const RotorLag<Real>& lag, const Real& sp
   const Real share = (lag.up.half_mean + lag.up.half_mean) / select(turns, one - decay, one);
   const Real before =
       (gap * gap) * share * (0.5 * (one - z * z) - 2.0 * z * (one - z) - z * z * log(z));
-  return select(turns, copysign(square - 2.0 * max(before, zero), end), signed_square);
+  const Real rest = square - 2.0 * max(before, zero);
+  return select(turns, select(end < 0.0, -rest, rest), signed_square);
 }
 
 /// The rotor at any time of the step by the closed form itself, for integrators that choose their
