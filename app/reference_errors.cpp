@@ -60,8 +60,8 @@ void each_report(const CompiledScenario& compiled, const Visit& visit) {
   }
 }
 
-/// Whether an info is what a law reports of its limits (controllers/common/limit_report.h).
-bool is_of_limits(const std::string& info) { return info.ends_with(".limited"); }
+/// What a law reports of its limits (controllers/common/limit_report.h).
+constexpr const char* kLimited = "limited";
 
 }  // namespace
 
@@ -86,7 +86,7 @@ std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
           flown.info = place;
           is_first = false;
         }
-        if (k < first || k >= end || !is_of_limits(report.info.name)) return;
+        if (k < first || k >= end || report.info.name != kLimited) return;
         flown.limits.push_back({robots[r].controllers[k - first].instance, place});
       });
     }

@@ -23,7 +23,7 @@ Rotor make_rotor(const Vec3<double>& axis, double min_speed = 0.0) {
 
 /// A base of 1 kg and four links of 10 g on hinges, each rolled by `roll` in its joint's frame.
 RobotModel make_hinged(double roll, double position) {
-  RobotModel model = make_free_body(1.0, {0.01, 0.01, 0.02});
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.02));
   for (int i = 0; i < 4; ++i) {
     Body link;
     link.name = "link_" + std::to_string(i);
@@ -34,7 +34,7 @@ RobotModel make_hinged(double roll, double position) {
     const Quat<double> hinge = from_axis_angle(Vec3<double>{0, 1, 0}, kHalfPi);
     link.joint.frame_in_parent.rotation = from_axis_angle(Vec3<double>{1, 0, 0}, roll) * hinge;
     link.joint.frame_in_body.rotation = hinge;
-    link.mass = {0.01, {0, 0, 0}, {1e-6, 1e-6, 1e-6}};
+    link.mass = {0.01, {0, 0, 0}, diagonal(1e-6, 1e-6, 1e-6)};
     model.bodies.push_back(link);
     Rotor rotor = make_rotor({0.0, std::sin(roll), std::cos(roll)});
     rotor.name = "rotor_" + std::to_string(i);
@@ -60,7 +60,7 @@ TEST(HoverSpeed, KnowsWhereJointsAreAtAReset) {
 }
 
 TEST(HoverSpeed, IsOfTheRotorsThatLift) {
-  RobotModel model = make_free_body(1.5, {0.01, 0.01, 0.02});
+  RobotModel model = make_free_body(1.5, diagonal(0.01, 0.01, 0.02));
   for (int i = 0; i < 8; ++i) {
     model.rotors.push_back(make_rotor({0.6 * (i % 2 == 0 ? 1 : -1), 0, i < 4 ? 0.8 : -0.8}));
   }
@@ -80,7 +80,7 @@ Scenario without_pull(Scenario scenario) {
 
 /// One reversible rotor on a free body without gravity.
 Scenario reversible(double tau, IntegratorChoice integrator, double inertia = 0.0) {
-  RobotModel model = make_free_body(1.0, {0.01, 0.02, 0.03});
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.02, 0.03));
   Rotor rotor = make_rotor({0, 0, 1}, -800.0);
   rotor.constants[kTauUp] = rotor.constants[kTauDown] = tau;
   rotor.constants[kRotorInertia] = inertia;
