@@ -173,8 +173,8 @@ TEST(Reference, TellsWhereALawsOwnLimitsCutIt) {
   const std::string chain =
       "robots.quad.controllers=[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]";
   const TemporaryFolder folder;
-  const Outcome flown =
-      fly(folder.path(), "figure_eight_fast", {"--set", chain, "--set", "randomization=[]"});
+  const Outcome flown = fly(folder.path(), "figure_eight_fast:approach=2,ramp=2",
+                            {"--set", chain, "--set", "randomization=[]"});
   EXPECT_THAT(flown.out, ContainsRegex("[1-9][0-9.]* \\(position\\)"));
   const Outcome checked =
       run_skybody({"check", "hover", "--reference", "figure_eight_fast", "--set", chain});

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from skybody import Simulation, SkybodyError
+from skybody import InputError, Simulation
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
 URDF = """<robot name="cube">
@@ -52,7 +52,7 @@ def test_hover_is_the_speed_of_the_rotors_that_lift(tmp_path: Path) -> None:
     sim.reset()
     speed = (1.5 * 9.81 / (4 * C * K_F)) ** 0.5
     lifting = np.array([AXES[i if i < 4 else 7 - i][2] > 0 for i in range(8)])
-    np.testing.assert_allclose(sim.rotor_speeds(), np.where(lifting, speed, 0.0), rtol=1e-12)
+    np.testing.assert_allclose(sim.rotor_speeds, np.where(lifting, speed, 0.0), rtol=1e-12)
 
 
 def test_full_pose_flies_reversible_rotors_to_any_attitude(tmp_path: Path) -> None:
@@ -68,14 +68,14 @@ def test_full_pose_flies_reversible_rotors_to_any_attitude(tmp_path: Path) -> No
     np.testing.assert_allclose(
         np.abs(base.rotation), [np.cos(roll / 2), np.sin(roll / 2), 0, 0], atol=1e-4
     )
-    assert np.min(sim.rotor_speeds()) < -100.0  # some turn backwards
+    assert np.min(sim.rotor_speeds) < -100.0  # some turn backwards
 
 
 def test_rotors_that_turn_one_way_are_refused_where_they_would_have_to_pull(
     tmp_path: Path,
 ) -> None:
     chain = "[{plugin: full_pose}, {plugin: mixer, parameters: {signal: wrench}}]"
-    with pytest.raises(SkybodyError, match=r"N to hover, and can push 0 to .* `min_speed` below 0"):
+    with pytest.raises(InputError, match=r"N to hover, and can push 0 to .* `min_speed` below 0"):
         Simulation(str(cube(tmp_path, 0, chain)))
 
 
@@ -105,7 +105,7 @@ def hinged(folder: Path, chain: str) -> Path:
             f'<origin xyz="{x} {y} 0" rpy="{roll} 0 0"/><axis xyz="1 0 0"/></joint>'
         )
         rotors.append(
-            f"  - {{name: r{i}, link: l{i}, axis: [0, {np.sin(roll)}, {np.cos(roll)}], "
+            f"  - {{name: r{i}, link: l{i}, position: [0, 0, 0], axis: [0, {np.sin(roll)}, {np.cos(roll)}], "
             f"direction: {'ccw' if x * y > 0 else 'cw'}}}"
         )
     text = URDF.replace('"1.5"', '"1.0"').replace("</robot>", links + "</robot>")
@@ -130,7 +130,7 @@ def test_hover_takes_the_axes_of_rotors_behind_joints_in_the_frame_of_the_base(
 ) -> None:
     sim = Simulation(str(hinged(tmp_path, "[{plugin: rotor_speed}]")))
     sim.reset()
-    np.testing.assert_allclose(sim.rotor_speeds(), (1.04 * 9.81 / 4e-5) ** 0.5, rtol=1e-9)
+    np.testing.assert_allclose(sim.rotor_speeds, (1.04 * 9.81 / 4e-5) ** 0.5, rtol=1e-9)
 
 
 def test_ranges_of_thrust_and_torque_take_hubs_behind_joints_in_the_frame_of_the_base(

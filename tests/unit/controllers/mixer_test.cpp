@@ -58,7 +58,7 @@ std::vector<double> control(const Instance& instance, const std::vector<double>&
 }
 
 TEST(Mixer, ReversibleRotorsGiveTheWrenchThatIsAskedFor) {
-  const PluginWorld world = cube(-2246.0);
+  PluginWorld world = cube(-2246.0);
   const Instance instance("mixer", world, {{"signal", "wrench"}});
   const std::vector<double> u = {3, -2, 9.81, 0.3, -0.2, 0.1};
   const auto got = wrench(world, control(instance, u));
@@ -66,7 +66,7 @@ TEST(Mixer, ReversibleRotorsGiveTheWrenchThatIsAskedFor) {
 }
 
 TEST(Mixer, RefusesAPseudoInverseThatCannotHover) {
-  const PluginWorld world = cube(0.0);
+  PluginWorld world = cube(0.0);
   EXPECT_THAT(refusal("mixer", world, {{"signal", "wrench"}}),
               HasSubstr("N to hover, and can push 0 to"));
 }
