@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "app/check_flight.h"
+#include "app/check_reference.h"
 #include "app/command.h"
 #include "app/plugin_child.h"
 #include "app/scenario_options.h"
@@ -95,6 +96,7 @@ int check(CheckOptions options, const RefusedFiles& refused) {
   const auto compiled = load_and_warn(options.load);
   Diagnostics diagnostics;
   fly_for_a_moment(compiled, diagnostics);
+  if (!diagnostics.has_errors()) warn_of_limited_references(compiled, diagnostics);
   std::fputs(diagnostics.to_string().c_str(), stderr);
   if (diagnostics.has_errors()) return kExitError;
   std::printf("%s\n", describe(*compiled).c_str());

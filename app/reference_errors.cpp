@@ -40,18 +40,24 @@ double begin_of(const PluginUse& use) {
                                                                              : 0.0);
 }
 
-/// Index among the infos of the first value that controller `index` reports.
-int info_of_controller(const CompiledScenario& compiled, std::size_t index) {
+/// Calls visit(controller, report, place) for all reports of controllers, with their places among
+/// the infos.
+template <class Visit>
+void each_report(const CompiledScenario& compiled, const Visit& visit) {
   int place = value_count(compiled.task().infos);
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
     const auto& list = compiled.plugins(static_cast<SkybodyKind>(kind));
     for (std::size_t k = 0; k < list.size(); ++k) {
-      if (kind == SKYBODY_CONTROLLER && k == index) return place;
-      for (const Report& report : list[k].reports) place += report.info.count;
+      for (const Report& report : list[k].reports) {
+        if (kind == SKYBODY_CONTROLLER) visit(k, report, place);
+        place += report.info.count;
+      }
     }
   }
-  return place;
 }
+
+/// What a law reports of its limits (controllers/common/limit_report.h).
+constexpr const char* kLimited = "limited";
 
 }  // namespace
 
@@ -65,9 +71,23 @@ std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
     for (const PluginUse& use : robots[r].controllers) {
       const std::size_t controller = index++;
       if (!is_reference(use)) continue;
-      const int body = compiled.layout().robots[r].first_body;
-      found.push_back({given(use, "kind")->texts.at(0), static_cast<int>(r), body,
-                       info_of_controller(compiled, controller), begin_of(use)});
+      FlownReference& flown = found.emplace_back();
+      flown.kind = given(use, "kind")->texts.at(0);
+      flown.robot = static_cast<int>(r);
+      flown.body = compiled.layout().robots[r].first_body;
+      flown.begin = begin_of(use);
+      const std::size_t first =
+          controller - static_cast<std::size_t>(&use - robots[r].controllers.data());
+      const std::size_t end = first + robots[r].controllers.size();
+      bool is_first = true;
+      each_report(compiled, [&](std::size_t k, const Report& report, int place) {
+        if (k == controller && is_first) {
+          flown.info = place;
+          is_first = false;
+        }
+        if (k < first || k >= end || report.info.name != kLimited) return;
+        flown.limits.push_back({robots[r].controllers[k - first].instance, place});
+      });
     }
   }
   return found;
@@ -105,6 +125,11 @@ void ReferenceErrors::add(const Simulation& simulation) {
     const double yaw = std::remainder(yaw_of(body.rotation) - place[3], 2.0 * std::numbers::pi);
     sum.yaw += yaw * yaw;
     add_effort(simulation, references_[k], sum);
+    const std::vector<LawLimit>& limits = references_[k].limits;
+    sum.limited.resize(limits.size());
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+      sum.limited[i] += simulation.info()[static_cast<std::size_t>(limits[i].info)] > 0.0f ? 1 : 0;
+    }
     ++sum.count;
   }
 }
@@ -112,8 +137,9 @@ void ReferenceErrors::add(const Simulation& simulation) {
 void ReferenceErrors::add_effort(const Simulation& simulation, const FlownReference& reference,
                                  Sum& sum) const {
   const auto k = static_cast<std::size_t>(&reference - references_.data());
-  const std::vector<Rotor>& rotors =
-      compiled_.scenario().robots[static_cast<std::size_t>(reference.robot)].model.rotors;
+  const RobotModel& model =
+      compiled_.scenario().robots[static_cast<std::size_t>(reference.robot)].model;
+  const std::vector<Rotor>& rotors = model.rotors;
   const RobotLayout& layout = compiled_.layout().robots[static_cast<std::size_t>(reference.robot)];
   const std::vector<double> speeds = simulation.state("rotor_speed");
   const std::vector<double> commands = simulation.state("rotor_command");
@@ -122,9 +148,11 @@ void ReferenceErrors::add_effort(const Simulation& simulation, const FlownRefere
   for (std::size_t i = 0; i < rotors.size(); ++i) {
     const std::size_t place = static_cast<std::size_t>(layout.first_rotor) + i;
     const double share = speeds[place] / hover_speed_[k];
-    cubes += share * share * share / static_cast<double>(rotors.size());
-    is_saturated =
-        is_saturated || commands[place] <= 0.0 || commands[place] >= rotors[i].constants[kMaxSpeed];
+    cubes += std::abs(share * share * share) / static_cast<double>(rotors.size());
+    // A rotor that need not push to hover may rest.
+    const bool may_rest = !rotors[i].is_reversible() && lift_of(model, rotors[i]) == 0.0;
+    is_saturated = is_saturated || (!may_rest && commands[place] <= rotors[i].min_speed) ||
+                   commands[place] >= rotors[i].constants[kMaxSpeed];
   }
   sum.effort += cubes;
   sum.saturated += is_saturated ? 1 : 0;
@@ -141,16 +169,33 @@ std::vector<ReferenceError> ReferenceErrors::errors() const {
     error.yaw = std::sqrt(sum.yaw / n);
     error.effort = sum.effort / n;
     error.saturated = static_cast<double>(sum.saturated) / n;
+    for (const std::size_t steps : sum.limited) {
+      error.limited.push_back(static_cast<double>(steps) / n);
+    }
   }
   return out;
 }
+
+namespace {
+
+/// "0.0", or "41.3 (position)" of the controller that cuts most often.
+std::string limited_text(const FlownReference& reference, const ReferenceError& error) {
+  if (error.limited.empty() || std::isnan(error.total)) return "-";
+  const auto most = std::max_element(error.limited.begin(), error.limited.end());
+  const std::string share = fixed(100.0 * *most, 1);
+  if (!(*most > 0.0)) return share;
+  const auto k = static_cast<std::size_t>(most - error.limited.begin());
+  return share + " (" + reference.limits[k].controller + ")";
+}
+
+}  // namespace
 
 std::string reference_table(const CompiledScenario& compiled,
                             const std::vector<std::vector<ReferenceError>>& episodes) {
   const std::vector<FlownReference> references = flown_references(compiled);
   if (references.empty()) return "";
   TextTable table({"episode", "reference of", "RMS [cm]", "x [cm]", "y [cm]", "z [cm]", "max [cm]",
-                   "yaw RMS [deg]", "effort", "saturated [%]"});
+                   "yaw RMS [deg]", "effort", "saturated [%]", "limited [%]"});
   for (std::size_t e = 0; e < episodes.size(); ++e) {
     for (std::size_t k = 0; k < references.size(); ++k) {
       const ReferenceError& error = episodes[e][k];
@@ -161,12 +206,13 @@ std::string reference_table(const CompiledScenario& compiled,
       table.add({std::to_string(e + 1), body_name(compiled, references[k].body), cm(error.total),
                  cm(error.rms[0]), cm(error.rms[1]), cm(error.rms[2]), cm(error.max),
                  cell(error.yaw * 180.0 / std::numbers::pi, 2), cell(error.effort, 3),
-                 cell(100.0 * error.saturated, 1)});
+                 cell(100.0 * error.saturated, 1), limited_text(references[k], error)});
     }
   }
   return table.to_string() +
          "references: errors after approach and ramp; effort: cubed rotor speeds over those in "
-         "hover; saturated: steps in which a rotor's command is at a limit\n";
+         "hover; saturated: steps in which a rotor's command is at a limit; limited: steps in "
+         "which a law asks for less than it wants, by limits of its own\n";
 }
 
 }  // namespace skybody

@@ -15,13 +15,20 @@ namespace skybody {
 /// e_z, in [-2 pi, 2 pi] [rad].
 double yaw_of(const Quat<double>& rotation);
 
+/// A controller that tells whether limits of its own cut what it asks for.
+struct LawLimit {
+  std::string controller;  ///< name of the instance
+  int info = 0;            ///< place among the infos: above 0 where they do
+};
+
 /// A controller `reference` of a scenario.
 struct FlownReference {
   std::string kind;  ///< of path
   int robot = 0;
-  int body = 0;        ///< world body that follows it: the robot's base
-  int info = 0;        ///< first value among the infos: position [m] (W), then yaw [rad]
-  double begin = 0.0;  ///< when approach and ramp are over [s]; errors count from there
+  int body = 0;                  ///< world body that follows it: the robot's base
+  int info = 0;                  ///< first value among the infos: position [m] (W), then yaw [rad]
+  double begin = 0.0;            ///< when approach and ramp are over [s]; errors count from there
+  std::vector<LawLimit> limits;  ///< of the laws that follow it
 };
 
 /// All of a scenario, in the order of its controllers.
@@ -40,6 +47,7 @@ struct ReferenceError {
   double yaw = 0.0;        ///< RMS [rad]
   double effort = 0.0;     ///< sum of the rotors' cubed speeds over that in hover, mean
   double saturated = 0.0;  ///< share of the steps in which a rotor's command is at a limit
+  std::vector<double> limited = {};  ///< of each LawLimit: share of the steps in which it cuts
 };
 
 /// Adds up errors over an episode.
@@ -55,6 +63,7 @@ class ReferenceErrors {
   struct Sum {
     double square[3] = {}, max = 0.0, yaw = 0.0, effort = 0.0;
     std::size_t saturated = 0, count = 0;
+    std::vector<std::size_t> limited = {};  ///< steps, of each LawLimit
   };
   void add_effort(const Simulation& simulation, const FlownReference& reference, Sum& sum) const;
 

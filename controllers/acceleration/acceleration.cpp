@@ -11,6 +11,8 @@ class Acceleration : public Controller {
   void configure(const Setup& setup) override {
     mass_ = control::total_mass(setup, setup.robot());
     limits_.configure(setup);
+    report_.configure(setup, 0);
+    setup.buffer(1);
     const double side = limits_.side();
     setup.input(Signal::kAcceleration, {-side, -side, -limits_.down(), -kPi},
                 {side, side, limits_.up(), kPi});
@@ -18,14 +20,17 @@ class Acceleration : public Controller {
   }
 
   template <class Real>
-  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
-               Values<Real> output) const {
-    output.set(0, limits_.limited(input.vec3(0)) * Real(mass_));
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input, Values<Real> output,
+               Values<Real> buffer) const {
+    const Vec3<Real> held = limits_.held(input.vec3(0));
+    report_.note(control::differs(held, input.vec3(0)), buffer);
+    output.set(0, limits_.thrust_for(held) * Real(mass_));
     output.set(3, input[3]);
   }
 
  private:
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
+  control::LimitReport report_;
 
   double mass_ = 0.0;
 };

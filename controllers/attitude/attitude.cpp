@@ -4,6 +4,7 @@
 
 #include "controllers/common/allocation.h"
 #include "controllers/common/attitude_error.h"
+#include "controllers/common/limit_report.h"
 
 namespace skybody {
 namespace {
@@ -31,11 +32,13 @@ class Attitude : public Controller {
     }
     setup.input(Signal::kAttitude, low, high);
     setup.output(Signal::kCtbr, 4);
+    report_.configure(setup, 0);
+    setup.buffer(1);
   }
 
   template <class Real>
-  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
-               Values<Real> output) const {
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
+               Values<Real> buffer) const {
     const Quat<Real> wish = input.quat(1);
     const Real size = squared_norm(wish);
     const auto usable = size > 1e-12;
@@ -47,7 +50,9 @@ class Attitude : public Controller {
     output.set(0, clamp(input[0], Real(0.0), Real(thrust_)));
     Vec3<Real> rate{gain.x * turn.x, gain.y * turn.y, gain.z * turn.z};
     if (takes_rates_) rate += rotate(error, input.vec3(5));
-    output.set(1, control::clamp_symmetric(rate, max_rate_.vec3()));
+    const Vec3<Real> held = control::clamp_symmetric(rate, max_rate_.vec3());
+    output.set(1, held);
+    report_.note(control::differs(held, rate), buffer);
   }
 
  private:
@@ -80,6 +85,7 @@ class Attitude : public Controller {
                                   .value = false,
                                   .doc = "take the wished attitude's rates, too, and add them"}};
 
+  control::LimitReport report_;
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   bool takes_rates_ = false;
   int base_ = 0;

@@ -1,23 +1,25 @@
 // Collective thrust and body torque to rotor thrusts, for any robot whose rotors are fixed to its
 // base.
 //
-// f = P u with u = (F_z, tau) and P the pseudo-inverse (pseudo_inverse.h); sideways forces of
-// tilted rotors are not controlled. A command that the rotors can meet is met, by all three forms
-// with the same bits. They differ in what they do with others, so that 0 <= f_i <= full_i:
+// f = P u with u = (F_z, tau) and P the pseudo-inverse (pseudo_inverse.h) of the rotors that take
+// part (allocated_rotors.h); sideways forces of tilted rotors are not controlled. A command that
+// the rotors can meet is met, by all three forms with the same bits where all rotors take part.
+// They differ in what they do with others, so that least_i <= f_i <= full_i, least 0 but for
+// reversible rotors:
 //
 // - priority: yaw torque gives way first, then thrust, then roll and pitch torque (priority.h);
 // - pseudo_inverse: each rotor is cut at its own limits, and all four values suffer;
 // - qp: what comes nearest, by weights; the least one gives way first (bounded_least_squares.h).
+// All
+//   rotors take part.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "controllers/common/allocated_rotors.h"
 #include "controllers/common/bounded_least_squares.h"
-#include "controllers/common/priority.h"
-#include "controllers/common/pseudo_inverse.h"
-#include "controllers/common/rotor_effects.h"
 
 namespace skybody::control {
 
@@ -75,15 +77,17 @@ class Allocation {
   /// @throws std::runtime_error where thrust and torques are not all reachable
   void configure(const Setup& setup, int robot, const std::string& mode,
                  const AllocationChoice& choice) {
-    configure(setup, robot, mode);
     const std::vector<double> weights = choice.weights();
+    const bool is_qp = choice.form() == "qp";
+    configure(setup, robot, mode, is_qp ? Taking::kAll : Taking::kUseful);
     is_priority_ = choice.form() == "priority";
-    if (choice.form() == "qp") set_least_squares(setup, robot, weights);
+    if (is_qp) set_least_squares(setup, robot, weights);
   }
 
   /// By priority.
   /// @throws std::runtime_error likewise
-  void configure(const Setup& setup, int robot, const std::string& mode) {
+  void configure(const Setup& setup, int robot, const std::string& mode,
+                 Taking taking = Taking::kUseful) {
     const View<RotorInfo> rotors = working_rotors(setup, robot, mode);
     const BodyInfo& base = setup.bodies()[base_of(setup, robot)];
     const std::string name = robot_name(setup, robot);
@@ -98,16 +102,9 @@ class Allocation {
                                  "`; " + mode +
                                  " needs rotors fixed to the base: use controller `srt`");
       }
-      const RotorEffect e = effect_of(rotor, base);
-      rows_.insert(rows_.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
     }
-    const std::vector<double> inverse = PseudoInverse::of(rows_, name, mode);
-    for (int i = 0; i < rotors.size(); ++i) {
-      const double* p = &inverse[static_cast<std::size_t>(4 * i)];
-      const bool lifts = p[0] * rotors.size() > 1e-6;
-      rotors_.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, full_thrust(rotors[i]),
-                         1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
-    }
+    rows_ = effect_rows(rotors, base);
+    rotors_ = allocated_rotors(rotors, base, name, mode, taking);
   }
 
   int rotor_count() const { return static_cast<int>(rotors_.size()); }
@@ -126,7 +123,7 @@ class Allocation {
     }
     for (int i = 0; i < rotor_count(); ++i) {
       const AllocatedRotor& r = rotor(i);
-      output.set(i, clamp(Priority::push(r, use, torque), Real(0.0), Real(r.full)));
+      output.set(i, clamp(Priority::push(r, use, torque), Real(r.least), Real(r.full)));
     }
   }
 
@@ -136,7 +133,7 @@ class Allocation {
                              Values<Real> output) const {
     thrusts(thrust, torque, output);
     for (int i = 0; i < rotor_count(); ++i) {
-      output.set(i, sqrt(output[i] * rotor(i).per_constant));
+      output.set(i, speed_for(Real(output[i]), rotor(i).least, rotor(i).per_constant));
     }
   }
 
@@ -147,7 +144,7 @@ class Allocation {
     for (int i = 0; i < rotor_count(); ++i) {
       const Real push = output[i];
       yaw += push * rows_[4 * static_cast<std::size_t>(i) + 3];
-      output.set(i, sqrt(push * rotor(i).per_constant));
+      output.set(i, speed_for(push, rotor(i).least, rotor(i).per_constant));
     }
     return yaw;
   }
@@ -156,6 +153,8 @@ class Allocation {
   static constexpr int kMost = BoundedLeastSquares::kMostRotors;
 
   const AllocatedRotor& rotor(int i) const { return rotors_[static_cast<std::size_t>(i)]; }
+  /// Of a rotor's thrust [N].
+  double range(int i) const { return rotor(i).full - rotor(i).least; }
 
   void set_least_squares(const Setup& setup, int robot, const std::vector<double>& weights) {
     const int n = rotor_count();
@@ -170,8 +169,8 @@ class Allocation {
     std::vector<double> weighted;
     for (std::size_t k = 0; k < 4; ++k) {
       for (int i = 0; i < n; ++i) {
-        weighted.push_back(weights[k] * rows_[4 * static_cast<std::size_t>(i) + k] * rotor(i).full /
-                           scale[k]);
+        weighted.push_back(weights[k] * rows_[4 * static_cast<std::size_t>(i) + k] *
+                           (rotor(i).full - rotor(i).least) / scale[k]);
       }
     }
     least_squares_ = std::make_unique<BoundedLeastSquares>();
@@ -186,7 +185,7 @@ class Allocation {
     MaskOf<Real> within(true), is_usable(true);
     for (int i = 0; i < rotor_count(); ++i) {
       const Real push = Priority::push(rotor(i), use, torque);
-      within = logical_and(within, logical_and(push >= 0.0, push <= rotor(i).full));
+      within = logical_and(within, logical_and(push >= rotor(i).least, push <= rotor(i).full));
       is_usable = logical_and(is_usable, abs(push) < kLargest);
       output.set(i, push);
     }
@@ -207,18 +206,22 @@ class Allocation {
   SKYBODY_INLINE void solve_lane(Real (&push)[kMost], int l) const {
     double wish[kMost], share[kMost];
     BoundedLeastSquares::Place at[kMost];
-    for (int i = 0; i < rotor_count(); ++i) wish[i] = lane(value_of(push[i]), l) / rotor(i).full;
+    for (int i = 0; i < rotor_count(); ++i) {
+      wish[i] = (lane(value_of(push[i]), l) - rotor(i).least) / range(i);
+    }
     least_squares_->solve(wish, share, at);
     if constexpr (kIsDual<Real>) {
       double turn[kMost], slope[kMost];
-      for (int i = 0; i < rotor_count(); ++i) turn[i] = lane(push[i].tangent, l) / rotor(i).full;
+      for (int i = 0; i < rotor_count(); ++i) turn[i] = lane(push[i].tangent, l) / range(i);
       least_squares_->move(turn, at, slope);
       for (int i = 0; i < rotor_count(); ++i) {
-        set_lane(push[i].value, l, share[i] * rotor(i).full);
-        set_lane(push[i].tangent, l, slope[i] * rotor(i).full);
+        set_lane(push[i].value, l, rotor(i).least + share[i] * range(i));
+        set_lane(push[i].tangent, l, slope[i] * range(i));
       }
     } else {
-      for (int i = 0; i < rotor_count(); ++i) set_lane(push[i], l, share[i] * rotor(i).full);
+      for (int i = 0; i < rotor_count(); ++i) {
+        set_lane(push[i], l, rotor(i).least + share[i] * range(i));
+      }
     }
   }
 

@@ -21,10 +21,8 @@
 #include <utility>
 #include <vector>
 
+#include "controllers/common/allocated_rotors.h"
 #include "controllers/common/flatness.h"
-#include "controllers/common/priority.h"
-#include "controllers/common/pseudo_inverse.h"
-#include "controllers/common/rotor_effects.h"
 #include "plugins/api/reference_point.h"
 
 namespace skybody::control {
@@ -117,23 +115,14 @@ class FlightEnvelope {
   /// not allocated: their torques are not looked at.
   void allocate(const Setup& setup, int robot, const View<RotorInfo>& rotors,
                 const BodyInfo& base) {
-    std::vector<double> rows;
     for (const RotorInfo& rotor : rotors) {
       if (rotor.body != base_of(setup, robot)) return;
-      const RotorEffect e = effect_of(rotor, base);
-      rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
     }
-    std::vector<double> inverse;
     try {
-      inverse = PseudoInverse::of(rows, robot_name(setup, robot), "a reference that is checked");
+      rotors_ = allocated_rotors(rotors, base, robot_name(setup, robot),
+                                 "a reference that is checked", Taking::kUseful);
     } catch (const std::runtime_error&) {
       return;
-    }
-    for (int i = 0; i < rotors.size(); ++i) {
-      const double* p = &inverse[static_cast<std::size_t>(4 * i)];
-      const bool lifts = p[0] * rotors.size() > 1e-6;
-      rotors_.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, full_thrust(rotors[i]),
-                         1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
     }
   }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "controllers/common/limit_report.h"
 #include "controllers/common/vehicle.h"
 
 namespace skybody::control {
@@ -29,7 +30,9 @@ inline constexpr AccelerationDefaults kTrajectoryLimits{20.0, 12.0, 6.0, true};
 inline double usable_thrust(const Setup& setup, int robot) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   double sum = 0.0;
-  for (const RotorInfo& rotor : rotors) sum += max(0.0, rotor.axis[2]) * full_thrust(rotor);
+  for (const RotorInfo& rotor : rotors) {
+    sum += max(0.0, rotor.axis_in_base[2]) * full_thrust(rotor);
+  }
   return rotors.size() > 0 ? 0.9 * sum / total_mass(setup, robot) : kInfinity;
 }
 
@@ -94,9 +97,12 @@ class AccelerationLimits {
   /// Specific thrust [m/s^2]: that acceleration less gravity. Its z stays positive.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
-    Vec3<Real> out = held(a);
-    out.z = out.z + gravity_;
-    return out;
+    return thrust_for(held(a));
+  }
+  /// Of an acceleration that is within the limits.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> thrust_for(const Vec3<Real>& a) const {
+    return {a.x, a.y, a.z + gravity_};
   }
 
   /// The integral's next value: what it would be, but held where the acceleration that was asked
@@ -146,15 +152,16 @@ class Integral {
     const Vec3<double> k = ki_.vec3();
     is_on_ = k.x > 0.0 || k.y > 0.0 || k.z > 0.0;
     per_step_ = k * setup.dt();
-    if (is_on_) setup.buffer(3);
   }
+  /// That it takes of the buffer, from 0 on.
+  int words() const { return is_on_ ? 3 : 0; }
 
   bool is_on() const { return is_on_; }
 
   /// Adds the integral to an acceleration and takes this step's error into it.
   /// @param wish    acceleration without the integral, W axes [m/s^2]
   /// @param error   what is integrated, W axes
-  /// @param buffer  of 3 words where is_on()
+  /// @param buffer  of words()
   template <class Real>
   SKYBODY_INLINE Vec3<Real> added(const Vec3<Real>& wish, const Vec3<Real>& error,
                                   const AccelerationLimits& limits, Values<Real> buffer) const {
@@ -199,9 +206,24 @@ class Guidance {
     kd_share_ = kd_.is_given() ? 1.0 : share;
     integral_.configure(setup);
     limits_.configure(setup);
+    report_.configure(setup, integral_.words());
+    setup.buffer(integral_.words() + 1);
   }
 
   const AccelerationLimits& limits() const { return limits_; }
+
+  /// A wished acceleration within its limits [m/s^2].
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& wish, Values<Real> buffer) const {
+    const Vec3<Real> out = limits_.held(wish);
+    report_.note(differs(out, wish), buffer);
+    return out;
+  }
+  /// The specific thrust for it [m/s^2]; its z stays positive.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> thrust(const Vec3<Real>& wish, Values<Real> buffer) const {
+    return limits_.thrust_for(held(wish, buffer));
+  }
 
   /// Wished acceleration of feedback and `forward`, before limits [m/s^2].
   /// @param offset   p_ref - p [m]
@@ -233,6 +255,7 @@ class Guidance {
   RealsParameter kp_, kd_;
   Integral integral_;
   AccelerationLimits limits_;
+  LimitReport report_;
   double kp_share_ = 1.0, kd_share_ = 1.0;
 };
 

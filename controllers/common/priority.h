@@ -1,6 +1,7 @@
 // Saturation of thrust and torques by rank.
 //
-// With P the pseudo-inverse (pseudo_inverse.h), rotor i is to push f_i = P_i u out of 0 to full_i.
+// With P the pseudo-inverse (pseudo_inverse.h), rotor i is to push f_i = P_i u out of least_i to
+// full_i; least_i is 0, but below 0 for reversible rotors.
 // A command u that the rotors can meet is met. Others are reduced in this order:
 //   1. roll and pitch torque, both scaled by the largest s <= 1 for which some thrust fits;
 //   2. thrust, moved as little as needed to fit on top of it;
@@ -19,7 +20,7 @@ namespace skybody::control {
 struct AllocatedRotor {
   double thrust, roll, pitch, yaw;  ///< row of P
   double per_thrust;                ///< 1 / thrust where it lifts
-  double full;                      ///< [N]
+  double least, full;               ///< [N]
   double per_constant;              ///< 1 / kf
   bool lifts;
 };
@@ -71,12 +72,12 @@ class Priority {
     for (const Row& r : rotors_) {
       if (!r.lifts) continue;
       const Real f = push(r, use, torque);
-      excess = max(excess, max(-f, f - r.full));
+      excess = max(excess, max(r.least - f, f - r.full));
     }
     return excess;
   }
 
-  /// Steps 1 to 3. All is per unit of the thrust column here: rotor i pushes L + o_i out of 0 to
+  /// Steps 1 to 3. All is per unit of the thrust column here: rotor i pushes L + o_i out of b_i to
   /// c_i, with L the thrust and o_i what the torques ask for.
   template <class Real>
   SKYBODY_INLINE Shares<Real> cut(const Real& thrust, const Vec3<Real>& torque) const {
@@ -101,7 +102,7 @@ class Priority {
     for (const Row& r : rotors_) {
       if (!r.lifts) continue;
       const Real o = offset(r, use, torque);
-      low = max(low, -o);
+      low = max(low, r.least * r.per_thrust - o);
       high = min(high, r.full * r.per_thrust - o);
     }
     return clamp(wanted, low, max(low, high));
@@ -123,37 +124,48 @@ class Priority {
       const Row& r = rotors_[i];
       if (!r.lifts) continue;
       const Real o = offset(r, use, torque), yaw = (r.yaw * torque.z) * r.per_thrust;
-      limit(-(use.thrust + moved) - o, -yaw);
+      limit((r.least * r.per_thrust - (use.thrust + moved)) - o, -yaw);
       limit(use.thrust - moved + o - r.full * r.per_thrust, yaw);
       for (std::size_t k = i + 1; k < rotors_.size(); ++k) {
         const Row& other = rotors_[k];
         if (!other.lifts) continue;
-        // Between 0 of one and the full thrust of that which the yaw torque asks more of.
+        // Between the least thrust of one and the full one of that which the yaw torque asks more
+        // of.
         const Real apart = o - offset(other, use, torque);
         const Real growth = yaw - (other.yaw * torque.z) * other.per_thrust;
-        limit(select(growth > 0.0, apart - r.full * r.per_thrust,
-                     -apart - other.full * other.per_thrust),
-              abs(growth));
+        limit(select(growth > 0.0, apart - room(r, other), -apart - room(other, r)), abs(growth));
       }
     }
     return share;
   }
 
-  /// Step 1: the largest s <= 1 for which max_i(-s g_i) <= min_j(c_j - s g_j), with g the tilt part
-  /// and c the full thrust, both per unit of the thrust column.
+  /// Between the full thrust of one rotor and the least one of another, per unit of the thrust
+  /// column.
+  static double room(const Row& high, const Row& low) {
+    return high.full * high.per_thrust - low.least * low.per_thrust;
+  }
+
+  /// Step 1: the largest s <= 1 for which max_i(b_i - s g_i) <= min_j(c_j - s g_j), with g the tilt
+  /// part, b the least and c the full thrust, all per unit of the thrust column.
   template <class Real>
   SKYBODY_INLINE Real tilt_share(const Vec3<Real>& torque) const {
-    Real lowest(kLargest);
+    Real lowest(kLargest);  // of rotors that are not reversible
     for (const Row& r : rotors_) {
-      if (r.lifts) lowest = min(lowest, tilt_part(r, torque) * r.per_thrust);
+      if (r.lifts && r.least == 0.0) lowest = min(lowest, tilt_part(r, torque) * r.per_thrust);
     }
     Real share(1.0);
+    const auto fit = [&](const Real& spread, double space) SKYBODY_INLINE_LAMBDA {
+      const auto beyond = spread > space;
+      share = min(share, select(beyond, space / select(beyond, spread, Real(1.0)), Real(1.0)));
+    };
     for (const Row& r : rotors_) {
       if (!r.lifts) continue;
-      const Real spread = tilt_part(r, torque) * r.per_thrust - lowest;
-      const Real room(r.full * r.per_thrust);
-      share = min(
-          share, select(spread > room, room / select(spread > room, spread, Real(1.0)), Real(1.0)));
+      const Real part = tilt_part(r, torque) * r.per_thrust;
+      fit(part - lowest, r.full * r.per_thrust);
+      for (const Row& low : rotors_) {
+        if (!low.lifts || low.least == 0.0) continue;
+        fit(part - tilt_part(low, torque) * low.per_thrust, room(r, low));
+      }
     }
     return share;
   }

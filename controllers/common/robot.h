@@ -57,6 +57,27 @@ inline double full_thrust(const RotorInfo& rotor) {
   return rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed * speed;
 }
 
+/// Whether a rotor pushes upwards while the base is level. Below 1e-6 an axis is level but for
+/// rounding.
+inline bool lifts(const RotorInfo& rotor) { return rotor.axis_in_base[2] > 1e-6; }
+
+inline bool is_reversible(const RotorInfo& rotor) { return rotor.min_speed < 0.0; }
+
+/// A rotor's thrust at its most negative speed [N]: 0, or below 0 of a reversible one.
+inline double least_thrust(const RotorInfo& rotor) {
+  const double speed = rotor.min_speed;
+  return speed < 0.0 ? -(rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed * speed) : 0.0;
+}
+
+/// The speed [rad/s] for a thrust [N] that lies within a rotor's limits.
+/// @param least         least_thrust()
+/// @param per_constant  1 / k_f
+template <class Real>
+SKYBODY_INLINE Real speed_for(const Real& thrust, double least, double per_constant) {
+  if (!(least < 0.0)) return sqrt(thrust * per_constant);
+  return copysign(sqrt(abs(thrust) * per_constant), thrust);
+}
+
 /// The robot's rotors; each must be able to push. @throws std::runtime_error
 inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::string& mode) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
@@ -74,6 +95,16 @@ inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::
     }
   }
   return rotors;
+}
+
+/// Fails where action -1 would mean less than a rotor can do. @throws std::runtime_error
+inline void require_reachable(const std::string& name, double low, double least,
+                              const RotorInfo& rotor) {
+  if (low >= least) return;
+  throw std::runtime_error("`" + name + "` " + to_text(low) + " is below " + to_text(least) +
+                           ", the least of rotor `" + rotor.name +
+                           "`: raise it, or give the rotor a `min_speed` below 0 in its rotors "
+                           "file if it turns backwards");
 }
 
 /// Fails where a controller of joints is told to drive none. @throws std::runtime_error

@@ -1,9 +1,10 @@
 // The force and torque that a rotor's thrust exerts on the base, per newton, and the largest force
 // and torque of all rotors together.
 //
-// Needs: rotors fixed to the base. Rotor i at r_i pushes f_i along a_i and gives
+// Rotor i at r_i pushes f_i along a_i and gives
 //   F_z = a_iz f_i,   tau = ((r_i - c) x a_i - d_i (km_i / kf_i) a_i) f_i,
-// c the base's centre of mass, d_i its sense of rotation. Nominal values.
+// c the base's centre of mass, d_i its sense of rotation. Nominal values, in the frame of the base;
+// of rotors behind joints with these as at a reset.
 #pragma once
 
 #include "controllers/common/robot.h"
@@ -16,12 +17,17 @@ struct RotorEffect {
   Vec3<double> torque;
 };
 
-inline RotorEffect effect_of(const RotorInfo& rotor, const BodyInfo& base) {
-  const Vec3<double> axis = vec3(rotor.axis);
-  const Vec3<double> arm = vec3(rotor.position) - vec3(base.com);
+/// @param centre  about which the torque acts, frame of the base [m]
+inline RotorEffect effect_about(const RotorInfo& rotor, const Vec3<double>& centre) {
+  const Vec3<double> axis = vec3(rotor.axis_in_base);
+  const Vec3<double> arm = vec3(rotor.position_in_base) - centre;
   const double reaction = -rotor.direction * rotor.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] /
                           rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
   return {axis.z, cross(arm, axis) + axis * reaction};
+}
+
+inline RotorEffect effect_of(const RotorInfo& rotor, const BodyInfo& base) {
+  return effect_about(rotor, vec3(base.com));
 }
 
 /// What the rotors can do together: sum of full thrusts along z, and per axis the torque that is
@@ -36,11 +42,11 @@ inline ThrustTorqueLimits limits_of(const View<RotorInfo>& rotors, const BodyInf
   Vec3<double> up{0.0, 0.0, 0.0}, down{0.0, 0.0, 0.0};
   for (const RotorInfo& rotor : rotors) {
     const RotorEffect e = effect_of(rotor, base);
-    const double full = full_thrust(rotor);
-    thrust += max(0.0, e.thrust * full);
-    const Vec3<double> t = e.torque * full;
-    up += {max(0.0, t.x), max(0.0, t.y), max(0.0, t.z)};
-    down += {max(0.0, -t.x), max(0.0, -t.y), max(0.0, -t.z)};
+    const double full = full_thrust(rotor), least = least_thrust(rotor);
+    thrust += max(0.0, max(e.thrust * full, e.thrust * least));
+    const Vec3<double> t = e.torque * full, back = e.torque * least;
+    up += {max(0.0, max(t.x, back.x)), max(0.0, max(t.y, back.y)), max(0.0, max(t.z, back.z))};
+    down += {max(0.0, -min(t.x, back.x)), max(0.0, -min(t.y, back.y)), max(0.0, -min(t.z, back.z))};
   }
   return {thrust, {min(up.x, down.x), min(up.y, down.y), min(up.z, down.z)}};
 }

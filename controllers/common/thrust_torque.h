@@ -67,7 +67,8 @@ class ThrustTorque {
     Vec3<Real> torque{Real(0.0), Real(0.0), Real(0.0)};
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       const Real speed = env.rotor_speed(first_rotor_ + static_cast<int>(i));
-      const Real push = env.param(constants_[i] + SKYBODY_ROTOR_THRUST_CONSTANT) * (speed * speed);
+      const Real push =
+          env.param(constants_[i] + SKYBODY_ROTOR_THRUST_CONSTANT) * (speed * abs(speed));
       thrust += effects_[i].thrust * push;
       torque += lift<Real>(effects_[i].torque) * push;
     }

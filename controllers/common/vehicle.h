@@ -16,7 +16,7 @@ inline double mean_lag(const Setup& setup, int robot) {
   return rotors.size() > 0 ? sum / rotors.size() : 0.0;
 }
 
-/// Drag of all rotors across their axes, while they carry the robot in equal parts.
+/// Drag of the rotors that lift across their axes, while they carry the robot in equal parts.
 struct HoverDrag {
   double per_mass = 0.0;  ///< force per velocity and mass [1/s]
   double height = 0.0;    ///< of where it acts above the base's centre of mass [m]
@@ -27,14 +27,16 @@ inline HoverDrag hover_drag(const Setup& setup, int robot) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   const double mass = total_mass(setup, robot), push = mass * gravity_of(setup);
   const double com = setup.bodies()[base_of(setup, robot)].com[2];
+  int lifting = 0;
+  for (const RotorInfo& rotor : rotors) lifting += lifts(rotor) ? 1 : 0;
   double sum = 0.0, moment = 0.0;
   for (const RotorInfo& rotor : rotors) {
     const double thrust_constant = rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
-    if (!(thrust_constant > 0.0)) continue;
+    if (!(thrust_constant > 0.0) || !lifts(rotor)) continue;
     const double drag =
-        rotor.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * sqrt(push / rotors.size() / thrust_constant);
+        rotor.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * sqrt(push / lifting / thrust_constant);
     sum += drag;
-    moment += drag * (rotor.position[2] - com);
+    moment += drag * (rotor.position_in_base[2] - com);
   }
   return {sum / mass, sum > 0.0 ? moment / sum : 0.0};
 }

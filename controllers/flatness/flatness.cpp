@@ -41,11 +41,11 @@ class FlatnessLaw : public Controller {
         guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
                        drag_.acceleration(reference, z), buffer);
     if (level_ == Level::kAcceleration) {
-      output.set(0, guidance_.limits().held(wish));
+      output.set(0, guidance_.held(wish, buffer));
       output.set(3, reference.yaw);
       return;
     }
-    const Vec3<Real> thrust = guidance_.limits().limited(wish);
+    const Vec3<Real> thrust = guidance_.thrust(wish, buffer);
     if (level_ == Level::kForce) {
       output.set(0, thrust * Real(mass_));
       output.set(3, reference.yaw);

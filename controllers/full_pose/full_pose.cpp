@@ -1,5 +1,5 @@
 // Position and attitude at once, for vehicles that push to all sides: force and torque of the whole
-// robot. Chain `tilt_allocation`.
+// robot. Chain `tilt_allocation`, or `mixer` with `signal: wrench`.
 #include "controllers/common/assembly.h"
 #include "controllers/common/attitude_error.h"
 

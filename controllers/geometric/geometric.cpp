@@ -61,9 +61,10 @@ class Geometric : public Controller {
   SKYBODY_INLINE Vec3<Real> specific_thrust(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                             const ReferencePoint<Real>& reference,
                                             const Vec3<Real>& z, Values<Real> buffer) const {
-    return guidance_.limits().limited(guidance_.wish(env, reference.position - base.position,
-                                                     base.velocity - reference.velocity,
-                                                     drag_.acceleration(reference, z), buffer));
+    const Vec3<Real> wish =
+        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
+                       drag_.acceleration(reference, z), buffer);
+    return guidance_.thrust(wish, buffer);
   }
 
   TextParameter output_{this,

@@ -129,6 +129,7 @@ class Indi : public Controller {
     if (level_ == Level::kTrajectory) {
       trajectory_.configure(setup);
       words += kLinearWords;
+      report_.configure(setup, words++);
     } else {
       setup.input(level_ == Level::kAttitude ? Signal::kAttitude : Signal::kCtbr, low, high);
     }
@@ -220,8 +221,10 @@ class Indi : public Controller {
     const Vec3<Real> feedback =
         multiply_elements(kp_.vec3(env) * Real(kp_share_), error) +
         multiply_elements(kd_.vec3(env) * Real(kd_share_), reference.velocity - base.velocity);
-    const Vec3<Real> push = acceleration_.limited((feedback + reference.acceleration) -
-                                                  other_force(env, base, z, effort, buffer));
+    const Vec3<Real> wish =
+        (feedback + reference.acceleration) - other_force(env, base, z, effort, buffer);
+    const Vec3<Real> held = acceleration_.held(wish), push = acceleration_.thrust_for(held);
+    report_.note(control::differs(held, wish), buffer);
     thrust = mass_ * dot(push, z);
     const auto flat = control::flat_attitude(push, reference.yaw);
     const auto rates = control::flat_rates(flat, reference.jerk, reference.yaw_rate);
@@ -348,6 +351,7 @@ class Indi : public Controller {
                              .value = "quaternion",
                              .choices = {"quaternion", "tilt_priority", "se3"},
                              .doc = "form of the attitude error"}};
+  control::LimitReport report_;
   control::AccelerationLimits acceleration_{this, {.side = 20.0, .up = 10.0, .down = 8.0}};
   control::TrajectoryInput trajectory_{this};
   control::AllocationChoice allocation_choice_{this};

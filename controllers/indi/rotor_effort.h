@@ -1,7 +1,8 @@
 // Force and torque that the rotors have given since the last call, from their measured speeds.
 //
 // A rotor whose speed went from a to b gave, with its speed taken as a straight line between them,
-//   thrust  k_f (a^2 + a b + b^2) / 3 along its axis              the mean of k_f w^2
+//   thrust  k_f (a^2 + a b + b^2) / 3 along its axis              the mean of k_f w^2; of
+//           reversible rotors k_f (a |a| + 4 m |m| + b |b|) / 6, m = (a + b) / 2, of k_f w |w|
 //   torque  the thrust's arm and reaction (allocation.h), and -d J (b - a) / T about its axis
 // with d its sense of rotation, J its inertia and T the time between the calls. The first two are
 // the effectiveness G1 of E. Smeur, Q. Chu, G. de Croon, Adaptive incremental nonlinear dynamic
@@ -30,11 +31,12 @@ class RotorEfforts {
     for (const RotorInfo& rotor : setup.rotors_of(robot)) {
       const double* c = rotor.constants;
       const double thrust = c[SKYBODY_ROTOR_THRUST_CONSTANT] / 3.0;
-      const Vec3<double> axis = control::vec3(rotor.axis);
+      const Vec3<double> axis = control::vec3(rotor.axis_in_base);
       const Vec3<double> spin = axis * (-rotor.direction * c[SKYBODY_ROTOR_INERTIA] / interval);
       rows_.push_back({axis * thrust, control::effect_of(rotor, base).torque * thrust, spin});
       is_level_ = is_level_ && axis.x == 0.0 && axis.y == 0.0;
       spins_ = spins_ || c[SKYBODY_ROTOR_INERTIA] > 0.0;
+      is_reversible_ = is_reversible_ || control::is_reversible(rotor);
     }
   }
 
@@ -50,7 +52,7 @@ class RotorEfforts {
     for (int i = 0; i < count(); ++i) {
       const Row& r = rows_[static_cast<std::size_t>(i)];
       const Real b = env.rotor_speed(first_ + i), a = last[i];
-      const Real square = a * a + b * (a + b);  // three times the mean of w^2
+      const Real square = is_reversible_ ? signed_square(a, b) : a * a + b * (a + b);
       last.set(i, b);
       if (is_level_) {
         sum.force.z += square * r.force.z;
@@ -75,13 +77,20 @@ class RotorEfforts {
   }
 
  private:
+  /// Three times the mean of w |w|.
+  template <class Real>
+  static SKYBODY_INLINE Real signed_square(const Real& a, const Real& b) {
+    const Real sum = a + b;
+    return 0.5 * (a * abs(a) + sum * abs(sum) + b * abs(b));
+  }
+
   struct Row {
     Vec3<double> force, torque;  ///< per three times the mean square of the speed
     Vec3<double> spin;           ///< torque per change of speed
   };
   std::vector<Row> rows_;
   int first_ = 0;
-  bool is_level_ = true, spins_ = false;
+  bool is_level_ = true, spins_ = false, is_reversible_ = false;
 };
 
 }  // namespace skybody

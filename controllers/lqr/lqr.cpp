@@ -32,6 +32,8 @@ class Lqr : public Controller {
     error_ = control::attitude_error_of(error_word_.value());
     gives_torque_ = output_.value() == "ctbt";
     limits_.configure(setup);
+    report_.configure(setup, 0);
+    setup.buffer(1);
     solve(control::gravity_of(setup));
     slow_down(setup, robot);
     trajectory_.configure(setup);
@@ -39,14 +41,16 @@ class Lqr : public Controller {
   }
 
   template <class Real>
-  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
-               Values<Real> output) const {
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
+               Values<Real> buffer) const {
     const BodyMotion<Real> base = env.body(base_);
     const ReferencePoint<Real> reference = reference_point(input);
     const Vec3<Real> z = body_z(base.rotation);
     const Vec3<Real> feedback = times(gains_.position, reference.position - base.position) +
                                 times(gains_.velocity, reference.velocity - base.velocity);
-    const Vec3<Real> thrust = limits_.limited(feedback + drag_.acceleration(reference, z));
+    const Vec3<Real> wish = feedback + drag_.acceleration(reference, z);
+    const Vec3<Real> held = limits_.held(wish), thrust = limits_.thrust_for(held);
+    report_.note(control::differs(held, wish), buffer);
     output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
 
     const auto track = control::tracking(error_, base, thrust, reference, gives_torque_);
@@ -153,6 +157,7 @@ class Lqr : public Controller {
   RealsParameter torque_weight_{this, weight("torque_weight", "s^4/rad^2", {0.005, 0.005, 0.01},
                                              "ctbt: of angular acceleration, B axes")};
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
+  control::LimitReport report_;
   TextParameter error_word_{this,
                             {.name = "error",
                              .value = "quaternion",

@@ -27,7 +27,7 @@ void set_rotors(const Setup& setup, int robot, double mass, Model& model) {
                                "`; nmpc needs rotors fixed to the base: use controller `srt`");
     }
     const double full = control::full_thrust(rotor);
-    model.rotor[i] = {control::vec3(rotor.axis) * (full / mass),
+    model.rotor[i] = {control::vec3(rotor.axis_in_base) * (full / mass),
                       model.inverse_inertia * (control::effect_of(rotor, base).torque * full),
                       rotor.constants[SKYBODY_ROTOR_TAU_UP],
                       rotor.constants[SKYBODY_ROTOR_TAU_DOWN]};
@@ -43,7 +43,7 @@ void set_drag(const Setup& setup, int robot, double mass, Model& model) {
   for (const RotorInfo& rotor : setup.rotors_of(robot)) {
     const double speed = rotor.constants[SKYBODY_ROTOR_MAX_SPEED] * sqrt(share);
     const double drag = rotor.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * speed / mass;
-    const Vec3<double> n = control::vec3(rotor.axis);
+    const Vec3<double> n = control::vec3(rotor.axis_in_base);
     model.drag += Vec3<double>{1.0 - n.x * n.x, 1.0 - n.y * n.y, 1.0 - n.z * n.z} * drag;
   }
 }

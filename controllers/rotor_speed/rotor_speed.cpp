@@ -14,9 +14,10 @@ class RotorSpeed : public Controller {
     const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "rotor_speed");
     std::vector<double> low, high;
     for (const RotorInfo& rotor : rotors) {
-      limit_.push_back(rotor.constants[SKYBODY_ROTOR_MAX_SPEED]);
-      low.push_back(min_speed_.value());
-      high.push_back(max_speed_.value() > 0.0 ? max_speed_.value() : limit_.back());
+      limit_.push_back({rotor.min_speed, rotor.constants[SKYBODY_ROTOR_MAX_SPEED]});
+      low.push_back(min_speed_.is_given() ? min_speed_.value() : limit_.back().low);
+      high.push_back(max_speed_.value() > 0.0 ? max_speed_.value() : limit_.back().high);
+      control::require_reachable("min_speed", low.back(), limit_.back().low, rotor);
       control::require_order("min_speed", low.back(), "max_speed", high.back());
     }
     setup.input(Signal::kRotorSpeed, low, high);
@@ -27,17 +28,22 @@ class RotorSpeed : public Controller {
   void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     for (int i = 0; i < static_cast<int>(limit_.size()); ++i) {
-      output.set(i, clamp(input[i], Real(0.0), Real(limit_[static_cast<std::size_t>(i)])));
+      const Limit& limit = limit_[static_cast<std::size_t>(i)];
+      output.set(i, clamp(input[i], Real(limit.low), Real(limit.high)));
     }
   }
 
  private:
+  struct Limit {
+    double low, high;  ///< [rad/s]
+  };
+
   RealParameter min_speed_{this,
                            {.name = "min_speed",
                             .unit = "rad/s",
                             .value = 0.0,
-                            .min = 0.0,
-                            .doc = "speed that action -1 means"}};
+                            .doc = "speed that action -1 means; not given: each rotor's own least "
+                                   "speed, 0 of those that turn one way"}};
   RealParameter max_speed_{this,
                            {.name = "max_speed",
                             .unit = "rad/s",
@@ -45,7 +51,7 @@ class RotorSpeed : public Controller {
                             .min = 0.0,
                             .doc = "speed that action +1 means; 0: each rotor's own maximum"}};
 
-  std::vector<double> limit_;  ///< [rad/s], one per rotor
+  std::vector<Limit> limit_;  ///< one per rotor
 };
 
 }  // namespace

@@ -25,19 +25,23 @@ class SlidingMode : public Controller {
     position_.configure(share);
     attitude_.configure(share);
     limits_.configure(setup);
+    report_.configure(setup, 0);
+    setup.buffer(1);
     trajectory_.configure(setup);
     setup.output(Signal::kCtbt, 4);
   }
 
   template <class Real>
-  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
-               Values<Real> output) const {
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
+               Values<Real> buffer) const {
     const BodyMotion<Real> base = env.body(base_);
     const ReferencePoint<Real> reference = reference_point(input);
     const Vec3<Real> z = body_z(base.rotation);
     const Vec3<Real> push = position_.drive(env, reference.position - base.position,
                                             reference.velocity - base.velocity);
-    const Vec3<Real> thrust = limits_.limited(push + drag_.acceleration(reference, z));
+    const Vec3<Real> wish = push + drag_.acceleration(reference, z);
+    const Vec3<Real> held = limits_.held(wish), thrust = limits_.thrust_for(held);
+    report_.note(control::differs(held, wish), buffer);
     output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
 
     const auto track = control::tracking(error_, base, thrust, reference, true);
@@ -112,6 +116,7 @@ class SlidingMode : public Controller {
                     {48.0, 48.0, 12.0},
                     {3.0, 3.0, 2.0}};
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
+  control::LimitReport report_;
   TextParameter error_word_{this,
                             {.name = "error",
                              .value = "quaternion",

@@ -14,10 +14,11 @@ class Srt : public Controller {
     const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "srt");
     std::vector<double> low, high;
     for (const RotorInfo& rotor : rotors) {
-      rotors_.push_back(
-          {control::full_thrust(rotor), 1.0 / rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]});
-      low.push_back(min_thrust_.value());
+      rotors_.push_back({control::least_thrust(rotor), control::full_thrust(rotor),
+                         1.0 / rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]});
+      low.push_back(min_thrust_.is_given() ? min_thrust_.value() : rotors_.back().least);
       high.push_back(max_thrust_.value() > 0.0 ? max_thrust_.value() : rotors_.back().full);
+      control::require_reachable("min_thrust", low.back(), rotors_.back().least, rotor);
       control::require_order("min_thrust", low.back(), "max_thrust", high.back());
     }
     setup.input(Signal::kSrt, low, high);
@@ -29,14 +30,14 @@ class Srt : public Controller {
                Values<Real> output) const {
     for (int i = 0; i < static_cast<int>(rotors_.size()); ++i) {
       const Rotor& rotor = rotors_[static_cast<std::size_t>(i)];
-      const Real thrust = clamp(input[i], Real(0.0), Real(rotor.full));
-      output.set(i, sqrt(thrust * rotor.per_constant));
+      const Real thrust = clamp(input[i], Real(rotor.least), Real(rotor.full));
+      output.set(i, control::speed_for(thrust, rotor.least, rotor.per_constant));
     }
   }
 
  private:
   struct Rotor {
-    double full;          ///< [N]
+    double least, full;   ///< [N]
     double per_constant;  ///< 1 / kf
   };
 
@@ -44,8 +45,8 @@ class Srt : public Controller {
                             {.name = "min_thrust",
                              .unit = "N",
                              .value = 0.0,
-                             .min = 0.0,
-                             .doc = "thrust that action -1 means"}};
+                             .doc = "thrust that action -1 means; not given: 0, or what a "
+                                    "reversible rotor has at its min_speed"}};
   RealParameter max_thrust_{this,
                             {.name = "max_thrust",
                              .unit = "N",

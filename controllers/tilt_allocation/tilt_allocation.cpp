@@ -1,6 +1,4 @@
 // A wrench of the whole robot to rotors that are tilted by joints: speeds and angles.
-#include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,7 +18,7 @@ class TiltAllocation : public Controller {
     first_rotor_ = setup.robots()[robot].first_rotor;
     rotors_ = setup.robots()[robot].rotor_count;
     inverse_ = TiltInverse(arms_, control::robot_name(setup, robot));
-    for (const TiltArm& arm : arms_.all()) declare_drive(setup, arm);
+    for (const TiltArm& arm : arms_.all()) servo_.declare(setup, arm.joint, arm.inertia);
     Vec3<double> force{0.0, 0.0, 0.0}, moment{0.0, 0.0, 0.0};
     arms_.add_reach(force, moment);
     setup.input(Signal::kWrench, {-force.x, -force.y, -force.z, -moment.x, -moment.y, -moment.z},
@@ -66,41 +64,7 @@ class TiltAllocation : public Controller {
                                           : wish;
   }
 
-  void declare_drive(const Setup& setup, const TiltArm& arm) const {
-    const double infinity = std::numeric_limits<double>::infinity();
-    const double limit = effort_limit_.value() > 0.0 ? effort_limit_.value() : infinity;
-    const double w = bandwidth_.value(), turn = 4.0 * kPi;
-    const bool is_limited = arm.joint.low < arm.joint.high;
-    setup.joint({arm.joint.body, 0, SKYBODY_JOINT_POSITION, arm.inertia * w * w,
-                 2.0 * damping_.value() * arm.inertia * w, limit, tau_.value(),
-                 is_limited ? arm.joint.low : -turn, is_limited ? arm.joint.high : turn});
-  }
-
-  RealParameter bandwidth_{this,
-                           {.name = "bandwidth",
-                            .unit = "rad/s",
-                            .value = 60.0,
-                            .min = 1e-3,
-                            .max = 1e4,
-                            .doc = "of the joints' drives, times the inertia about their axes"}};
-  RealParameter damping_{this,
-                         {.name = "damping_ratio",
-                          .value = 1.0,
-                          .min = 0.0,
-                          .max = 100.0,
-                          .doc = "of the joints' drives; 1: no overshoot"}};
-  RealParameter effort_limit_{this,
-                              {.name = "effort_limit",
-                               .unit = "N m",
-                               .min = 0.0,
-                               .max = 1e6,
-                               .doc = "most that a joint's drive gives; 0: no limit"}};
-  RealParameter tau_{this,
-                     {.name = "tau",
-                      .unit = "s",
-                      .min = 0.0,
-                      .max = 100.0,
-                      .doc = "lag of the joints' commands; 0: none"}};
+  control::Servo servo_{this};
   RealParameter least_share_{this,
                              {.name = "least_share",
                               .value = 0.005,

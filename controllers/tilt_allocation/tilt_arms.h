@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "controllers/common/assembly.h"
+#include "controllers/common/servo.h"
 
 namespace skybody {
 
@@ -73,9 +74,10 @@ class TiltArms {
     const BodyInfo& body = setup.bodies()[rotor.body];
     const int base = control::base_of(setup, robot);
     if (rotor.body == base || body.parent != base || body.joint != SKYBODY_PIN) {
-      throw std::runtime_error("rotor `" + std::string(rotor.name) + "` sits on `" + body.name +
-                               "`, which no revolute joint turns on the base: tilt_allocation is "
-                               "for rotors on tilting arms; use `ctbt` for rotors on the base");
+      throw std::runtime_error(
+          "rotor `" + std::string(rotor.name) + "` sits on `" + body.name +
+          "`, which no revolute joint turns on the base: tilt_allocation is "
+          "for rotors on tilting arms; use `mixer` or `ctbt` for rotors on the base");
     }
     for (TiltArm& arm : arms_) {
       if (arm.joint.body == rotor.body) return arm;
@@ -121,9 +123,7 @@ class TiltArms {
         -rotor.direction * c[SKYBODY_ROTOR_MOMENT_CONSTANT] / c[SKYBODY_ROTOR_THRUST_CONSTANT];
     arm.reaction = (arm.reaction * others + reaction) / count;
     arm.rotors.push_back({index, 1.0 / c[SKYBODY_ROTOR_THRUST_CONSTANT]});
-    const Vec3<double> lever = control::vec3(body.com) - joint.point;
-    arm.inertia = dot(joint.axis, control::inertia_of(body) * joint.axis) +
-                  body.mass * squared_norm(cross(joint.axis, lever));
+    arm.inertia = control::carried_inertia(body, joint);
   }
 
   std::vector<TiltArm> arms_;

@@ -20,6 +20,8 @@ class VelocityTracking : public Controller {
     share_ = gain_.is_given() ? 1.0 : control::lag_share(setup, setup.robot(), kRateLoop);
     limits_.configure(setup);
     integral_.configure(setup);
+    report_.configure(setup, integral_.words());
+    setup.buffer(integral_.words() + 1);
     const Vec3<double> v = max_velocity_.vec3();
     const double rate = max_yaw_rate_.value();
     setup.input(Signal::kVelocityTracking, {-v.x, -v.y, -v.z, -rate}, {v.x, v.y, v.z, rate});
@@ -35,10 +37,15 @@ class VelocityTracking : public Controller {
   void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
                Values<Real> output, Values<Real> buffer) const {
     const BodyMotion<Real> base = env.body(base_);
-    const Vec3<Real> error =
-        control::clamp_symmetric(input.vec3(0), max_velocity_.vec3()) - base.velocity;
-    const Vec3<Real> wish = multiply_elements(gain_.vec3(env) * Real(share_), error);
-    output.set(0, limits_.held(integral_.added(wish, error, limits_, buffer)));
+    const Vec3<Real> velocity = control::clamp_symmetric(input.vec3(0), max_velocity_.vec3());
+    const Vec3<Real> error = velocity - base.velocity;
+    const Vec3<Real> wish = integral_.added(
+        multiply_elements(gain_.vec3(env) * Real(share_), error), error, limits_, buffer);
+    const Vec3<Real> held = limits_.held(wish);
+    output.set(0, held);
+    report_.note(
+        logical_or(control::differs(velocity, input.vec3(0)), control::differs(held, wish)),
+        buffer);
     state.yaw = led(state.yaw, input[3], yaw(base.rotation));
     output.set(3, state.yaw);
   }
@@ -66,6 +73,7 @@ class VelocityTracking : public Controller {
   control::Integral integral_{this, "1/s^2",
                               "acceleration per integral of velocity error, W axes; 0: none"};
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
+  control::LimitReport report_;
   RealsParameter max_velocity_{
       this,
       {.name = "max_velocity",

@@ -35,6 +35,9 @@ struct Lead {
 #define SKYBODY_FREE_PACE \
   "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
 
+/// Values of `attitude` with the wished attitude's rates.
+constexpr int kAttitudeAndRates = 8;
+
 /// A row for each signal that a reference can fly: the laws that close the loop of position and
 /// know the reference's derivatives, where the chain takes what they give.
 const std::vector<Lead> kLeads = {
@@ -43,7 +46,7 @@ const std::vector<Lead> kLeads = {
     {SKYBODY_VELOCITY_TRACKING, 0, "velocity_tracking", {}},
     {SKYBODY_ACCELERATION, 0, "acceleration", {}},
     {SKYBODY_ATTITUDE,
-     8,
+     kAttitudeAndRates,
      "trajectory",
      {"{plugin: position, parameters: {signal: trajectory, " SKYBODY_FREE_PACE "}}"}},
     {SKYBODY_ATTITUDE,
@@ -64,6 +67,30 @@ const std::vector<Lead> kLeads = {
 
 #undef SKYBODY_FREE_PACE
 #undef SKYBODY_FREE_PLACE
+
+/// Parameters that let a chain of shipped laws follow the trajectory itself and not its position
+/// alone, where the scenario does not say otherwise.
+struct Upgrade {
+  bool position = false;  ///< `signal: trajectory` of `position`, the first controller
+  bool attitude = false;  ///< `feed_forward: true` of `attitude`, the first or behind `position`
+
+  bool any() const { return position || attitude; }
+};
+
+bool is_left_open(const PluginUse& use, const char* plugin, const char* parameter) {
+  if (use.plugin != plugin) return false;
+  return std::none_of(use.parameters.begin(), use.parameters.end(),
+                      [&](const ParameterValue& v) { return v.name == parameter && v.is_given; });
+}
+
+/// @param chain  controllers of the robot, from the chain's first on
+Upgrade find_upgrade(const PluginUse* chain, int count) {
+  const bool begins = is_left_open(chain[0], "position", "signal");
+  if (begins && count > 1 && is_left_open(chain[1], "attitude", "feed_forward")) {
+    return {true, true};
+  }
+  return {false, is_left_open(chain[0], "attitude", "feed_forward")};
+}
 
 /// What the command line asks for.
 struct Asked {
@@ -282,11 +309,31 @@ Preview preview_of(const CompiledScenario& compiled, const ControllerChain& chai
   return preview;
 }
 
+void set_parameter(ConfigNode& use, const char* name, const char* value, const SourceMark& mark) {
+  ConfigNode* parameters = use.find("parameters");
+  if (parameters == nullptr || !parameters->is_map()) {
+    ConfigNode none;
+    none.kind = ConfigNode::Kind::kMap;
+    none.mark = mark;
+    set(use, "parameters", std::move(none));
+    parameters = use.find("parameters");
+  }
+  set(*parameters, name, text_node(value, mark));
+}
+
+void apply(const Upgrade& upgrade, ConfigNode* chain, const SourceMark& mark) {
+  if (upgrade.position) set_parameter(chain[0], "signal", "trajectory", mark);
+  if (!upgrade.attitude) return;
+  set_parameter(chain[upgrade.position ? 1 : 0], "feed_forward", "true", mark);
+}
+
 /// @param more_controllers  that lead from the reference to the chain
 /// @param parameters        of the controller `reference`, the level included
-void put_in(ConfigNode& root, const Place& place, const std::vector<ConfigNode>& more_controllers,
-            const ConfigNode& parameters, const SourceMark& mark) {
+void put_in(ConfigNode& root, const Place& place, const Upgrade& upgrade,
+            const std::vector<ConfigNode>& more_controllers, const ConfigNode& parameters,
+            const SourceMark& mark) {
   ConfigNode& controllers = *root.find("robots")->items[place.robot].find("controllers");
+  apply(upgrade, &controllers.items[place.controller], mark);
   ConfigNode reference = plugin_node("reference", mark);
   reference.entries.push_back({"parameters", mark, parameters});
   std::vector<ConfigNode> more = {std::move(reference)};
@@ -338,10 +385,14 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
     return {};
   }
   const ControllerChain* chain = chains[0];
-  const auto lead = std::find_if(kLeads.begin(), kLeads.end(), [&](const Lead& l) {
-    return l.signal == chain->signal && (l.count == 0 || l.count == chain->inputs);
-  });
   const Place place = place_of(compiled, *chain);
+  const Upgrade upgrade = find_upgrade(
+      &compiled.scenario().robots[place.robot].controllers[place.controller], chain->count);
+  const int signal = upgrade.position ? SKYBODY_TRAJECTORY : chain->signal;
+  const int inputs = upgrade.any() && !upgrade.position ? kAttitudeAndRates : chain->inputs;
+  const auto lead = std::find_if(kLeads.begin(), kLeads.end(), [&](const Lead& l) {
+    return l.signal == signal && (l.count == 0 || l.count == inputs);
+  });
   if (lead == kLeads.end()) {
     diagnostics.error(mark, "the chain of robot `" + place.name + "` takes " +
                                 signal_name(chain->signal) +
@@ -358,10 +409,10 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
   };
   by_default("points", preview.points);
   if (!preview.spacing.empty()) by_default("spacing", preview.spacing);
-  return
-      [place, controllers, parameters = asked->parameters, mark](ConfigNode& root, Diagnostics&) {
-        put_in(root, place, controllers, parameters, mark);
-      };
+  return [place, upgrade, controllers, parameters = asked->parameters, mark](ConfigNode& root,
+                                                                             Diagnostics&) {
+    put_in(root, place, upgrade, controllers, parameters, mark);
+  };
 }
 
 }  // namespace skybody

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/physics/bodies/default_state.h"
+
 namespace skybody {
 namespace {
 
@@ -80,7 +82,12 @@ SkybodyRotorInfo rotor_info(const Topology& topology, const Layout& layout, int 
   info.body = w.body;
   copy(r.position(), info.position);
   copy(r.axis, info.axis);
+  const auto robot = static_cast<std::size_t>(w.robot);
+  const Pose place = place_at_reset(topology.scenario.robots[robot].model, r.body);
+  copy(place.position + rotate(place.rotation, r.position()), info.position_in_base);
+  copy(rotate(place.rotation, r.axis), info.axis_in_base);
   info.direction = r.direction;
+  info.min_speed = r.min_speed;
   std::copy(r.constants.begin(), r.constants.end(), info.constants);
   info.first_param = layout.rotor_params[static_cast<std::size_t>(index)];
   return info;

@@ -58,10 +58,10 @@ struct StartPlaces::Author {
   void add_rotors(const std::string& path, const RobotLayout& robot) {
     for (int k = 0; k < robot.rotor_count; ++k) {
       const int i = robot.first_rotor + k;
-      const std::string name = world.rotors[static_cast<std::size_t>(i)].model->name;
-      const int param =
-          add(path + "rotors[" + std::to_string(k) + "].speed", path + "rotors." + name + ".speed",
-              "rad/s", {start_rotor_speed(world, i)}, 0.0);
+      const Rotor& rotor = *world.rotors[static_cast<std::size_t>(i)].model;
+      const int param = add(path + "rotors[" + std::to_string(k) + "].speed",
+                            path + "rotors." + rotor.name + ".speed", "rad/s",
+                            {start_rotor_speed(world, i)}, rotor.min_speed);
       const int limit = layout.rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed;
       places.push_back({&Layout::rotor_speed, i, param, 1, -1, limit});
     }

@@ -82,6 +82,7 @@ class RotorsReader {
     rotor.name = reader.text("name");
     rotor.axis = reader.vec3("axis");
     rotor.direction = reader.text("direction") == "ccw" ? 1 : -1;
+    rotor.min_speed = reader.real("min_speed");
     read_constants(reader, kRotorConstants, rotor.constants.data());
     check_name(rotor.name, reader.mark("name"));
     check_lag(kTauUp, rotor, reader);

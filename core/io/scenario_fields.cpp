@@ -348,6 +348,9 @@ const MapSpec& rotor_fields() {
                            "thrust direction in the link's frame, any length but 0"),
               required(
                   choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
+              real_field("min_speed", "rad/s", 0.0, -1e5, 0.0,
+                         "below 0: the rotor may turn backwards to it, and then pushes against "
+                         "its axis by the same constants"),
           },
           kRotorConstants)};
   return spec;

@@ -138,8 +138,11 @@ struct Rotor {
   int body = 0;                      ///< index into RobotModel::bodies
   Vec3<double> axis{0.0, 0.0, 1.0};  ///< thrust direction in the body's frame, unit
   int direction = 1;                 ///< +1: turns counter-clockwise about `axis`; -1: clockwise
+  double min_speed = 0.0;            ///< [rad/s]; below 0: it turns backwards, too (is_reversible)
   std::array<double, kRotorParamCount> constants{};  ///< values of kRotorConstants
 
+  /// Whether it may turn backwards, and then push against `axis`.
+  bool is_reversible() const { return min_speed < 0.0; }
   /// Hub in the body's frame [m].
   Vec3<double> position() const {
     const double* p = &constants[kRotorPosition];

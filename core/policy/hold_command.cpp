@@ -108,27 +108,33 @@ std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& v
   return commands;
 }
 
-/// Single thrusts [N] that give the wished collective thrust and torque, none pulling. Of the
-/// torque about z, for which rotors have little to give, what leaves them within their limits:
-/// beyond them it would cost lift.
+/// Single thrusts [N] that give the wished collective thrust and torque, none pulling but those of
+/// reversible rotors. Of the torque about z, for which rotors have little to give, what leaves them
+/// within their limits: beyond them it would cost lift.
 std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& view,
                                               const Wish& wish) const {
   const std::vector<double> allocation = allocation_of(compiled_.world(), robot.index, view.params);
   std::vector<double> thrusts(robot.low.size());  // 0 where a draw leaves no allocation
   std::vector<double> turning(thrusts.size());
   double share = 1.0;
+  const std::vector<Rotor>& rotors =
+      compiled_.world().scenario.robots[static_cast<std::size_t>(robot.index)].model.rotors;
+  const auto least = [&](std::size_t i) {
+    const double speed = min(0.0, rotors[i].min_speed);
+    return -(rotor_params(robot, view, i)[kThrustConstant] * speed * speed);
+  };
   for (std::size_t i = 0; i < allocation.size() / 4; ++i) {
     const double* row = allocation.data() + 4 * i;
     const double* rotor = rotor_params(robot, view, i);
     const double full = rotor[kThrustConstant] * rotor[kMaxSpeed] * rotor[kMaxSpeed];
     thrusts[i] = row[0] * wish.thrust + row[1] * wish.torque.x + row[2] * wish.torque.y;
     turning[i] = row[3] * wish.torque.z;
-    const double room = turning[i] > 0.0 ? full - thrusts[i] : thrusts[i];
+    const double room = turning[i] > 0.0 ? full - thrusts[i] : thrusts[i] - least(i);
     if (std::abs(turning[i]) > room)
       share = std::min(share, std::max(0.0, room) / std::abs(turning[i]));
   }
   for (std::size_t i = 0; i < thrusts.size(); ++i) {
-    thrusts[i] = std::max(0.0, thrusts[i] + share * turning[i]);
+    thrusts[i] = std::max(least(i), thrusts[i] + share * turning[i]);
   }
   return thrusts;
 }
@@ -139,7 +145,7 @@ std::vector<double> HoldPolicy::rotor_speeds(const Robot& robot, const View& vie
   std::vector<double> speeds = rotor_thrusts(robot, view, wish);
   for (std::size_t i = 0; i < speeds.size(); ++i) {
     const double* rotor = rotor_params(robot, view, i);
-    speeds[i] = sqrt(speeds[i] / rotor[kThrustConstant]);
+    speeds[i] = copysign(sqrt(abs(speeds[i]) / rotor[kThrustConstant]), speeds[i]);
     if (robot.signal == SKYBODY_THROTTLE) speeds[i] /= rotor[kMaxSpeed];
   }
   return speeds;

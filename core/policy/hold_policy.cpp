@@ -119,12 +119,12 @@ void HoldPolicy::check(const Robot& robot) const {
   }
   const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT ||
                             robot.signal == SKYBODY_THROTTLE;
-  if (needs_rotors && allocation_of(world, robot.index, world.layout.nominal_params()).empty()) {
-    throw Error(
-        "the hold baseline cannot fly robot `" +
-        world.scenario.robots[static_cast<std::size_t>(robot.index)].name +
-        "`: its rotors do not give thrust and all three torques; use --policy zero or random");
-  }
+  if (!needs_rotors) return;
+  const std::string obstacle = allocation_obstacle(world, robot.index);
+  if (obstacle.empty()) return;
+  throw Error("the hold baseline cannot fly robot `" +
+              world.scenario.robots[static_cast<std::size_t>(robot.index)].name + "`: " + obstacle +
+              "; use --policy zero or random");
 }
 
 /// What has no rotors and hangs on robots that have some is carried by these in equal shares.

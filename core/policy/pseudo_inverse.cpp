@@ -28,6 +28,11 @@ std::vector<double> allocation_of(const World& world, int robot,
   for (Eigen::Index k = 0; k < rotors; ++k) {
     const Rotor& r = model.rotors[static_cast<std::size_t>(k)];
     if (r.body != 0) return {};
+    constexpr double kLevel = -1e-6;  // of an axis, but for rounding
+    if (r.axis.z <= kLevel && !r.is_reversible()) {
+      effect.col(k).setZero();
+      continue;
+    }
     const double* constants =
         values_of(world.layout.rotor_params, layout.first_rotor + static_cast<int>(k));
     const Vec3<double> arm = hub_of<double>(constants) - com;
@@ -44,6 +49,21 @@ std::vector<double> allocation_of(const World& world, int robot,
   if (!product.isInvertible()) return {};
   const RowMatrixX4 allocation = scaled.transpose() * product.inverse() * scale.asDiagonal();
   return {allocation.data(), allocation.data() + allocation.size()};
+}
+
+std::string allocation_obstacle(const World& world, int robot) {
+  const RobotModel& model = world.scenario.robots[static_cast<std::size_t>(robot)].model;
+  if (model.rotors.size() < 4) {
+    return "it has " + std::to_string(model.rotors.size()) + " rotors, and 4 are needed";
+  }
+  for (const Rotor& rotor : model.rotors) {
+    if (rotor.body == 0) continue;
+    const Body& body = model.bodies[static_cast<std::size_t>(rotor.body)];
+    return "its rotor `" + rotor.name + "` sits behind the joint `" + body.joint.name +
+           "`, which turns the thrust away from the base";
+  }
+  const bool reaches = !allocation_of(world, robot, world.layout.nominal_params()).empty();
+  return reaches ? "" : "its rotors do not give thrust and all three torques";
 }
 
 double hanging_length(const World& world, int base, int body, const Vec3<double>& point) {

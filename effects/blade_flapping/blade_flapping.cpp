@@ -15,7 +15,7 @@ class BladeFlapping : public Effect {
 
   void configure(const Setup& setup) override {
     for (const int r :
-         effect::robots_with_rotors(setup, robots_.values(), "the effect blade_flapping")) {
+         effect::robots_with_one_way_rotors(setup, robots_.values(), "the effect blade_flapping")) {
       const RobotInfo& robot = setup.robots()[r];
       for (int i = 0; i < robot.rotor_count; ++i) rotors_.push_back(robot.first_rotor + i);
     }

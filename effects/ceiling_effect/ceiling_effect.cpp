@@ -15,7 +15,7 @@ class CeilingEffect : public Effect {
 
   void configure(const Setup& setup) override {
     carriers_ = effect::carriers_of(
-        setup, effect::robots_with_rotors(setup, robots_.values(), "the ceiling effect"));
+        setup, effect::robots_with_one_way_rotors(setup, robots_.values(), "the ceiling effect"));
     check_height(setup);
     is_fitted_ = form_.value() == "fitted";
     if (is_fitted_) check_fit();

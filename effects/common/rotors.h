@@ -39,6 +39,24 @@ inline std::vector<int> robots_with_rotors(const Setup& setup,
   return chosen;
 }
 
+/// The same, of an effect whose law knows no rotor that turns backwards.
+/// @throws std::runtime_error likewise, or if one of the robots has such a rotor
+inline std::vector<int> robots_with_one_way_rotors(const Setup& setup,
+                                                   const std::vector<std::string>& names,
+                                                   const std::string& what) {
+  const std::vector<int> chosen = robots_with_rotors(setup, names, what);
+  for (const int robot : chosen) {
+    for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+      if (!(rotor.min_speed < 0.0)) continue;
+      throw std::runtime_error("rotor `" + std::string(rotor.name) + "` of robot `" +
+                               setup.robots()[robot].name + "` turns backwards, too (min_speed " +
+                               to_text(rotor.min_speed) + "), which " + what +
+                               " does not know: leave the robot out of `robots`");
+    }
+  }
+  return chosen;
+}
+
 /// Nominal weight of a robot [N]; 0 of one with a fixed base, which need not be carried.
 inline double weight(const Setup& setup, int robot) {
   const RobotInfo& r = setup.robots()[robot];

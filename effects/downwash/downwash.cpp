@@ -22,7 +22,7 @@ class Downwash : public Effect {
     check_form();
     const std::vector<int> own = own_bodies(setup);
     for (const effect::Carrier& carrier : effect::carriers_of(
-             setup, effect::robots_with_rotors(setup, robots_.values(), "downwash"))) {
+             setup, effect::robots_with_one_way_rotors(setup, robots_.values(), "downwash"))) {
       jets_.push_back(jet_of(setup, carrier));
       add_targets(setup, own, jets_.back());
     }

@@ -15,7 +15,7 @@ class GroundEffect : public Effect {
 
   void configure(const Setup& setup) override {
     carriers_ = effect::carriers_of(
-        setup, effect::robots_with_rotors(setup, robots_.values(), "the ground effect"));
+        setup, effect::robots_with_one_way_rotors(setup, robots_.values(), "the ground effect"));
     is_gzdrl_ = form_.value() == "gzdrl";
     if (is_gzdrl_ && ground_constant_.value() == 0.0) {
       throw std::runtime_error(

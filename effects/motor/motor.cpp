@@ -20,7 +20,7 @@ class Motor : public Effect {
 
   void configure(const Setup& setup) override {
     dt_ = setup.dt();
-    for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`motor`")) {
+    for (const int robot : effect::robots_with_one_way_rotors(setup, robots_.values(), "`motor`")) {
       const double speed = effect::hover_speed(setup, robot);
       for (const RotorInfo& rotor : setup.rotors_of(robot)) {
         check_rotor(rotor, speed);

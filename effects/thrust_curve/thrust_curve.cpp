@@ -14,7 +14,8 @@ class ThrustCurve : public Effect {
 
   void configure(const Setup& setup) override {
     check_parameters();
-    for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`thrust_curve`")) {
+    for (const int robot :
+         effect::robots_with_one_way_rotors(setup, robots_.values(), "`thrust_curve`")) {
       for (const RotorInfo& rotor : setup.rotors_of(robot)) add_rotor(setup, rotor);
       check_thrust(setup, robot);
     }

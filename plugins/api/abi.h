@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 5u
+#define SKYBODY_ABI_VERSION 6u
 #define SKYBODY_GROUP_LANES 32u   /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_CONTACT_VALUES 7  /* per body in SkybodyLanes::contacts */
 #define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
@@ -123,12 +123,15 @@ typedef struct SkybodyLinkInfo {
 
 /* One rotor. */
 typedef struct SkybodyRotorInfo {
-  const char* name;   /* in the rotors file */
-  int32_t robot;      /* index of its robot */
-  int32_t body;       /* world body that carries it */
-  double position[3]; /* body frame [m] */
-  double axis[3];     /* body frame, unit */
-  double direction;   /* +1 counter-clockwise about the axis, -1 clockwise */
+  const char* name;           /* in the rotors file */
+  int32_t robot;              /* index of its robot */
+  int32_t body;               /* world body that carries it */
+  double position[3];         /* body frame [m] */
+  double axis[3];             /* body frame, unit */
+  double position_in_base[3]; /* in the frame of the robot's base, joints as at a reset [m] */
+  double axis_in_base[3];     /* likewise, unit */
+  double direction;           /* +1 counter-clockwise about the axis, -1 clockwise */
+  double min_speed; /* below 0: it turns backwards, too, and then pushes against the axis [rad/s] */
   double constants[SKYBODY_ROTOR_CONSTANT_COUNT]; /* at the places of SkybodyRotorConstant */
   int32_t first_param;                            /* EnvParams, at the same places */
 } SkybodyRotorInfo;

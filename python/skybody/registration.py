@@ -75,6 +75,7 @@ SCENARIOS = (
     "trajectory_modular_paper",
     "trajectory_paper",
     "trajectory_training",
+    "tricopter",
     "vehicles",
     "vehicles_trajectory",
     "windy_hover",

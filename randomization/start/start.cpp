@@ -106,7 +106,9 @@ class RandomStart : public Randomizer {
     for (int k = 0; k < info.rotor_count; ++k) {
       const RotorInfo& rotor = setup.rotors()[info.first_rotor + k];
       const int start = announce("rotors[" + std::to_string(k) + "].speed");
-      t.rotors.push_back({start, rotor.first_param, max(0.0, rotor.axis[2])});
+      constexpr double kLeastLift = 1e-6;  // below it is rounding
+      const double up = rotor.axis_in_base[2];
+      t.rotors.push_back({start, rotor.first_param, up > kLeastLift ? up : 0.0});
       lift += t.rotors.back().lift;
     }
     if (!(lift > 1e-6)) {

@@ -139,6 +139,7 @@ FLIGHTS = (
     Flight("obstacles", "obstacles"),
     Flight("obstacles_rays", "obstacles_rays"),
     Flight("omav", "omav"),
+    Flight("tricopter", "tricopter"),
     Flight("vehicles", "vehicles"),
     Flight("trajectory_training", "trajectory_training"),
     Flight("trajectory_flights", "trajectory_flights"),

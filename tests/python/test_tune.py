@@ -27,8 +27,8 @@ from skybody.tune.draws import (
 )
 from skybody.tune.flight import Flights, Flyer
 from skybody.tune.gains import find_gains
-from skybody.tune.margins import margins_of
-from skybody.tune.report import gains_yaml, report, table, write
+from skybody.tune.margins import GainMargin, Margins, margins_of
+from skybody.tune.report import fallen_margins, gains_yaml, report, table, write
 from skybody.tune.vehicle import entries_of, uses_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -218,6 +218,7 @@ def flights_of(errors: np.ndarray, lost_at: int | None = None) -> Flights:
         errors,
         np.zeros((steps, n, 3)),
         np.full((steps, n, 4), 0.5),
+        np.zeros((steps, n), bool),
         np.full(n, steps if lost_at is None else lost_at),
     )
 
@@ -345,3 +346,33 @@ def test_the_program_hands_the_command_line_over(tmp_path: Path) -> None:
         "report.json",
         "step_response.png",
     }
+
+
+def test_margins_that_fall_while_the_cost_does_are_told(vehicle: Vehicle) -> None:
+    tuned = tune(vehicle, QUICK)
+    assert tuned.after.cost < tuned.before.cost
+    moving = GainMargin(np.inf, 0.2)
+    wide = Margins(GainMargin(8.0, 0.1), moving, 0.050)
+    narrow = Margins(GainMargin(3.0, 0.1), moving, 0.030)
+    before, after = (
+        dataclasses.replace(outcome, margins=margins)
+        for outcome, margins in ((tuned.before, wide), (tuned.after, narrow))
+    )
+    told = fallen_margins(dataclasses.replace(tuned, before=before, after=after))
+    assert told == [
+        "turning gain, up from 8.00 (+18.1 dB) to 3.00 (+9.5 dB)",
+        "delay margin from 50 ms to 30 ms",
+    ]
+    assert fallen_margins(dataclasses.replace(tuned, before=after, after=before)) == []
+
+
+def test_limits_of_the_chains_laws_are_counted(vehicle: Vehicle) -> None:
+    chain = (
+        "[{plugin: position, parameters: {max_acceleration_side: 0.5}}, "
+        "{plugin: attitude}, {plugin: ctbr}]"
+    )
+    tight = dataclasses.replace(vehicle, chain=chain).compile()
+    program, gains = make_program(tight), find_gains(tight)
+    with Flyer(tight, program, make_draws(tight, 1, generator(), DrawRanges())) as flyer:
+        flights = flyer.fly(gains, np.zeros((1, len(gains))))
+    assert costs_of(program, flights).terms["limited"][0] > 0.1

@@ -1,6 +1,7 @@
 // A small world by hand, as a plugin's configure() sees it: QDrone2, and what tests hang on it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <string>
@@ -202,6 +203,7 @@ class PluginWorld {
   const char* keep(const std::string& text) { return texts_.emplace_back(text).c_str(); }
 
   SkybodySetup setup(const char* instance, const std::vector<SkybodyValue>& values) const {
+    place_rotors();
     SkybodySetup s{};
     s.instance = instance;
     s.dt = dt;
@@ -216,7 +218,7 @@ class PluginWorld {
     s.body_count = static_cast<int>(bodies.size());
     s.links = links.data();
     s.link_count = static_cast<int>(links.size());
-    s.rotors = rotors.data();
+    s.rotors = placed_rotors_.data();
     s.rotor_count = static_cast<int>(rotors.size());
     s.shapes = shapes.data();
     s.shape_count = static_cast<int>(shapes.size());
@@ -228,6 +230,17 @@ class PluginWorld {
   }
 
  private:
+  /// Rotors with their places in the frame of the base, for those that sit on it.
+  void place_rotors() const {
+    placed_rotors_ = rotors;
+    for (SkybodyRotorInfo& r : placed_rotors_) {
+      if (r.body != robots[at(r.robot)].first_body) continue;
+      std::copy(r.position, r.position + 3, r.position_in_base);
+      std::copy(r.axis, r.axis + 3, r.axis_in_base);
+    }
+  }
+  mutable std::vector<SkybodyRotorInfo> placed_rotors_;
+
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::deque<std::string> texts_;
   int obstacles_ = 0;

@@ -3,19 +3,26 @@
 #include "core/base/math.h"
 #include "core/model/held_inputs.h"
 #include "core/physics/bodies/kinematics.h"
+#include "core/physics/world/pose_math.h"
 
 namespace skybody {
 namespace {
 
-/// Joints where the scenario has them, else at zero; the base's frame B at the scenario's pose.
+/// Coordinates of a joint at a reset: where the scenario has it, else zero.
+/// @param q  zeros, written
+void write_position(const Joint& joint, double* q) {
+  if (joint.type == JointType::kBall) q[0] = 1.0;
+  if (joint.type == JointType::kFree) q[3] = 1.0;
+  if (joint.type == JointType::kPin || joint.type == JointType::kSlider) q[0] = joint.position;
+}
+
+/// All joints likewise; the base's frame B at the scenario's pose.
 void write_positions(const World& world, LaneState& state) {
   for (const WorldBody& body : world.bodies) {
-    const JointType type = body.model->joint.type;
     double* q = state.q.data() + body.q;
-    if (type == JointType::kBall) q[0] = 1.0;
-    if (type == JointType::kPin || type == JointType::kSlider) q[0] = body.model->joint.position;
-    if (type != JointType::kFree) continue;
-    const Pose pose = body.parent < 0 ? world.scenario.robots[body.robot].pose : Pose{};
+    write_position(body.model->joint, q);
+    if (body.model->joint.type != JointType::kFree || body.parent >= 0) continue;
+    const Pose& pose = world.scenario.robots[body.robot].pose;
     store(pose.position, q);
     store(pose.rotation, q + 3);
   }
@@ -51,18 +58,47 @@ void write_joint_drives(const World& world, LaneState& state) {
 
 }  // namespace
 
+Pose place_at_reset(const RobotModel& model, int body) {
+  constexpr double kRest[6] = {};
+  Pose place;
+  while (body > 0) {
+    const Joint& joint = model.bodies[static_cast<std::size_t>(body)].joint;
+    double q[7] = {};
+    write_position(joint, q);
+    const JointMotion<double> moved = joint_motion(joint.type, q, kRest);
+    const Pose& own = joint.frame_in_body;
+    const Pose back{-rotate_inverse(own.rotation, own.position), conjugate(own.rotation)};
+    const Pose out = compose(joint.frame_in_parent, {moved.translation, moved.rotation});
+    place = compose(compose(out, back), place);
+    body = joint.parent;
+  }
+  return place;
+}
+
+double lift_of(const RobotModel& model, const Rotor& rotor) {
+  constexpr double kLeast = 1e-6;  // below it is rounding
+  const double z = rotate(place_at_reset(model, rotor.body).rotation, rotor.axis).z;
+  return z > kLeast ? z : 0.0;
+}
+
 double hover_rotor_speed(const Scenario& scenario, int robot) {
   const RobotModel& model = scenario.robots[static_cast<std::size_t>(robot)].model;
   double lift = 0.0;
-  for (const Rotor& rotor : model.rotors) lift += rotor.constants[kThrustConstant] * rotor.axis.z;
+  for (const Rotor& rotor : model.rotors) {
+    lift += rotor.constants[kThrustConstant] * lift_of(model, rotor);
+  }
   if (!(lift > 0.0)) return 0.0;
   return sqrt(model.total_mass() * norm(scenario.gravity()) / lift);
 }
 
 double start_rotor_speed(const Topology& world, int rotor) {
   const WorldRotor& r = world.rotors[static_cast<std::size_t>(rotor)];
-  const double wanted = world.scenario.robots[static_cast<std::size_t>(r.robot)].rotor_speed;
-  const double speed = wanted < 0.0 ? hover_rotor_speed(world.scenario, r.robot) : wanted;
+  const RobotUse& robot = world.scenario.robots[static_cast<std::size_t>(r.robot)];
+  double speed = robot.rotor_speed;
+  if (speed < 0.0) {
+    const bool lifts = lift_of(robot.model, *r.model) > 0.0;
+    speed = lifts ? hover_rotor_speed(world.scenario, r.robot) : 0.0;
+  }
   return min(speed, r.model->constants[kMaxSpeed]);
 }
 

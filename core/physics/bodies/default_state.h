@@ -15,12 +15,20 @@ LaneState make_lane_state(const World& world);
 /// Resizes the vectors of `state` where needed; bodies are made current.
 void write_default_state(const World& world, LaneState& state);
 
-/// The speed [rad/s] at which a robot's rotors, all at the same one, carry its nominal weight:
-/// sqrt(m |g| / sum of k_f a_z), a_z being the z of the rotor's axis in its body's frame. It may be
-/// more than rotors can do. 0 where that sum is not positive.
+/// The frame of a body in that of its robot's base, with the joints as at a reset.
+/// @param body  index into RobotModel::bodies
+Pose place_at_reset(const RobotModel& model, int body);
+
+/// The z of a rotor's axis in the base's frame at a reset, where the rotor lifts, else 0.
+double lift_of(const RobotModel& model, const Rotor& rotor);
+
+/// The speed [rad/s] at which the rotors that lift, all at the same one, carry a robot's nominal
+/// weight: sqrt(m |g| / sum of k_f lift_of). It may be more than rotors can do. 0 where no rotor
+/// lifts.
 double hover_rotor_speed(const Scenario& scenario, int robot);
 
-/// The speed [rad/s] at which a rotor of the world begins: the scenario's, held to its greatest.
+/// The speed [rad/s] at which a rotor of the world begins: the scenario's, held to its greatest; of
+/// `hover` 0 where it does not lift.
 double start_rotor_speed(const Topology& world, int rotor);
 
 }  // namespace skybody

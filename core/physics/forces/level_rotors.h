@@ -102,16 +102,17 @@ class LevelRotors {
   /// @param rotor    its acceleration in any unit that force() is told
   template <class Factors>
   SKYBODY_INLINE LevelRotors(const Factors& factors, const RotorMotion<Real>& rotor) {
-    const Real w = rotor.speed, squared = rotor.squared;
+    const Real w = rotor.speed, squared = rotor.squared, size = abs(w);
     for (int k = 0; k < 3; ++k) thrust_[k] = factors[kThrustFactor + k] * squared;
     moment_ = factors[kMomentFactor] * squared;
-    for (int k = 0; k < 4; ++k) drag_[k] = factors[kDragFactor + k] * w;
+    for (int k = 0; k < 4; ++k) drag_[k] = factors[kDragFactor + k] * size;
     for (int k = 0; k < 3; ++k) rolling_[k] = factors[kRollingFactor + k] * w;
     momentum_ = factors[kInertiaFactor] * w;
     spin_up_ = factors[kInertiaFactor] * rotor.acceleration;
   }
 
-  /// Four rotors alike, in rows: the same up to rounding, with a third of the operations.
+  /// Four rotors alike, in rows, none of which turns backwards: the same up to rounding, with a
+  /// third of the operations.
   /// @param factors  of the first
   template <class Factors>
   SKYBODY_INLINE LevelRotors(const Factors& factors, const RotorMotion<Real> (&r)[4]) {
@@ -184,9 +185,9 @@ class LevelRotors {
   }
 
  private:
-  Real thrust_[3];   ///< k_f w^2 [N], times x, y [N m]
-  Real moment_;      ///< s k_m w^2 [N m]
-  Real drag_[4];     ///< c_d w [N s/m], times x, y, x^2 + y^2
+  Real thrust_[3];   ///< k_f w |w| [N], times x, y [N m]
+  Real moment_;      ///< s k_m w |w| [N m]
+  Real drag_[4];     ///< c_d |w| [N s/m], times x, y, x^2 + y^2
   Real rolling_[3];  ///< s c_r w [N s], times x, y
   Real momentum_;    ///< s J w [kg m^2/s]
   Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt

@@ -3,11 +3,12 @@
 // Salaun, "The true role of accelerometer feedback in quadrotor control", ICRA 2010. Collective
 // thrust and torque of paper eq. 1 are the sums over a robot's rotors.
 //
-// With w >= 0 the speed, n the axis, s = +1 for counter-clockwise about n, and v' the hub's
-// velocity across the axis, through the air:
-//   thrust            F = k_f w^2 n
-//   reaction          M = -s k_m w^2 n
-//   rotor drag        F = -c_d w v'
+// With w the speed, below 0 of a reversible rotor that turns backwards, n the axis, s = +1 for
+// counter-clockwise about n where w > 0, and v' the hub's velocity across the axis, through the
+// air:
+//   thrust            F = k_f w |w| n
+//   reaction          M = -s k_m w |w| n
+//   rotor drag        F = -c_d |w| v'
 //   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; which side the advancing
 //                                         blade is on, so the sign, goes with the direction)
 //   gyroscopic        M = -omega x (s J w n)
@@ -61,7 +62,7 @@ SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace
   const Vec3<Real> hub = velocity + cross(spin, position);
   const Vec3<Real> across = hub - axis * dot(hub, axis);
   const Vec3<Real> force =
-      axis * (constants[kThrustConstant] * squared) - across * (constants[kDragConstant] * w);
+      axis * (constants[kThrustConstant] * squared) - across * (constants[kDragConstant] * abs(w));
   const Real momentum = constants[kRotorInertia] * signed_w;
   const Real about_axis = constants[kMomentConstant] * (place.direction * squared) +
                           constants[kRotorInertia] * (place.direction * rotor.acceleration);

@@ -14,12 +14,12 @@ namespace skybody {
 /// Instants of a physics step at which integrators want forces.
 enum StageTime : int { kStepStart = 0, kStepMiddle = 1, kStepEnd = 2, kStageTimeCount = 3 };
 
-/// A rotor at one instant, or its means over a step.
+/// A rotor at one instant, or its means over a step. Only reversible rotors have speeds below 0.
 template <class Real>
 struct RotorMotion {
-  Real speed;         ///< [rad/s], >= 0
+  Real speed;         ///< w [rad/s]
   Real acceleration;  ///< [rad/s^2]
-  Real squared;       ///< of the speed [rad^2/s^2]: a mean of squares is not the mean's square
+  Real squared;       ///< w |w| [rad^2/s^2]: a mean of squares is not the mean's square
 };
 
 /// At an instant.
@@ -90,10 +90,26 @@ SKYBODY_INLINE RotorLag<Real> load_lag(const Values& values) {
   return {factors(values), factors(values + kLagSize / 2)};
 }
 
-/// What a rotor is asked for, limited to what it can do: [0, max_speed]; NaN stays NaN.
+/// What a rotor is asked for, limited to what it can do: [min_speed, max_speed]; NaN stays NaN.
 template <class Real>
-SKYBODY_INLINE Real limit_command(const Real& command, const Real& max_speed) {
-  return clamp(command, Real(0.0), max_speed);
+SKYBODY_INLINE Real limit_command(const Real& command, const Real& max_speed,
+                                  const Real& min_speed = Real(0.0)) {
+  return clamp(command, min_speed, max_speed);
+}
+
+/// The lag of a rotor that may turn backwards, with the time constant of one direction for both:
+/// tau_up where its speed is to grow in size, else tau_down.
+template <class Real>
+SKYBODY_INLINE RotorLag<Real> lag_by_size(const RotorLag<Real>& lag, const Real& speed,
+                                          const Real& command) {
+  const auto grows = abs(command) > abs(speed);
+  LagFactors<Real> f;
+  for (int i = 0; i < kStageTimeCount; ++i) {
+    f.decay[i] = select(grows, lag.up.decay[i], lag.down.decay[i]);
+    f.slope[i] = select(grows, lag.up.slope[i], lag.down.slope[i]);
+  }
+  f.half_mean = select(grows, lag.up.half_mean, lag.down.half_mean);
+  return {f, f};
 }
 
 /// The rotor at an instant of the step.
@@ -125,6 +141,30 @@ SKYBODY_INLINE RotorMotion<Real> rotor_over_step(const RotorLag<Real>& lag, cons
           command * command - lacking * ((command + command) + (speed + end))};
 }
 
+/// Mean over the step of w |w|, where w may change its sign.
+///
+/// With w = c - g d, d = exp(-t / tau), the sign changes where d = z = c / g. Up to there
+///   (1/dt) integral of w^2 = g^2 (tau / dt) ((1 - z^2) / 2 - 2 z (1 - z) - z^2 log z),
+/// which counts with the sign of the start, and the rest with that of the end.
+/// @param lag     lag_by_size()
+/// @param square  mean of w^2
+template <class Real>
+SKYBODY_INLINE Real mean_signed_square(const RotorLag<Real>& lag, const Real& speed,
+                                       const Real& command, const Real& end, const Real& square) {
+  const Real signed_square = copysign(square, speed + end);
+  const auto turns = speed * end < 0.0;
+  if (none(turns)) return signed_square;
+  const Real zero(0.0), one(1.0);
+  const Real gap = select(turns, command - speed, one);
+  const Real z = select(turns, command / gap, one);
+  const Real decay = lag.up.decay[kStepEnd];
+  const Real share = (lag.up.half_mean + lag.up.half_mean) / select(turns, one - decay, one);
+  const Real before =
+      (gap * gap) * share * (0.5 * (one - z * z) - 2.0 * z * (one - z) - z * z * log(z));
+  const Real rest = square - 2.0 * max(before, zero);
+  return select(turns, select(end < 0.0, -rest, rest), signed_square);
+}
+
 /// The rotor at any time of the step by the closed form itself, for integrators that choose their
 /// own instants.
 /// @param constants the rotor's kRotorParamCount values: a pointer, or a view
@@ -136,7 +176,7 @@ template <class Values>
 RotorMotion<double> rotor_at_time(const Values& constants, double speed, double command,
                                   double time, double dt) {
   const double gap = command - speed;
-  const double tau = gap > 0.0 ? constants[kTauUp] : constants[kTauDown];
+  const double tau = abs(command) > abs(speed) ? constants[kTauUp] : constants[kTauDown];
   if (tau <= 0.0) return rotor_motion(command, gap / dt);
   const double rest = gap * exp(-time / tau);
   return rotor_motion(command - rest, rest / tau);

@@ -13,6 +13,8 @@ bool FreeRobots::is_possible(const World& world) {
   if (!world.scenario.couplings.empty()) return false;
   const auto is_driven = [](DriveKind drive) { return drive != DriveKind::kNone; };
   if (std::any_of(world.drives.begin(), world.drives.end(), is_driven)) return false;
+  const auto turns_back = [](const WorldRotor& rotor) { return rotor.model->is_reversible(); };
+  if (std::any_of(world.rotors.begin(), world.rotors.end(), turns_back)) return false;
   return std::all_of(world.bodies.begin(), world.bodies.end(), [](const WorldBody& body) {
     const Joint& joint = body.model->joint;
     return body.parent < 0 && joint.type == JointType::kFree &&

@@ -36,10 +36,12 @@ struct HeldRotorStep {
   double dt;
 
   SKYBODY_INLINE HeldRotorStep(const RotorLag<Real>& lag, const Real& start, const Real& command,
-                               const Real& max_speed, const HeldRotor<Real>& held, double step)
-      : lagged(lag, start, clamp(command, held.lower, held.upper), max_speed),
+                               const Real& max_speed, const HeldRotor<Real>& held, double step,
+                               const Real& min_speed = Real(0.0))
+      : lagged(lag, start, clamp(command, held.lower, held.upper), max_speed, min_speed),
         is_linear(held.rate == held.rate),
-        change(limit_command(limited(start + held.rate * step, held), max_speed) - start),
+        change(limit_command(limited(start + held.rate * step, held), max_speed, min_speed) -
+               start),
         dt(step) {}
 
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
@@ -54,6 +56,16 @@ struct HeldRotorStep {
     const Real squared = start * (start + change) + change * change / 3.0;
     return {select(is_linear, start + change * 0.5, lag.speed), lag.acceleration,
             select(is_linear, squared, lag.squared)};
+  }
+  /// Mean of w |w|; of a linear run from a to b (|b|^3 - |a|^3) / (3 (b - a)).
+  /// @param square  mean of w^2
+  SKYBODY_INLINE Real mean_signed_square(const Real& end, const Real& square) const {
+    const Real& start = lagged.speed;
+    const auto moves = logical_and(is_linear, change != 0.0);
+    const Real linear = (abs(end) * (end * end) - abs(start) * (start * start)) /
+                        (3.0 * select(moves, change, Real(1.0)));
+    return select(is_linear, select(moves, linear, start * abs(start)),
+                  lagged.mean_signed_square(end, square));
   }
   template <class Constants>
   RotorMotion<double> at_time(const Constants& constants, double time, double step) const {
@@ -71,6 +83,13 @@ struct HeldRotorStep {
                               select(is_linear, change / dt, lag.acceleration));
   }
 };
+
+/// Limits of a rotor that may turn backwards: with a least speed of 0, the neutral one, the
+/// greatest one holds in both senses.
+template <class Real>
+SKYBODY_INLINE void limit_both_senses(HeldLimits<Real>& limits) {
+  limits.lower = select(limits.lower == 0.0, -limits.upper, limits.lower);
+}
 
 /// Of rotor i of the world; what is not held has its neutral value.
 template <class Real>

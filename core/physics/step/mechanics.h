@@ -193,11 +193,34 @@ class Mechanics {
       const Real speed = lanes_.load(group_.rotor_speed, i);
       const Real command = lanes_.load(group_.rotor_command, i);
       const Real max_speed = rotor_constants(i)[kMaxSpeed];
-      if constexpr (kIsHeld) {
+      const Rotor& model = *plan_.world.rotors[static_cast<std::size_t>(i)].model;
+      if (model.is_reversible()) {
+        run_reversible(i, lag, speed, command, max_speed, Real(model.min_speed), f);
+      } else if constexpr (kIsHeld) {
         f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
       } else {
         f(i, RotorStep<Real>(lag, speed, command, max_speed));
       }
+    }
+  }
+
+  /// Calls f(i, rotor's step) for a rotor that may turn backwards.
+  template <class F>
+  SKYBODY_INLINE void run_reversible(int i, const RotorLag<Real>& lag, const Real& speed,
+                                     const Real& command, const Real& max_speed,
+                                     const Real& min_speed, const F& f) const {
+    if constexpr (kIsHeld) {
+      HeldRotor<Real> held = held_rotor(held_, i);
+      limit_both_senses(held);
+      const Real goal = limit_command(clamp(command, held.lower, held.upper), max_speed, min_speed);
+      using Step = HeldRotorStep<Real>;
+      f(i, ReversibleRotorStep<Real, Step>{Step(lag_by_size(lag, speed, goal), speed, command,
+                                                max_speed, held, dt(), min_speed)});
+    } else {
+      const Real goal = limit_command(command, max_speed, min_speed);
+      using Step = RotorStep<Real>;
+      f(i, ReversibleRotorStep<Real, Step>{
+               Step(lag_by_size(lag, speed, goal), speed, command, max_speed, min_speed)});
     }
   }
 

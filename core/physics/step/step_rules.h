@@ -18,10 +18,10 @@ struct RotorStep {
   Real speed;    ///< at the start of the step [rad/s]
   Real command;  ///< held, and what the rotor can do [rad/s]
 
-  /// @param command    as held; @param max_speed  what the rotor can do
+  /// @param command  as held; @param max_speed, min_speed  what the rotor can do
   SKYBODY_INLINE RotorStep(const RotorLag<Real>& l, const Real& start, const Real& held,
-                           const Real& max_speed)
-      : lag(l), speed(start), command(limit_command(held, max_speed)) {}
+                           const Real& max_speed, const Real& min_speed = Real(0.0))
+      : lag(l), speed(start), command(limit_command(held, max_speed, min_speed)) {}
 
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
     return rotor_at(lag, speed, command, time);
@@ -35,10 +35,41 @@ struct RotorStep {
   SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
     return rotor_over_step(lag, speed, command, end);
   }
+  /// Mean of w |w|. @param square  mean of w^2
+  SKYBODY_INLINE Real mean_signed_square(const Real& end, const Real& square) const {
+    return skybody::mean_signed_square(lag, speed, command, end, square);
+  }
   /// For integrators that choose their own instants: see rotor_at_time.
   template <class Constants>
   RotorMotion<double> at_time(const Constants& constants, double time, double dt) const {
     return rotor_at_time(constants, speed, command, time, dt);
+  }
+};
+
+/// A rotor that may turn backwards: its squares have a sign.
+/// @tparam Step  RotorStep or HeldRotorStep, with a lag_by_size()
+template <class Real, class Step>
+struct ReversibleRotorStep {
+  Step step;
+
+  SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const { return with_sign(step.at(time)); }
+  SKYBODY_INLINE RotorMotion<Real> in_middle(const Real& end) const {
+    return with_sign(step.in_middle(end));
+  }
+  SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
+    RotorMotion<Real> motion = step.mean(end);
+    motion.squared = step.mean_signed_square(end, motion.squared);
+    return motion;
+  }
+  template <class Constants>
+  RotorMotion<double> at_time(const Constants& constants, double time, double dt) const {
+    const RotorMotion<double> motion = step.at_time(constants, time, dt);
+    return {motion.speed, motion.acceleration, motion.speed * abs(motion.speed)};
+  }
+
+ private:
+  static SKYBODY_INLINE RotorMotion<Real> with_sign(const RotorMotion<Real>& motion) {
+    return {motion.speed, motion.acceleration, motion.speed * abs(motion.speed)};
   }
 };
 

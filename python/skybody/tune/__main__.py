@@ -205,6 +205,8 @@ def main() -> int:
     print(f"better on {tuned.better_draws} of {HELD_OUT} held-out draws; {tuned.seconds:.1f} s")
     if tuned.after.cost >= tuned.before.cost:
         print("the default gains fly as well: keep them, or take these for their margins")
+    for fallen in report.fallen_margins(tuned):
+        print(f"warning: the cost falls, and so does a margin: {fallen}")
     for file in files:
         print(file)
     return 0

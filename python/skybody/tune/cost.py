@@ -1,4 +1,4 @@
-"""What a flight costs: error, overshoot, effort, saturation, failure."""
+"""What a flight costs: error, overshoot, effort, saturation, limits of the laws, failure."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ WEIGHTS = {
     "shaking": 0.6,
     "effort": 4.0,
     "saturation": 1.0,
+    "limited": 0.0,  # told, not priced: the errors have what it costs
 }
 LOST = 20.0  # more than any flight that is not lost
 SETTLED_SHARE = 1.0 / 3.0  # of the time after the step
@@ -50,7 +51,8 @@ def costs_of(program: Program, flights: Flights) -> Costs:
     * overshoot: largest way beyond the step, over all values;
     * shaking: RMS of the body's rates in the last third after the step [rad/s];
     * effort: RMS change of a rotor's command from one command to the next [share of its speed];
-    * saturation: share of rotors' commands at 0 or at the rotor's largest speed.
+    * saturation: share of rotors' commands at 0 or at the rotor's largest speed;
+    * limited: share of the flight in which a law asks for less than it wants, by its own limits.
     """
     begin, end = program.step_begin, program.step_end
     settled = end - round((end - begin) * SETTLED_SHARE)
@@ -67,6 +69,7 @@ def costs_of(program: Program, flights: Flights) -> Costs:
             "shaking": _rms(flights.rates[settled:end]),
             "effort": _rms(np.diff(flights.rotor_commands, axis=0)),
             "saturation": _saturation(flights.rotor_commands),
+            "limited": np.asarray(np.mean(flights.limited, axis=0)),
         }
     lost = 1.0 - flights.lost_at / flights.steps
     return Costs({name: np.nan_to_num(term, nan=LOST) for name, term in terms.items()}, lost)

@@ -28,6 +28,8 @@ class Flights:
     """(steps, n, 3), B [rad/s]"""
     rotor_commands: Rows
     """(steps, n, rotors), shares of each rotor's largest speed"""
+    limited: NDArray[np.bool_]
+    """(steps, n): whether a law of the chain is cut by a limit of its own"""
     lost_at: NDArray[np.int64]
     """(n,): the command at which a flight was lost, or `steps`"""
 
@@ -41,6 +43,7 @@ class Flights:
             self.errors[:, which],
             self.rates[:, which],
             self.rotor_commands[:, which],
+            self.limited[:, which],
             self.lost_at[which],
         )
 
@@ -63,7 +66,8 @@ class Flyer:
         self.program = program
         self._draws = draws
         self._actions = normalized(compiled, program.commands)
-        self._pool = Pool(compiled, candidates * len(draws), num_threads=num_threads, infos=False)
+        self._pool = Pool(compiled, candidates * len(draws), num_threads=num_threads)
+        self._limits = [c.name for c in compiled.info_channels if c.name.endswith(".limited")]
         self._pool.reset()
         if self._pool.num_envs > 1:
             self._pool.fork(0, list(range(1, self._pool.num_envs)))
@@ -93,6 +97,7 @@ class Flyer:
         errors = np.zeros((steps, n, len(program.names)))
         rates = np.zeros((steps, n, 3))
         commands = np.zeros((steps, n, self._max_speed.shape[1]))
+        limited = np.zeros((steps, n), bool)
         lost_at = np.full(n, steps)
         for k, action in enumerate(self._actions):
             *_, info = self._pool.step(np.tile(action, (total, 1)))
@@ -100,12 +105,14 @@ class Flyer:
             errors[k] = program.error(k, motion)
             rates[k] = motion.rates
             commands[k] = self._pool.state(f"robots.{ROBOT}.rotors.command")[:n]
+            for name in self._limits:
+                limited[k] |= info[name][:n].reshape(n) > 0.0
             beyond = np.any(np.abs(errors[k]) > program.lost, axis=1) | info["fault"][:n]
             lost_at[beyond & (lost_at == steps)] = k
             if np.all(lost_at < steps):
                 break
         commands /= self._max_speed[:n]
-        return Flights(errors, rates, commands, lost_at)
+        return Flights(errors, rates, commands, limited, lost_at)
 
     def _motion(self, n: int) -> Motion:
         base = f"robots.{ROBOT}.base."

@@ -83,6 +83,38 @@ def table(tuned: Tuned) -> str:
     return "".join(f"{name:<{first}}  {old:>{second}}  {new:>{third}}\n" for name, old, new in rows)
 
 
+FALL = 0.1  # by which share a margin falls before it is told
+
+
+def fallen_margins(tuned: Tuned) -> list[str]:
+    """The margins that are smaller with the tuned gains, in words; none where the cost is no less.
+
+    A factor on a gain has a margin of as many dB as it is from 1, on either side.
+    """
+    a, b = tuned.before.margins, tuned.after.margins
+    if a is None or b is None or tuned.after.cost >= tuned.before.cost:
+        return []
+    rows = [
+        ("turning gain, up", a.turning.up, b.turning.up, _factor),
+        ("turning gain, down", a.turning.down, b.turning.down, _factor),
+        ("moving gain, up", a.moving.up, b.moving.up, _factor),
+        ("moving gain, down", a.moving.down, b.moving.down, _factor),
+    ]
+    told = [
+        f"{name} from {text(old)} to {text(new)}"
+        for name, old, new, text in rows
+        if _room(new) < (1.0 - FALL) * _room(old)
+    ]
+    if b.delay < (1.0 - FALL) * a.delay:
+        told.append(f"delay margin from {_milliseconds(a.delay)} to {_milliseconds(b.delay)}")
+    return told
+
+
+def _room(factor: float) -> float:
+    """The distance of a factor from 1; infinite for one beyond all that were tried."""
+    return math.inf if factor == 0.0 or math.isinf(factor) else abs(math.log(factor))
+
+
 def report(tuned: Tuned) -> dict[str, Any]:
     """All figures, for programs."""
     return {
@@ -98,6 +130,7 @@ def report(tuned: Tuned) -> dict[str, Any]:
         "seconds": round(tuned.seconds, 2),
         "before": _outcome(tuned.before),
         "after": _outcome(tuned.after),
+        "fallen_margins": fallen_margins(tuned),
         "search": [[tried, cost] for tried, cost in tuned.history],
     }
 

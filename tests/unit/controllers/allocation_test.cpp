@@ -224,5 +224,58 @@ TEST(AllocationForms, BadConfigurationNamesValueAndRemedy) {
               HasSubstr("has 18 rotors; `allocation: qp` takes 16 at most"));
 }
 
+/// A ring of four rotors upwards and one of four downwards, tilted so that either gives all
+/// torques.
+Robot both_ways(double min_speed) {
+  Robot robot = ring("both_ways", 4, 2, 0.3);
+  for (std::size_t i = 4; i < 8; ++i) robot.world.rotors[i].axis[2] *= -1.0;
+  for (SkybodyRotorInfo& rotor : robot.world.rotors) rotor.min_speed = min_speed;
+  return robot;
+}
+
+TEST(AllocationForms, RotorsThatPushDownwardsTakeNoPart) {
+  for (const char* form : {"priority", "pseudo_inverse"}) {
+    Robot robot = both_ways(0.0);
+    const Instance instance("ctbt", robot.world, {{"allocation", form}});
+    const std::vector<double> u = {19.62, 0.1, -0.05, 0.02};
+    const std::vector<double> f = thrusts(robot, instance, u);
+    for (std::size_t i = 4; i < 8; ++i) EXPECT_EQ(f[i], 0.0) << form;
+    const auto got = sum(robot.effects(), f);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(got[k], u[k], 1e-12) << form;
+  }
+}
+
+TEST(AllocationForms, ReversibleRotorsMeetCommandsByThrustsOfBothSigns) {
+  for (const char* form : {"priority", "pseudo_inverse", "qp"}) {
+    Robot robot = both_ways(-2246.0);
+    const Instance instance("ctbt", robot.world, {{"allocation", form}});
+    Group g = instance.group(1);
+    g.input = {19.62, 0.1, -0.05, 0.02};
+    instance.call(Call::kControl, g);
+    std::vector<double> f;
+    for (const double w : g.output) f.push_back(1.9533e-6 * w * std::fabs(w));
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(f[i] > 0.0, i < 4) << form;
+    const auto got = sum(robot.effects(), f);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(got[k], g.input[k], 1e-12) << form;
+  }
+}
+
+TEST(AllocationForms, ReversibleRotorsStayWithinTheirLimits) {
+  for (const char* form : {"priority", "pseudo_inverse", "qp"}) {
+    Robot robot = both_ways(-1000.0);
+    const Instance instance("ctbt", robot.world, {{"allocation", form}});
+    std::mt19937_64 generator(5);
+    for (int n = 0; n < 200; ++n) {
+      Group g = instance.group(1);
+      g.input = random_command(instance, generator, 2.0);
+      instance.call(Call::kControl, g);
+      for (const double w : g.output) {
+        EXPECT_GE(w, -1000.0 * (1.0 + 1e-12)) << form;
+        EXPECT_LE(w, 2246.0 * (1.0 + 1e-12)) << form;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace skybody::testing

@@ -242,8 +242,8 @@ TEST(ShippedScenarios, ModelsAndRotorsAreSound) {
     InputBudget budget;
     read_rotors(rotors, {}, *model, text, diagnostics, budget);
     EXPECT_EQ(diagnostics.to_string(), "");
-    EXPECT_GE(model->rotors.size(), 4u) << name;
-    // It can hover, and in hover its drag torques cancel.
+    EXPECT_GE(model->rotors.size(), 3u) << name;
+    // It can hover, and in hover its drag torques cancel; of three rotors a servo holds the rest.
     double thrust = 0.0, torque = 0.0;
     for (const Rotor& rotor : model->rotors) {
       thrust += rotor.constants[kThrustConstant] * rotor.constants[kMaxSpeed] *
@@ -251,7 +251,9 @@ TEST(ShippedScenarios, ModelsAndRotorsAreSound) {
       torque += rotor.direction * rotor.constants[kMomentConstant];
     }
     EXPECT_GT(thrust, 1.2 * 9.81 * model->total_mass()) << name;
-    EXPECT_EQ(torque, 0.0) << name;
+    if (model->rotors.size() > 3) {
+      EXPECT_EQ(torque, 0.0) << name;
+    }
     ++count;
   }
   EXPECT_GE(count, 5);

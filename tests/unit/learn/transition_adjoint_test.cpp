@@ -255,6 +255,13 @@ TEST(TransitionAdjoint, GivesDifferencesOfTiltedRotors) {
   expect_derivatives("omav", {}, true, 0x1p-10f, 5e-4, 1e-3);
 }
 
+/// Rotors whose speeds change their signs. Longer steps, so that they have the time.
+TEST(TransitionAdjoint, GivesDifferencesOfReversibleRotors) {
+  const std::string rotors = SKYBODY_SOURCE_DIR "/tests/unit/learn/reversible_rotors.yaml";
+  expect_derivatives("hover_learn", {"robots.quad.rotors=" + rotors, "stepping.action_repeat=20"},
+                     true, 0x1p-10f, 1e-4, 1e-3);
+}
+
 TEST(TransitionAdjoint, NeedsOneDirectionForEachValueOfATree) {
   const auto compiled = load("payload");
   const FpEnvironment guard;

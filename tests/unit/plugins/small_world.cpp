@@ -79,7 +79,10 @@ SmallWorld::SmallWorld(const PluginEntry& entry)
   body_.name = "base";
   body_.mass = 0.5;
   body_.joint = SKYBODY_FREE;
-  for (int i = 0; i < 4; ++i) rotors_.push_back({"rotor", 0, 0, {}, {0, 0, 1}, 1.0, {}, 0});
+  SkybodyRotorInfo rotor{};
+  rotor.name = "rotor";
+  rotor.axis[2] = rotor.axis_in_base[2] = rotor.direction = 1.0;
+  rotors_.assign(4, rotor);
   setup_.instance = "robots.quad.controllers.c";
   setup_.dt = 0.001;
   setup_.action_repeat = 1;

@@ -1,0 +1,63 @@
+// The rotors that allocate: rows of the pseudo-inverse, and limits of thrust.
+//
+// A rotor that pushes downwards and cannot turn backwards takes no part: the pseudo-inverse would
+// ask a thrust below 0 of it to hover, and what is cut off there is missing elsewhere.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "controllers/common/priority.h"
+#include "controllers/common/pseudo_inverse.h"
+#include "controllers/common/rotor_effects.h"
+
+namespace skybody::control {
+
+/// Which rotors take part.
+enum class Taking {
+  kUseful,  ///< all but those that push downwards
+  kAll
+};
+
+/// Rows of A^T (pseudo_inverse.h): what one newton of each rotor gives.
+inline std::vector<double> effect_rows(const View<RotorInfo>& rotors, const BodyInfo& base) {
+  std::vector<double> rows;
+  for (const RotorInfo& rotor : rotors) {
+    const RotorEffect e = effect_of(rotor, base);
+    rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
+  }
+  return rows;
+}
+
+/// All rotors in their order; those that take no part have rows of 0.
+/// @param robot, mode  names, for messages
+/// @throws std::runtime_error where thrust and torques are not all reachable
+inline std::vector<AllocatedRotor> allocated_rotors(const View<RotorInfo>& rotors,
+                                                    const BodyInfo& base, const std::string& robot,
+                                                    const std::string& mode, Taking taking) {
+  constexpr double kRounding = 1e-6;  // of an axis that lies level
+  std::vector<double> rows;
+  std::vector<bool> takes_part;
+  for (const RotorInfo& rotor : rotors) {
+    const RotorEffect e = effect_of(rotor, base);
+    takes_part.push_back(taking == Taking::kAll || e.thrust > -kRounding || is_reversible(rotor));
+    if (takes_part.back()) {
+      rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
+    }
+  }
+  const std::vector<double> inverse = PseudoInverse::of(rows, robot, mode);
+  constexpr double kNone[4] = {};
+  std::vector<AllocatedRotor> allocated;
+  std::size_t row = 0;
+  for (int i = 0; i < rotors.size(); ++i) {
+    const bool takes = takes_part[static_cast<std::size_t>(i)];
+    const double* p = takes ? &inverse[4 * row++] : kNone;
+    const bool lifts = p[0] * rotors.size() > kRounding;
+    allocated.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, least_thrust(rotors[i]),
+                         full_thrust(rotors[i]),
+                         1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
+  }
+  return allocated;
+}
+
+}  // namespace skybody::control

@@ -1,0 +1,61 @@
+// Position drives of joints that turn rotors, with stiffness and damping by the inertia that they
+// move. Parameters stand here once.
+#pragma once
+
+#include <limits>
+
+#include "controllers/common/driven_joint.h"
+
+namespace skybody::control {
+
+/// Inertia of a joint's body about its axis, nominal [kg m^2]; of a prismatic joint its mass [kg].
+inline double carried_inertia(const BodyInfo& body, const DrivenJoint& joint) {
+  if (joint.slides) return body.mass;
+  const Vec3<double> lever = vec3(body.com) - joint.point;
+  return dot(joint.axis, inertia_of(body) * joint.axis) +
+         body.mass * squared_norm(cross(joint.axis, lever));
+}
+
+/// Parameters of a controller with such drives.
+class Servo {
+ public:
+  explicit Servo(Plugin* owner)
+      : bandwidth_(owner, {.name = "bandwidth",
+                           .unit = "rad/s",
+                           .value = 60.0,
+                           .min = 1e-3,
+                           .max = 1e4,
+                           .doc = "of the joints' drives, times the inertia about their axes"}),
+        damping_(owner, {.name = "damping_ratio",
+                         .value = 1.0,
+                         .min = 0.0,
+                         .max = 100.0,
+                         .doc = "of the joints' drives; 1: no overshoot"}),
+        effort_limit_(owner, {.name = "effort_limit",
+                              .unit = "N m",
+                              .min = 0.0,
+                              .max = 1e6,
+                              .doc = "most that a joint's drive gives; 0: no limit"}),
+        tau_(owner, {.name = "tau",
+                     .unit = "s",
+                     .min = 0.0,
+                     .max = 100.0,
+                     .doc = "lag of the joints' commands; 0: none"}) {}
+
+  /// Declares the drive of a joint.
+  /// @param inertia  that it moves (carried_inertia)
+  void declare(const Setup& setup, const DrivenJoint& joint, double inertia) const {
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double limit = effort_limit_.value() > 0.0 ? effort_limit_.value() : infinity;
+    const double w = bandwidth_.value(), turn = 4.0 * kPi;
+    const bool is_limited = joint.low < joint.high;
+    setup.joint({joint.body, 0, SKYBODY_JOINT_POSITION, inertia * w * w,
+                 2.0 * damping_.value() * inertia * w, limit, tau_.value(),
+                 is_limited ? joint.low : -turn, is_limited ? joint.high : turn});
+  }
+
+ private:
+  RealParameter bandwidth_, damping_, effort_limit_, tau_;
+};
+
+}  // namespace skybody::control
