@@ -6,6 +6,7 @@
 
 #include "core/base/vec3.h"
 #include "core/env/status_field.h"
+#include "core/model/held_inputs.h"
 
 namespace skybody {
 namespace {
