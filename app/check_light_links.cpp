@@ -14,7 +14,7 @@ namespace {
 /// chains of 2 to 16 links of 0.01 g to 10 g with 0.2 kg to 2 kg at their end, which swing and whip
 /// below a base: from the first on flights end in faults, at the second all keep their energy to
 /// 5 % of what the swing has.
-constexpr double kFailingShare = 0.12, kHoldingShare = 0.01;
+constexpr double kFailingShare = 0.08, kHoldingShare = 0.01;
 
 /// What a body and all that hangs on it are for its parent, as if all hung straight down from its
 /// joint.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/math.h"
 #include "core/base/vec3.h"
 #include "core/env/status_field.h"
 #include "core/model/held_inputs.h"
@@ -84,13 +85,14 @@ class Search {
     return std::isfinite(value) || value == neutral || (value != value && neutral != neutral);
   }
 
-  /// Of velocities, turns and rates of joints the greatest number.
+  /// Of velocities, turns and rates of joints the greatest number, or the first that is none.
   std::uint64_t fastest() const {
     double most = 0.0;
     std::uint64_t bits = 0;
     const auto note = [&](Cause cause, std::size_t number, double value) {
-      if (!(std::fabs(value) > most)) return;
-      most = std::fabs(value);
+      const double size = std::isnan(value) ? kInfinity : std::fabs(value);
+      if (!(size > most)) return;
+      most = size;
       bits = bits_of(cause, static_cast<int>(number), value);
     };
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) {

@@ -281,8 +281,8 @@ TEST_P(EndsInAStep, IsAnErrorOfHash) {
 
 INSTANTIATE_TEST_SUITE_P(Functions, EndsInAStep,
                          testing::Values("exit", "quick_exit", "_Exit", "_exit"),
-                         [](const auto& info) {
-                           const std::string name = info.param;
+                         [](const auto& function) {
+                           const std::string name = function.param;
                            return name[0] == '_' ? "under" + name.substr(1) : name;
                          });
 

@@ -82,12 +82,10 @@ TEST(JointStops, HoldAndGiveNoEnergyWhateverTheStep) {
     for (const double spin : {3.0, -3.0, 8.0, -8.0, 15.0, -15.0}) {
       const Outcome out = fly(IntegratorChoice::kMidpoint, DynamicsChoice::kTree, dt, spin);
       const std::string where = std::to_string(dt) + " s, " + std::to_string(spin) + " rad/s";
-      // docs/urdf.md: u (0.004 s + dt), and what the load does to the spring.
-      EXPECT_LT(out.beyond, out.rate * (0.004 + dt) + 0.01) << where;
-      // What midpoint leaves of the swing's own energy, of some joules, at 4 ms.
-      EXPECT_LT(out.gain, 0.005) << where;
-      std::printf("%g %g beyond %.4f rate %.2f gain %.2g\n", dt, spin, out.beyond, out.rate,
-                  out.gain);
+      // docs/urdf.md: u (0.004 s + dt).
+      EXPECT_LT(out.beyond, out.rate * (0.004 + dt)) << where;
+      // What midpoint leaves of the swing's own energy, of some joules, at 4 ms: 6.5e-5 measured.
+      EXPECT_LT(out.gain, 2e-4) << where;
     }
   }
 }
@@ -96,7 +94,7 @@ TEST(JointStops, HoldWithEveryIntegratorAndBothDynamics) {
   for (const IntegratorChoice integrator : kFixedSteps) {
     for (const DynamicsChoice dynamics : {DynamicsChoice::kTree, DynamicsChoice::kSimbody}) {
       const Outcome out = fly(integrator, dynamics, 0.004, 8.0);
-      EXPECT_LT(out.beyond, out.rate * 0.008 + 0.01);
+      EXPECT_LT(out.beyond, out.rate * 0.008);
     }
   }
 }
