@@ -140,8 +140,8 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   const std::uint64_t reasons = (std::uint64_t{1} << kBadStartPlace) - 1;
   EXPECT_EQ(flight.status[3] & reasons, kTruncated | kFault | kBadState);
   EXPECT_EQ(env->fault_reason(flight.status[3]),
-            "the physics gave up or left the finite numbers: link `base` of robot `quad` turned at "
-            "inf rad/s before");
+            "the physics gave up or left the finite numbers: link `base` of robot `quad` moved at "
+            "inf m/s before");
   EXPECT_EQ(flight.reward[3], 0.0f);
   EXPECT_EQ(flight.observation[3 * 4], height);
   for (int lane = 0; lane < kLanes; ++lane) {
