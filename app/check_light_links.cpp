@@ -11,7 +11,7 @@ namespace skybody {
 namespace {
 
 /// Shares of a link's own time, sqrt(inertia / weight's moment), that a step may be, measured on
-/// chains of 2 to 16 links of 0.01 g to 10 g with 0.2 kg to 2 kg at their end, which swing and whip
+/// chains of 2 to 16 links of 0.1 g to 10 g with 0.2 kg to 2 kg at their end, which swing and whip
 /// below a base: from the first on flights end in faults, at the second all keep their energy to
 /// 5 % of what the swing has.
 constexpr double kFailingShare = 0.08, kHoldingShare = 0.01;

@@ -12,7 +12,7 @@
 namespace skybody {
 namespace {
 
-/// What a cause is about: which list its number counts, and what is said of it.
+/// Kinds of causes: the list that the number counts, and the words.
 enum class Cause { kNone, kRotor, kJoint, kWrench, kDrive, kHeld, kVelocity, kSpin, kJointRate };
 
 /// Bits of a status: 1 + the number, the cause, and the value as a float. A status with a number
