@@ -1,11 +1,12 @@
 #include "app/check_flight.h"
 
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/check_light_links.h"
+#include "app/rounded.h"
 #include "core/base/math.h"
 #include "core/base/random.h"
 #include "core/env/start_overlaps.h"
@@ -25,13 +26,6 @@ constexpr int kSteps = 8;
 
 /// Starts that are drawn to see whether they fail at once.
 constexpr int kStarts = 32;
-
-/// To four digits: what is computed has more than anybody reads.
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 /// A collision shape as it lies at the start of an episode.
 struct PlacedShape {
@@ -131,19 +125,24 @@ SourceMark mark_of_drawn_body(const CompiledScenario& compiled, int body) {
   return {compiled.scenario().file, 0, 0};
 }
 
-/// Every step of the trial flight was a fault. Bodies that cannot be, in all the draws of several
+/// Steps of the trial flight were faults. Bodies that cannot be, in all the draws of several
 /// resets, are the scenario's mistake; of other faults it may be the actions'.
-void tell_of_faults(const CompiledScenario& compiled, std::uint64_t status,
+/// @param faults  of kSteps; @param status  of the last of them
+void tell_of_faults(const CompiledScenario& compiled, int faults, std::uint64_t status,
                     Diagnostics& diagnostics) {
+  if (faults == 0) return;
   const std::string reason = compiled.fault_reason(status);
   const int body = impossible_body(status);
-  if (body >= 0) {
+  if (faults == kSteps && body >= 0) {
     diagnostics.error(mark_of_drawn_body(compiled, body),
                       "all draws of a trial flight give a body that cannot be: " + reason);
     return;
   }
-  diagnostics.warning({compiled.scenario().file, 0, 0},
-                      "every step of a trial flight ends in a fault: " + reason);
+  const std::string which = faults == kSteps
+                                ? "every step of a trial flight ends in a fault"
+                                : std::to_string(faults) + " of " + std::to_string(kSteps) +
+                                      " steps of a trial flight end in a fault";
+  diagnostics.warning({compiled.scenario().file, 0, 0}, which + ": " + reason);
 }
 
 /// Where the user gives a parameter of a plugin, if the user does and no included file.
@@ -274,17 +273,21 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         {compiled->scenario().file, 0, 0},
         "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
   }
+  warn_of_light_links(*compiled, diagnostics);
   try_starts(compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;
+  std::uint64_t status = 0;
   for (int k = 0; k < kSteps; ++k) {
     if (simulation.done()) simulation.reset();
     const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), 0.0f);
     simulation.step(
         k % 2 == 0 ? idle : random_action(simulation.action_size(), static_cast<std::uint64_t>(k)));
-    faults += simulation.fault() ? 1 : 0;
+    if (!simulation.fault()) continue;
+    ++faults;
+    status = simulation.status();
   }
-  if (faults == kSteps) tell_of_faults(*compiled, simulation.status(), diagnostics);
+  tell_of_faults(*compiled, faults, status, diagnostics);
 }
 
 }  // namespace skybody

@@ -1,6 +1,7 @@
 #include "app/plugin_exit.h"
 
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
@@ -36,14 +37,25 @@ bool name_plugin(const char* how) {
 
 pid_t running_command = 0;  ///< the process that runs it; 0: none does
 
-void at_exit() {
-  if (name_plugin(": ends the program ")) _exit(kExitError);
-  if (running_command != getpid()) return;  // a child has a parent that says it
-  write_text(
-      "error: something calls exit() before the command is done, most likely a step of a plugin; "
-      "`skybody check` says which\n");
-  _exit(kExitError);
+/// The end of the process, past the _exit() below.
+[[noreturn]] void end_process(int status) {
+  while (true) syscall(SYS_exit_group, status);
 }
+
+/// Ends the program with an error if nothing but a plugin can have asked for its end.
+/// @param function  that was called
+void refuse_end(const char* function) {
+  if (name_plugin(": ends the program ")) end_process(kExitError);
+  if (running_command != getpid()) return;  // a child has a parent that says it
+  const std::array texts = {"error: something calls ", function,
+                            "() before the command is done, most likely a step of a plugin; "
+                            "`skybody check` says which\n"};
+  for (const char* text : texts) write_text(text);
+  end_process(kExitError);
+}
+
+void at_exit() { refuse_end("exit"); }
+void at_quick_exit() { refuse_end("quick_exit"); }
 
 /// Does what the signal would have done: a fault comes again after this, one that was sent would
 /// not.
@@ -75,6 +87,7 @@ CommandRun::~CommandRun() { running_command = 0; }
 void name_plugins_that_end_the_program() {
   watch_plugins(&breadcrumb);
   std::atexit(at_exit);
+  std::at_quick_exit(at_quick_exit);
   make_own_stack();
   struct sigaction action {};
   action.sa_sigaction = at_crash;
@@ -83,3 +96,15 @@ void name_plugins_that_end_the_program() {
 }
 
 }  // namespace skybody
+
+/// In place of the C library's, which would end the program as if all were well: the loader takes
+/// a program's own symbols first, for plugins as well. A plugin that makes the system call itself
+/// is seen by `skybody check` alone, whose parent process notices that the work was not done.
+extern "C" __attribute__((visibility("default"), noreturn)) void _exit(int status) {
+  skybody::refuse_end("_exit");
+  skybody::end_process(status);
+}
+extern "C" __attribute__((visibility("default"), noreturn)) void _Exit(int status) {
+  skybody::refuse_end("_Exit");
+  skybody::end_process(status);
+}

@@ -7,7 +7,8 @@ namespace skybody {
 /// named on stderr before the program ends: with status 2 after exit(), else by the same signal.
 void name_plugins_that_end_the_program();
 
-/// While it lasts a call of exit() is an error, too: a plugin's step makes it.
+/// While it lasts a call of exit(), quick_exit() or _exit() is an error, too: a plugin's step makes
+/// it.
 class CommandRun {
  public:
   CommandRun();

@@ -10,6 +10,7 @@
 #include "core/base/octets.h"
 #include "core/base/random.h"
 #include "core/env/compiled_scenario.h"
+#include "core/env/fault_cause.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
 #include "core/env/start_overlaps.h"
@@ -70,7 +71,8 @@ bool CompiledScenario::draws_bodies() const {
   return false;
 }
 
-/// kBadState, and behind it which of the lane's bodies is none that can be.
+/// kBadState, and behind it which of the lane's bodies is none that can be, or else the likely
+/// cause.
 std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane) const {
   std::array<double, kBodyParamCount> values;
   for (std::size_t b = 0; b < world_->bodies.size(); ++b) {
@@ -81,13 +83,12 @@ std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane
     if (is_possible(mass_properties(values.data()))) continue;
     return kBadState | (static_cast<std::uint64_t>(b) + 1) << kBadStartPlace;
   }
-  return kBadState;
+  return kBadState | cause_bits(*world_, group, lane);
 }
 
-/// What is drawn of a body that no rigid body can be; empty: the status tells of none.
+/// What is drawn of a body that no rigid body can be. @param status  which tells of one
 std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
   const int number = impossible_body(status);
-  if (number < 0) return "";
   const WorldBody& body = world_->bodies[static_cast<std::size_t>(number)];
   const std::string path = "robots." +
                            scenario().robots[static_cast<std::size_t>(body.robot)].name +
@@ -99,16 +100,20 @@ std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
 }
 
 std::string CompiledScenario::fault_reason(std::uint64_t status) const {
-  const std::string of_body = reason_of_body(status);
-  if (!of_body.empty()) {
-    const std::string others = skybody::fault_reason(status & ~std::uint64_t{kBadState});
-    return (others.empty() ? "" : others + "; ") + of_body;
+  std::uint64_t told = 0;  // bits that a fuller text speaks of
+  std::string full;
+  if (impossible_body(status) >= 0) {
+    told = kBadState;
+    full = reason_of_body(status);
+  } else if ((status & kBadStart) != 0 && start_overlaps_ != nullptr) {
+    told = kBadStart;
+    full = start_overlaps_->reason(status);
+  } else if (const std::string cause = cause_text(*world_, status); !cause.empty()) {
+    told = kBadState;
+    full = skybody::fault_reason(kFault | kBadState) + ": " + cause;
   }
-  if ((status & kBadStart) == 0 || start_overlaps_ == nullptr) {
-    return skybody::fault_reason(status);
-  }
-  const std::string others = skybody::fault_reason(status & ~std::uint64_t{kBadStart});
-  return (others.empty() ? "" : others + "; ") + start_overlaps_->reason(status);
+  const std::string others = skybody::fault_reason(status & ~told);
+  return others + (others.empty() || full.empty() ? "" : "; ") + full;
 }
 
 namespace {

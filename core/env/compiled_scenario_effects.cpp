@@ -19,6 +19,21 @@ void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block)
                      group.writable(block, mask));
 }
 
+/// In checked mode: that an effect holds no NaN, but where nothing held is one.
+void check_held(const StateGroup& group, const PluginInstance& effect) {
+  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+    const Block& block = effect.held[static_cast<std::size_t>(i)];
+    for (int k = 0; k < block.size; ++k) {
+      const double value = group.reals(block)[k];
+      const double neutral = neutral_value(i, k % kHeldInputs[static_cast<std::size_t>(i)].size);
+      if (value == value || neutral != neutral) continue;
+      blame(effect, "gives NaN as value " + std::to_string(k) + " of " +
+                        std::to_string(block.size) + " of the held input `" +
+                        kHeldInputs[static_cast<std::size_t>(i)].name + "`");
+    }
+  }
+}
+
 }  // namespace
 
 /// Lets the effects that are due speak, in order.
@@ -38,6 +53,7 @@ void CompiledScenario::apply_effects(StateGroup& group, const SkybodyLanes& view
     }
     const SkybodyHeld* const inputs = &held;
     call_plugin(e.kernels.apply, e, group, v, no_sizes, inputs);
+    if (view.checks != nullptr) check_held(group, e);
   }
   group.settle(view.active);
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {

@@ -261,12 +261,11 @@ void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
   SkybodyLanes v = view;
   v.images = group.images().bytes() + sensor.images;
   v.image_stride = 8 * image_words_;
+  double* const values = group.writable(layout().sensors, v.active) + sensor.output * group.lanes();
   call_plugin(
       sensor.kernels.sense, sensor, group, v,
-      [&] {
-        return CallSizes{0, sensor.channel_count(), 0, "channel"};
-      },
-      group.writable(layout().sensors, v.active) + sensor.output * group.lanes());
+      [&] { return CallSizes{0, sensor.channel_count(), 0, "channel", nullptr, nullptr, values}; },
+      values);
 }
 
 /// Psi_i: what the task says about the final state.

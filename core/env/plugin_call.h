@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/breadcrumb.h"
+#include "core/base/fp_environment.h"
 #include "core/base/math_double.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_instance.h"
@@ -26,10 +27,30 @@ struct CallSizes {
   int input = 0;
   int output = 0;
   int info = 0;
-  const char* word = "output";  ///< what the author calls the output
-  double* written = nullptr;    ///< of one lane: `output` values that the call has to write
-  double* informed = nullptr;   ///< likewise `info` values
+  const char* word = "output";   ///< what the author calls the output
+  double* written = nullptr;     ///< of one lane: `output` values that the call has to write
+  double* informed = nullptr;    ///< likewise `info` values
+  const double* kept = nullptr;  ///< of one lane: `output` values that it may leave as they are
 };
+
+/// How this thread's floating-point mode differs from the one that the bits of all flights rest on,
+/// such as "rounding"; empty: it does not.
+inline std::string changed_fp_mode() {
+  std::string parts;
+  if (has_standard_fp_environment()) return parts;
+  const auto add = [&parts](bool is_changed, const char* part) {
+    if (is_changed) parts += (parts.empty() ? "" : ", ") + std::string(part);
+  };
+#ifdef __SSE2__
+  const std::uint32_t changed = _mm_getcsr() ^ kStandardMxcsr;
+  add((changed & 0x6000u) != 0, "rounding");
+  add((changed & 0x8040u) != 0, "flushing of denormals to zero");
+  add((changed & 0x1f80u) != 0, "traps at exceptions");
+#else
+  add(true, "rounding");
+#endif
+  return parts;
+}
 
 /// Of a call that hands over nothing behind the buffer.
 inline CallSizes no_sizes() { return {}; }
@@ -56,11 +77,14 @@ class CheckedCall {
     mark(sizes.informed, sizes.info);
   }
 
-  /// @throws MarkedError if the plugin touched values beyond those that it may, or left one out
+  /// @throws MarkedError if the plugin touched values beyond those that it may, left one out, gave
+  /// a NaN, or changed the floating-point mode
   void finish() const {
+    check_fp_mode();
     if (checks_.what != nullptr) blame_touch();
     check(sizes_.written, sizes_.output, sizes_.word);
     check(sizes_.informed, sizes_.info, "info");
+    check_numbers();
   }
 
  private:
@@ -81,6 +105,26 @@ class CheckedCall {
       blame(plugin_, "has not written " + std::string(word) + " value " + std::to_string(k) +
                          " of " + std::to_string(count));
     }
+  }
+
+  /// A NaN among values that others compute with. Infos are for people, for whom it may mean
+  /// something.
+  void check_numbers() const {
+    const double* const values = sizes_.written != nullptr ? sizes_.written : sizes_.kept;
+    for (int k = 0; values != nullptr && k < sizes_.output; ++k) {
+      if (values[k] == values[k]) continue;
+      blame(plugin_, "gives NaN as " + std::string(sizes_.word) + " value " + std::to_string(k) +
+                         " of " + std::to_string(sizes_.output));
+    }
+  }
+
+  void check_fp_mode() const {
+    const std::string changed = changed_fp_mode();
+    if (changed.empty()) return;
+    set_fp_environment();  // what tells of it computes, too
+    blame(plugin_, "changes the floating-point mode in a step (" + changed +
+                       "), on which the bits of all flights rest: what a method changes it puts "
+                       "back before it returns");
   }
 
   [[noreturn]] void blame_touch() const {

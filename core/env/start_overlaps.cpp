@@ -4,22 +4,13 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/env/status_field.h"
 #include "core/physics/contact/contact_scene.h"
 
 namespace skybody {
 namespace {
 
-/// Within a status, behind kBadStart: the body, what it begins in, and the depth in units of 10 um.
-/// With them a status is below 2^53, so that it stays whole where it is read as a double.
-struct StatusField {
-  int place, bits;
-
-  std::uint64_t most() const { return (std::uint64_t{1} << bits) - 1; }
-  std::uint64_t put(double value) const {
-    return static_cast<std::uint64_t>(std::clamp(value, 0.0, static_cast<double>(most()))) << place;
-  }
-  int get(std::uint64_t status) const { return static_cast<int>(status >> place & most()); }
-};
+/// Behind kBadStart: the body, what it begins in, and the depth in units of 10 um.
 constexpr StatusField kBodyField{kBadStartPlace, 10}, kOtherField{kBadStartPlace + 10, 15},
     kDepthField{kBadStartPlace + 25, 21};
 constexpr double kDepthUnit = 1e-5;
@@ -130,9 +121,9 @@ std::string StartOverlaps::name_of(int other) const {
 
 std::string StartOverlaps::reason(std::uint64_t status) const {
   const int obstacles = static_cast<int>(world_.scenario.obstacles.size());
-  return name_of(kBodyField.get(status)) + " begins inside " +
-         name_of(other_of(kOtherField.get(status), obstacles)) + ", by " +
-         in_metres(kDepthField.get(status) * kDepthUnit) +
+  return name_of(static_cast<int>(kBodyField.get(status))) + " begins inside " +
+         name_of(other_of(static_cast<int>(kOtherField.get(status)), obstacles)) + ", by " +
+         in_metres(static_cast<double>(kDepthField.get(status)) * kDepthUnit) +
          ", however often its start is drawn; narrow what randomizers draw, move the robot's "
          "`pose`, or raise `contact.redraws` (" +
          std::to_string(world_.scenario.contact.redraws) + ")";

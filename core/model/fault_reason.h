@@ -28,10 +28,14 @@ inline std::string fault_reason(std::uint64_t status) {
   return reasons;
 }
 
-/// The world body index of the body that is none that can be; -1: the status tells of none.
+/// The world body index of the body that is none that can be; -1: the status tells of none, or of
+/// another cause, in bits above the index (core/env/fault_cause.h).
 inline int impossible_body(std::uint64_t status) {
-  if ((status & kBadState) == 0 || (status & kBadStart) != 0) return -1;
-  return static_cast<int>(status >> kBadStartPlace) - 1;
+  constexpr int kIndexBits = 10;
+  const std::uint64_t behind = status >> kBadStartPlace;
+  if ((status & kBadState) == 0 || (status & kBadStart) != 0 || behind >> kIndexBits != 0)
+    return -1;
+  return static_cast<int>(behind) - 1;
 }
 
 }  // namespace skybody

@@ -42,12 +42,13 @@ enum EpisodeStatus : std::uint64_t {
   kFault = 4,        ///< with one of the reasons below; always truncated as well
   kBadAction = 8,    ///< the action was not finite; the last one was kept
   kBadState = 16,    ///< physics gave up or left the finite numbers, or a body is none that can be:
-                     ///< then the bits from kBadStartPlace on are its world body index + 1
+                     ///< then the bits from kBadStartPlace on are its world body index + 1, else
+                     ///< they tell the likely cause (core/env/fault_cause.h)
   kBadOutcome = 32,  ///< observation or reward is not finite as a float
   kBadStart = 64,    ///< a robot begins inside something, however often its start was drawn; the
                      ///< bits from kBadStartPlace on tell more (core/env/start_overlaps.h)
 };
-/// The first bit of a status that tells where a start is bad, and how deep.
+/// The first bit of a status that tells more of a bad start or state.
 inline constexpr int kBadStartPlace = 7;
 
 /// Where one robot's values lie inside the q, u, rotor and body blocks.

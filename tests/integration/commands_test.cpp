@@ -105,6 +105,49 @@ TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   EXPECT_EQ(fine.err, "");
 }
 
+/// A base of 1 kg with eight rods below one another, of 0.1 m each and so many kilograms, and 0.5
+/// kg on the last.
+std::string chain_urdf(const std::string& mass, const std::string& inertia_of_rod) {
+  const auto link = [](const std::string& name, const std::string& z, const std::string& kg,
+                       const std::string& inertia) {
+    return "<link name='" + name + "'><inertial><origin xyz='0 0 " + z + "'/><mass value='" + kg +
+           "'/><inertia ixx='" + inertia + "' iyy='" + inertia + "' izz='" + inertia +
+           "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+  };
+  std::string text = "<robot name='chain'>" + link("base", "0", "1", "0.01");
+  std::string parent = "base";
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "link" + std::to_string(i);
+    text += link(name, "-0.05", mass, inertia_of_rod) + "<joint name='" + name + "_joint' " +
+            "type='continuous'><origin xyz='0 0 " + (i == 0 ? "0" : "-0.1") + "'/><parent link='" +
+            parent + "'/><child link='" + name + "'/><axis xyz='0 1 0'/></joint>";
+    parent = name;
+  }
+  return text + link("load", "0", "0.5", "2e-4") +
+         "<joint name='weld' type='fixed'><origin xyz='0 0 -0.1'/><parent link='link7'/>"
+         "<child link='load'/></joint></robot>";
+}
+
+TEST(Check, WarnsOfLinksThatAreTooLightForTheStep) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "chain.yaml")
+      << "stepping: {dt: 0.001}\nrobots:\n  - name: chain\n    model: chain.urdf\n"
+         "    pose: {position: [0, 0, 2]}\n    controllers: [{plugin: wrench, parameters: "
+         "{max_force: [20, 20, 20], max_moment: [1, 1, 1]}}]\ntask: {plugin: hover}\n";
+  const auto check = [&](const std::string& mass, const std::string& inertia) {
+    std::ofstream(folder.path() / "chain.urdf") << chain_urdf(mass, inertia);
+    return run_skybody({"check", (folder.path() / "chain.yaml").string()});
+  };
+  const Outcome light = check("0.0001", "8.3e-8");
+  EXPECT_EQ(light.exit_code, 0);
+  EXPECT_THAT(light.err,
+              ContainsRegex("chain.yaml:3:5: warning: link `link0` of robot `chain` has 0.0001 kg "
+                            "and carries 0.5007 kg: where these swing it whips, and steps of 0.001 "
+                            "s gain energy or end in a fault; give such links 0.01[0-9]+ kg, or "
+                            "take a `dt` of 1.[0-9]+e-05 s, which held in all that was measured"));
+  EXPECT_EQ(check("0.02", "1.66e-5").err, "");
+}
+
 TEST(Hash, IsTheSameLineInTwoProcesses) {
   const std::vector<std::string> arguments = {"hash",      kHover, "--envs",  "1",
                                               "--threads", "1",    "--batch", "1",

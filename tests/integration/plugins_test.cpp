@@ -242,24 +242,46 @@ TEST_F(Terminates, IsNotTakenForTheUser) {
                                      "15, Terminated): mend it"));
 }
 
-class EndsInAStep : public Stranger {
+/// By each of the functions that end a process.
+class EndsInAStep : public Stranger, public testing::WithParamInterface<const char*> {
  protected:
-  EndsInAStep() : Stranger("[{plugin: exits_in_a_step}]") { put("exits_in_a_step", "plugins"); }
+  EndsInAStep()
+      : Stranger("[{plugin: exits_in_a_step, parameters: {by: " + std::string(GetParam()) + "}}]") {
+    put("exits_in_a_step", "plugins");
+  }
+  std::string words() const {
+    return std::string("error: something calls ") + GetParam() +
+           "() before the command is done, most likely a step of a plugin";
+  }
 };
 
-TEST_F(EndsInAStep, IsNamedByCheck) {
+TEST_P(EndsInAStep, IsNamedByCheck) {
   const Outcome outcome = run({"check", "scenario.yaml", "--trust-scenario"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("ends the process in a step of `exits_in_a_step` (exit status "
                                      "0): mend it"));
 }
 
-TEST_F(EndsInAStep, IsAnErrorOfRun) {
+TEST_P(EndsInAStep, IsAnErrorOfRun) {
   const Outcome outcome =
       run({"run", "scenario.yaml", "--trust-scenario", "--policy", "zero", "--no-picture"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("exit() before the command is done"));
+  EXPECT_THAT(outcome.err, HasSubstr(words()));
 }
+
+TEST_P(EndsInAStep, IsAnErrorOfHash) {
+  for (const std::string threads : {"1", "2"}) {
+    const Outcome outcome =
+        run({"hash", "scenario.yaml", "--trust-scenario", "--threads", threads});
+    EXPECT_EQ(outcome.exit_code, 2) << threads;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, HasSubstr(words()));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Functions, EndsInAStep,
+                         testing::Values("exit", "quick_exit", "_Exit", "_exit"),
+                         [](const auto& function) { return std::string(function.param); });
 
 TEST_F(Stranger, ThatEndsTheProcessWhenUnloadedIsNamedByLists) {
   const std::string unloaded = ".so: ends the process while it is unloaded (exit status 0)";

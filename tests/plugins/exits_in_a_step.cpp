@@ -1,6 +1,7 @@
 // Ends the process, as if all were well, while an environment steps.
 #include <skybody/plugin.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 namespace {
 
@@ -13,8 +14,14 @@ class ExitsInAStep : public Controller {
     setup.output(Signal::kRotorSpeed, 4);
   }
   void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {
-    exit(0);
+    if (by_.value() == "exit") exit(0);
+    if (by_.value() == "quick_exit") quick_exit(0);
+    if (by_.value() == "_Exit") _Exit(0);
+    _exit(0);
   }
+
+ private:
+  TextParameter by_{this, {.name = "by", .value = "exit", .doc = "the function that it calls"}};
 };
 
 }  // namespace

@@ -1,11 +1,17 @@
-// Forces along a joint's own coordinates: viscous damping on all of them, a spring and travel
-// limits on pins and sliders.
+// Forces along a joint's own coordinates: viscous damping on all of them, and on pins and sliders a
+// spring, and the law of their stops, which step/joint_stops.h applies.
 #pragma once
 
 #include "core/base/math.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {
+
+/// Whether a joint has travel limits with a spring and a damper beyond them.
+inline bool has_stops(const Joint& joint) {
+  const bool has_one_coordinate = joint.type == JointType::kPin || joint.type == JointType::kSlider;
+  return has_one_coordinate && joint.limit.enabled;
+}
 
 /// Beyond `lower` or `upper` a spring pushes back and a damper acts, but they never pull inwards.
 /// @param constants  the joint's, a pointer or a view
@@ -23,8 +29,8 @@ SKYBODY_INLINE Real limit_force(const JointLimit& limit, const Constants& consta
   return at_lower - at_upper;
 }
 
-/// Generalised forces of one joint, one per u [N m] or [N]; conjugate to u as JointType defines it.
-/// Constants of 0 give exactly +0.
+/// Generalised forces of one joint but its stops', one per u [N m] or [N]; conjugate to u as
+/// JointType defines it. Constants of 0 give exactly +0.
 /// @param constants  its joint_constant_count() values, at least one
 template <class Real, class Constants>
 SKYBODY_INLINE void joint_force(const Joint& joint, const Constants& constants, const Real* q,
@@ -33,7 +39,6 @@ SKYBODY_INLINE void joint_force(const Joint& joint, const Constants& constants, 
   for (int i = 0; i < velocity_size(joint.type); ++i) force[i] = 0.0 - damping * u[i];
   if (joint.type != JointType::kPin && joint.type != JointType::kSlider) return;
   force[0] -= constants[kJointStiffness] * (q[0] - constants[kJointRest]);
-  if (joint.limit.enabled) force[0] += limit_force(joint.limit, constants, q[0], u[0]);
 }
 
 }  // namespace skybody

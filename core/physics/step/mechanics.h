@@ -112,13 +112,14 @@ class Mechanics {
     return end_step(mask);
   }
 
-  /// Accelerations at the step's start.
+  /// Accelerations at the step's start; of stops those that they will have over a step.
   /// @param contact  forces of contact, one per body; null: none
   SKYBODY_INLINE void accelerations(const SpatialForce<Real>* contact, Real* udot) {
     contact_ = contact;
     begin_step();
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, kStepStart, udot);
+    if (plan_.stops.any()) add_stops(udot);
     if (couplings_.any()) couplings_.add_pulls(a_.motion, a_.forces);
   }
   /// What the last evaluation had: motion of the bodies, and all forces on them but those of
@@ -287,9 +288,65 @@ class Mechanics {
     }
   }
 
-  /// Quaternions to norm 1, pose-driven bases exactly where they were told to be; writes the lanes
-  /// whose values are bounded.
+  /// Calls f(robot, where, change) for robots at stops: see JointStops::act.
+  /// @param end  what the step without stops leads to
+  template <class F>
+  SKYBODY_INLINE void meet_stops(const MaskOf<Real>& mask, const Coordinates<Real>& end,
+                                 const F& f) const {
+    plan_.stops.act(plan_.forest, params_, derived_ + plan_.derived.bodies, dt(), mask, a_.now.q,
+                    end.q, end.u, a_.forest, a_.stops, f);
+  }
+
+  /// The step's end without stops becomes that with them.
+  SKYBODY_INLINE void stop_joints(const MaskOf<Real>& mask) {
+    meet_stops(mask, a_.now,
+               [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
+                   SKYBODY_INLINE_LAMBDA {
+                     Real* const step = a_.stages.rate.u;
+                     for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
+                       step[k] = select(where, dt() * change[k], Real(0.0));
+                       a_.now.u[k] = select(where, a_.now.u[k] + step[k], a_.now.u[k]);
+                     }
+                     drift(robot, where, step);
+                   });
+  }
+  /// Coordinates of a robot go on for dt with rates `u`.
+  SKYBODY_INLINE void drift(const RobotLayout& robot, const MaskOf<Real>& where,
+                            const Real* u) const {
+    for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
+      const TreeBody& body = tree()[static_cast<std::size_t>(i)];
+      Real moved[7];
+      const int count = position_size(body.type);
+      for (int k = 0; k < count; ++k) moved[k] = a_.now.q[body.q + k];
+      drift_position(body.type, dt(), u + body.u, moved);
+      normalize_position(body.type, moved);
+      for (int k = 0; k < count; ++k) {
+        a_.now.q[body.q + k] = select(where, moved[k], a_.now.q[body.q + k]);
+      }
+    }
+  }
+
+  /// Adds what stops do over the step that begins.
+  SKYBODY_INLINE void add_stops(Real* udot) const {
+    const Coordinates<Real>& end = a_.stages.point;
+    for (const TreeBody& body : tree()) {
+      if (body.type != JointType::kPin && body.type != JointType::kSlider) continue;
+      end.u[body.u] = a_.now.u[body.u] + dt() * udot[body.u];
+      end.q[body.q] = a_.now.q[body.q] + (0.5 * dt()) * (a_.now.u[body.u] + end.u[body.u]);
+    }
+    meet_stops(MaskOf<Real>(true), end,
+               [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
+                   SKYBODY_INLINE_LAMBDA {
+                     for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
+                       udot[k] += select(where, change[k], Real(0.0));
+                     }
+                   });
+  }
+
+  /// Joints stopped, quaternions to norm 1, pose-driven bases exactly where they were told to be;
+  /// writes the lanes whose values are bounded.
   SKYBODY_INLINE MaskOf<Real> end_step(const MaskOf<Real>& mask) {
+    if (plan_.stops.any()) stop_joints(mask);
     for (const TreeBody& body : tree()) normalize_position(body.type, a_.now.q + body.q);
     const Real* target = a_.targets;
     for (const DrivenBase& drive : plan_.drives) {

@@ -80,6 +80,7 @@ struct StepArrays {
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
   CouplingWork<Real> couplings;
+  StopWork<Real> stops;
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -110,6 +111,12 @@ struct StepArrays {
     arena.take(forest.ball, bodies);
     arena.take(forest.acceleration, bodies);
     couplings.take_from(arena, plan.couplings);
+    if (!plan.stops.any()) return arena.used;
+    for (Real** values : {&stops.force, &stops.inertia, &stops.change, &stops.nothing}) {
+      arena.take(*values, static_cast<std::size_t>(layout.u.size));
+    }
+    arena.take(stops.no_forces, bodies);
+    arena.take(stops.at_rest, bodies);
     return arena.used;
   }
 };

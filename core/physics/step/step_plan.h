@@ -13,6 +13,7 @@
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
 #include "core/physics/step/held_kind.h"
+#include "core/physics/step/joint_stops.h"
 #include "core/physics/step/step_rules.h"
 #include "core/physics/tree/forest.h"
 #include "core/physics/world/lane_values.h"
@@ -144,6 +145,7 @@ struct StepPlan {
   ForceModel forces;
   ContactScene contact;
   CouplingScene couplings;
+  JointStops stops;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
   HeldKind held = HeldKind::kNothing;

@@ -170,11 +170,13 @@ struct JointColumns {
 };
 
 /// Takes a joint's coordinates out of the inertia of its body.
+/// @param own  inertias of the coordinates themselves, one each; null: they have none
 template <class Columns, class Real>
-SKYBODY_INLINE void eliminate(TreeBodyWork<Real>& work) {
+SKYBODY_INLINE void eliminate(const Real* own, TreeBodyWork<Real>& work) {
   for (int k = 0; k < Columns::kCount; ++k) {
     SpatialForce<Real> row = Columns::force(work.inertia, work.column[k]);
     Real pivot = Columns::power(work.column[k], row);
+    if (own != nullptr) pivot += own[k];
     for (int j = 0; j < k; ++j) {
       // L D: element (k, j) before it is divided by the pivot.
       const Real scaled = Columns::power(work.column[k], work.reduced[j]);

@@ -89,6 +89,23 @@ class Forest {
     spread(tree, at_rest, nothing, work, udot);
   }
 
+  /// What forces in the joints of one robot do to its accelerations.
+  /// @param no_force       zeros: one per body
+  /// @param joint_forces   per u
+  /// @param joint_inertia  per u: on top of what the bodies have
+  template <class Real, class Constants>
+  SKYBODY_INLINE void respond_to_joints(int robot, const Real* q,
+                                        const BodyKinematics<Real>* at_rest,
+                                        const Constants& constants, const Real* nothing,
+                                        const SpatialForce<Real>* no_force,
+                                        const Real* joint_forces, const Real* joint_inertia,
+                                        const Work<Real>& work, Real* udot) const {
+    const Tree& tree = tree_of(robot);
+    open(tree, q, nothing, at_rest, constants, no_force, work);
+    gather(tree, at_rest, joint_forces, work, joint_inertia);
+    spread(tree, at_rest, joint_forces, work, udot);
+  }
+
  private:
   template <class Real, class Constants>
   static SKYBODY_INLINE void accelerate_free_body(const BodyKinematics<Real>& body,
@@ -164,9 +181,11 @@ class Forest {
   }
 
   /// From the leaves to the base: what each body and all that hangs on it asks of its parent.
+  /// @param joint_inertia  per u: of coordinates themselves, but those of ball joints; null: none
   template <class Real>
   SKYBODY_INLINE void gather(const Tree& tree, const BodyKinematics<Real>* motion,
-                             const Real* joint_forces, const Work<Real>& work) const {
+                             const Real* joint_forces, const Work<Real>& work,
+                             const Real* joint_inertia = nullptr) const {
     for (int i = tree.end; i-- > tree.begin;) {
       if (i == tree.begin && tree.floats) continue;  // spread() takes it as it is
       const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
@@ -184,7 +203,7 @@ class Forest {
       if (!is_held(tree, i) && body.type != JointType::kWeld) {
         with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
           using Columns = decltype(columns);
-          eliminate<Columns>(w);
+          eliminate<Columns>(joint_inertia == nullptr ? nullptr : joint_inertia + body.u, w);
           leave_residual<Columns>(joint_forces + body.u, w);
           if (body.parent >= 0) reduce<Columns>(w, inertia, bias);
         });

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <skybody/task_kit.h>
 
+#include "core/base/fp_environment.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {
@@ -133,8 +134,44 @@ class Moody : public Task {
   }
 };
 
+/// Gives the commanded speeds, one of them divided by nothing.
+class Numberless : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {1, 1, 1, 1});
+    setup.output(Signal::kRotorSpeed, 4);
+  }
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+    for (int i = 0; i < 4; ++i) out.set(i, i == 2 ? (in[i] - in[i]) / Real(0.0) : in[i]);
+  }
+};
+
+#ifdef __SSE2__
+/// Does what is asked for, and leaves bits of the floating-point mode changed.
+template <unsigned kChanged>
+class Meddler : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {1, 1, 1, 1});
+    setup.output(Signal::kRotorSpeed, 4);
+  }
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
+    _mm_setcsr(_mm_getcsr() ^ kChanged);
+  }
+};
+#endif
+
 std::string mistake(const std::string& controller, const std::string& task) {
   InProcessFactory factory;
+#ifdef __SSE2__
+  factory.add<Meddler<0x2000>>("rounds_down");
+  factory.add<Meddler<0x8000>>("flushes");
+  factory.add<Meddler<0x0200>>("traps");
+#endif
+  factory.add<Numberless>("numberless");
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
   factory.add<Talkative>("talkative");
@@ -217,6 +254,27 @@ TEST(CheckedMode, NamesThePluginThatThrows) {
   EXPECT_EQ(mistake("direct", "moody"),
             "plugin `moody` (task) throws in a step: not today; this is a mistake in the plugin");
 }
+
+TEST(CheckedMode, SaysWhichValueIsNoNumber) {
+  EXPECT_EQ(mistake("numberless", "watch"),
+            "plugin `numberless` (numberless) gives NaN as output value 2 of 4; this is a mistake "
+            "in the plugin");
+}
+
+#ifdef __SSE2__
+TEST(CheckedMode, NamesThePluginThatChangesTheFloatingPointMode) {
+  const auto expected = [](const std::string& name, const std::string& what) {
+    return "plugin `" + name + "` (" + name + ") changes the floating-point mode in a step (" +
+           what +
+           "), on which the bits of all flights rest: what a method changes it puts back before it "
+           "returns; this is a mistake in the plugin";
+  };
+  EXPECT_EQ(mistake("rounds_down", "watch"), expected("rounds_down", "rounding"));
+  EXPECT_EQ(mistake("flushes", "watch"), expected("flushes", "flushing of denormals to zero"));
+  EXPECT_EQ(mistake("traps", "watch"), expected("traps", "traps at exceptions"));
+  EXPECT_TRUE(has_standard_fp_environment()) << "the mode is put back";
+}
+#endif
 
 TEST(CheckedMode, SaysNothingOfSoundPlugins) { EXPECT_EQ(mistake("direct", "watch"), ""); }
 
