@@ -18,7 +18,7 @@ constexpr double kCarriers = 4.0;
 /// about three times its largest eigenvalue; a step is stable below 4 of that.
 constexpr double kLargestSquaredPhase = 4.0;
 /// Likewise, of bristles: the largest damping x dt / mass; stable below 2 of the eigenvalue.
-constexpr double kLargestDamping = 1.0;
+constexpr double kLargestDamping = 3.0;
 
 ContactForm make_box() {
   ContactForm form;
