@@ -8,7 +8,7 @@
 //
 // x is the depth, v the rate at which it grows. What multiplies a velocity is at most m / (4 h), m
 // the mass of the bodies and h the step: parts of a step (contact_step.h) are so short that no more
-// is asked for, as long as there are enough of them.
+// is asked for, as long as there are enough of them. Where there are not, limited_force() holds.
 #pragma once
 
 #include "core/base/math.h"
@@ -28,14 +28,25 @@ struct Touch {
   Real most_damping;  ///< m / (4 h) [N s/m]
 };
 
-/// @param dissipation c [s/m]
+/// @param elastic      k x^1.5 [N]
+/// @param dissipation  c [s/m]
 /// @returns f [N]
 template <class Real>
-SKYBODY_INLINE Real normal_force(const Touch<Real>& touch, double stiffness,
+SKYBODY_INLINE Real normal_force(const Touch<Real>& touch, const Real& elastic,
                                  const Real& dissipation) {
-  const Real elastic = stiffness * pow_3_2(max(touch.depth, Real(0.0)));
   const Real damping = min(1.5 * dissipation * elastic, touch.most_damping);
   return max(elastic - damping * dot(touch.normal, touch.velocity), Real(0.0));
+}
+
+/// The same for a step that is too long for the spring. Velocities approach 1 / d, at which the law
+/// has no force, from below: with s the sum over a body's contacts of h k x^1.5 d / m', m' the mass
+/// that each meets along its normal, all of them together take no more than s / (1 + s) of the way.
+/// @param sum  s; of two bodies the larger one
+template <class Real>
+SKYBODY_INLINE Real limited_force(const Touch<Real>& touch, const Real& elastic,
+                                  const Real& dissipation, const Real& sum) {
+  const Real share = 1.0 - 1.5 * dissipation * dot(touch.normal, touch.velocity);
+  return elastic * max(share, Real(0.0)) / (1.0 + sum);
 }
 
 /// Of a vector, what lies at right angles to a unit vector.

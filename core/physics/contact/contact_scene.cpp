@@ -12,8 +12,13 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// Largest stiffness of a light body's points: (frequency x dt)^2 of the body on one point.
-constexpr double kLargestSquaredPhase = 0.25;
+/// On so many places at once a body is taken to rest where the law is made for dt.
+constexpr double kCarriers = 4.0;
+/// Of all these together, in all directions: the largest (frequency x dt)^2. The trace of a matrix,
+/// about three times its largest eigenvalue; a step is stable below 4 of that.
+constexpr double kLargestSquaredPhase = 4.0;
+/// Likewise, of bristles: the largest damping x dt / mass; stable below 2 of the eigenvalue.
+constexpr double kLargestDamping = 3.0;
 
 ContactForm make_box() {
   ContactForm form;
@@ -120,10 +125,41 @@ std::vector<double> point_heights(const ContactScene& scene, int robot) {
   return heights;
 }
 
+/// Sum over three directions of how a body, were it free, gives way to unit impulses at a place
+/// [1/kg]. @param arm  from its centre of mass, body axes
+double mobility(const MassProperties& mass, const Vec3<double>& arm) {
+  const SymMat3<double> turning = inverse(mass.inertia);
+  return 3.0 / mass.mass + (turning.xx + turning.yy + turning.zz) * dot(arm, arm) -
+         dot(arm, turning * arm);
+}
+
+/// That of the place that gives way most; nothing for what is driven. A link of a robot with joints
+/// does not turn freely.
+double mobility(const ContactScene& scene, const ContactBody& body) {
+  if (body.is_driven) return 0.0;
+  const MassProperties& mass = scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass;
+  const auto robot = static_cast<std::size_t>(body.robot);
+  if (scene.world.layout.robots[robot].body_count > 1) return 1.0 / (kContactShare * mass.mass);
+  double most = 0.0;
+  for (const GroundPoint& p : body.points) {
+    for (int side = 0; side < 6; ++side) {
+      Vec3<double> out{0.0, 0.0, 0.0};
+      (side < 2 ? out.x : side < 4 ? out.y : out.z) = side % 2 == 0 ? p.radius : -p.radius;
+      most = max(most, mobility(mass, p.at + out - mass.com));
+    }
+  }
+  for (const GroundRim& rim : body.rims) {
+    for (const Vec3<double>& spoke : rim.spokes) {
+      most = max(most, mobility(mass, rim.rim.middle + spoke - mass.com));
+    }
+  }
+  return most;
+}
+
 /// Stiffness of the points of each contact body: resting upright on the n points that lie lowest,
 /// the robot sinks in by ContactSettings::penetration x0,
 ///   k = m |g| / (n x0^1.5),
-/// but no more than lets dt follow the oscillation of the body itself.
+/// but no more than lets dt follow the oscillation of the body itself on several of them.
 std::vector<double> stiffnesses(const ContactScene& scene) {
   const Scenario& scenario = scene.world.scenario;
   const double depth = scenario.contact.penetration, dt = scenario.stepping.dt;
@@ -141,10 +177,8 @@ std::vector<double> stiffnesses(const ContactScene& scene) {
   }
   std::vector<double> out;
   for (const ContactBody& body : scene.bodies) {
-    const double mass = scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
-    const double most = is_error_controlled(scenario.stepping.integrator)
-                            ? kInfinity  // no step is too large
-                            : kLargestSquaredPhase * mass / (dt * dt) / (1.5 * sqrt(depth));
+    const double gives = kCarriers * mobility(scene, body) * (dt * dt);
+    const double most = kLargestSquaredPhase / gives / (1.5 * sqrt(depth));  // driven: infinite
     out.push_back(min(wanted[static_cast<std::size_t>(body.robot)], most));
   }
   return out;
@@ -172,11 +206,15 @@ double nominal_share(const ContactScene& scene, const ContactBody& body) {
   return kContactShare * scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
 }
 
-ContactLaw make_law(double penetration, double stiffness, double share) {
+/// @param share     mass that a bristle feels
+/// @param mobility  of the bodies, together
+ContactLaw make_law(const Scenario& scenario, double stiffness, double share, double mobility) {
   ContactLaw law;
   law.stiffness = stiffness;
-  law.bristle_stiffness = 1.5 * stiffness * sqrt(penetration);
-  law.bristle_damping = share == kInfinity ? 0.0 : sqrt(law.bristle_stiffness * share);
+  law.bristle_stiffness = 1.5 * stiffness * sqrt(scenario.contact.penetration);
+  if (share == kInfinity) return law;
+  const double most = kLargestDamping / (kCarriers * mobility * scenario.stepping.dt);
+  law.bristle_damping = min(sqrt(law.bristle_stiffness * share), most);
   return law;
 }
 
@@ -250,10 +288,10 @@ void add_bodies(ContactScene& scene) {
 void add_meetings(ContactScene& scene) {
   const Scenario& scenario = scene.world.scenario;
   const std::vector<double> stiffness = stiffnesses(scene);
-  const double depth = scenario.contact.penetration;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const double share = nominal_share(scene, scene.bodies[i]);
-    const ContactLaw law = make_law(depth, stiffness[i], share);
+    const double gives = mobility(scene, scene.bodies[i]);
+    const ContactLaw law = make_law(scenario, stiffness[i], share, gives);
     const int body = static_cast<int>(i);
     const bool moves = !scene.bodies[i].is_driven;
     if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law, moves, true});
@@ -265,9 +303,11 @@ void add_meetings(ContactScene& scene) {
       if (scene.bodies[k].robot == scene.bodies[i].robot) continue;
       const double other = nominal_share(scene, scene.bodies[k]);
       const double both = 1.0 / (1.0 / share + 1.0 / other);
-      scene.meetings.push_back({body, static_cast<int>(k),
-                                make_law(depth, in_series(stiffness[i], stiffness[k]), both),
-                                moves || !scene.bodies[k].is_driven, false});
+      const double softer = in_series(stiffness[i], stiffness[k]);
+      scene.meetings.push_back(
+          {body, static_cast<int>(k),
+           make_law(scenario, softer, both, gives + mobility(scene, scene.bodies[k])),
+           moves || !scene.bodies[k].is_driven, false});
     }
   }
 }

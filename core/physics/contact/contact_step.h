@@ -15,6 +15,13 @@
 
 namespace skybody {
 
+/// By which velocities the forces of a part go.
+enum class ContactPass {
+  kStart,    ///< those of its start; the places are found
+  kMean,     ///< mean ones, as the pass before makes them
+  kLimited,  ///< likewise; where these are out of all bounds by limited_force()
+};
+
 /// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
 class ContactStep : public ContactSearch<Real, Values> {
@@ -33,9 +40,11 @@ class ContactStep : public ContactSearch<Real, Values> {
         friction_(constants[kFriction]),
         dissipation_(constants[kDissipation]) {}
 
-  /// Where things touch so quickly that it matters whether forces go by the velocity at a part's
-  /// start or by its mean: known after act().
+  /// Where things touch so quickly, or so deep, that it matters whether forces go by the velocity
+  /// at a part's start or by its mean: known after act().
   SKYBODY_INLINE const MaskOf<Real>& is_quick() const { return is_quick_; }
+  /// Where springs are too stiff for the shortest parts: known after act() with mean velocities.
+  SKYBODY_INLINE const MaskOf<Real>& is_stiff() const { return is_stiff_; }
 
   /// The step begins, or begins again: nothing has touched so far. What a lane does must not depend
   /// on whether another one made it begin again.
@@ -51,26 +60,22 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// @param mean       the same with mean velocities of the part, as far as they are known
   /// @param step       of the part [s]
   /// @param is_active  lanes where anything acts
-  /// @param is_again   positions are as at the last call, so its places are used again
+  /// @param pass       after the first one places are those of the last call
   /// @param list       list(meeting, point, Touch, force, lanes) of each contact
   template <class List = NoContactList>
   SKYBODY_INLINE void act(const Motion* motion, const Motion* mean, const Real& step,
-                          const MaskOf<Real>& is_active, bool is_again, const List& list = {}) {
+                          const MaskOf<Real>& is_active, ContactPass pass, const List& list = {}) {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
       w_.forces[i] = {zero, zero};
       w_.kicks[i] = {zero, zero};
     }
     each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
-    const Part part{motion, mean, step, is_again};
-    const bool are_known = is_again && are_places_kept_;
-    if (!are_known) are_places_kept_ = true;
-    int next = are_known ? near_count_ : 0;
-    do {
-      if (!are_known) next = find_places(part, next, is_active);
-#pragma GCC unroll 1
-      for (int i = 0; i < place_count_; ++i) touch(part, w_.places[i], list);
-    } while (next < near_count_);
+    const Part part{motion, mean, step, pass};
+    if (pass == ContactPass::kStart) is_stiff_ = MaskOf<Real>(false);
+    if (pass == ContactPass::kLimited) add_up(part, is_active);
+    each_place(part, is_active,
+               [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA { touch(part, place, list); });
   }
 
   /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
@@ -123,6 +128,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Search::near_count_;
   using Search::other_body;
   using Search::other_solid;
+  using Search::parts_;
   using Search::scene_;
   using Search::solid_of;
   using Search::w_;
@@ -131,26 +137,36 @@ class ContactStep : public ContactSearch<Real, Values> {
   struct Part {
     const Motion *motion, *mean;
     const Real& step;
-    bool is_again;
+    ContactPass pass;
   };
 
-  /// Where things touch so quickly that it matters, a contact asks for parts: so many that none
-  /// goes through more of the swing of its spring than kLargestPhase, nor asks for more damping
-  /// than Touch::most_damping, nor goes far where it is going to be stopped.
-  /// @param speed  at which it gets deeper, or less deep
+  /// Where things touch so quickly or so deep that it matters, a contact asks for parts: so many
+  /// that none goes through more of the swing of its spring than kLargestPhase, nor asks for more
+  /// damping than Touch::most_damping, nor goes far where it is going to be stopped. Springs that
+  /// lose nothing get more: only there does the error of the parts add up.
+  /// @param elastic  k x^1.5 [N]
+  /// @param speed    at which it gets deeper, or less deep
   SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth,
-                                    const Real& speed, const MaskOf<Real>& touches) {
-    constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05;
+                                    const Real& elastic, const Real& speed,
+                                    const MaskOf<Real>& touches) {
+    constexpr double kLargestPhase = 0.5, kLosslessPhase = 1.0 / 16.0, kStoppedParts = 24.0,
+                     kQuickWay = 0.05, kDeepPhase = 1.0, kDeepDamping = 0.5;
     const Real way = dt() * speed;
     const double rest = scene_.world.scenario.contact.penetration;
-    const auto is_quick = logical_and(touches, way > kQuickWay * rest);
+    const Real kick = (1.5 * dt()) * (elastic * pair.per_mass);  // 1.5 h k x^1.5 / m'
+    const auto is_lossless = dissipation_ <= 0.0;
+    const auto is_deep = logical_or(dissipation_ * kick > kDeepDamping,
+                                    dt() * kick > kDeepPhase * kDeepPhase * depth);
+    const auto is_quick =
+        logical_and(touches, logical_or(way > kQuickWay * rest, logical_or(is_deep, is_lossless)));
     if (none(is_quick)) return;
     is_quick_ |= is_quick;
     const double stiffness = pair.meeting->law.stiffness;
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
     const Real damping = 1.5 * dissipation_ * (rigidity * reach);
-    Real parts = max(phase * (1.0 / kLargestPhase), dt() * (damping * pair.per_mass));
+    const Real most = select(is_lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
+    Real parts = max(phase * most, dt() * (damping * pair.per_mass));
     if (!pair.meeting->is_endless) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
       const Real& give = pair.give;
@@ -162,6 +178,19 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// ---- what touches
+
+  /// Calls f(place) where things touch.
+  template <class F>
+  SKYBODY_INLINE void each_place(const Part& part, const MaskOf<Real>& is_active, const F& f) {
+    const bool are_known = part.pass != ContactPass::kStart && are_places_kept_;
+    if (!are_known) are_places_kept_ = true;
+    int next = are_known ? near_count_ : 0;
+    do {
+      if (!are_known) next = find_places(part, next, is_active);
+#pragma GCC unroll 1
+      for (int i = 0; i < place_count_; ++i) f(w_.places[i]);
+    } while (next < near_count_);
+  }
 
   /// Places of the pairs from `next` on, as many as are kept.
   /// @returns the first pair that is still to be looked at
@@ -235,14 +264,20 @@ class ContactStep : public ContactSearch<Real, Values> {
     const int body = scene_.bodies[static_cast<std::size_t>(meeting.body)].body;
     const int other = meeting.other >= 0 ? other_body(meeting).body : -1;
     const Vec3<Real> velocity = velocity_at(part.motion, body, other, point);
-    const Touch<Real> t{place.depth,
-                        out,
-                        part.is_again ? velocity_at(part.mean, body, other, point) : velocity,
-                        velocity * part.step,
-                        part.step,
-                        pair.most_damping};
-    if (!part.is_again) ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
-    Real push = normal_force(t, meeting.law.stiffness, dissipation_);
+    const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
+    Touch<Real> t{place.depth, out, velocity, velocity * part.step, part.step, pair.most_damping};
+    if (part.pass == ContactPass::kStart) {
+      ask_for_parts(pair, place.depth, elastic, abs(dot(out, velocity)), touches);
+    } else {
+      t.velocity = velocity_at(part.mean, body, other, point);
+    }
+    if (part.pass == ContactPass::kMean) find_stiff(t, elastic * pair.per_mass, touches);
+    if (part.pass == ContactPass::kLimited) t.velocity = select(is_stiff_, velocity, t.velocity);
+    Real push = normal_force(t, elastic, dissipation_);
+    if (part.pass == ContactPass::kLimited) {
+      const Real sum = other >= 0 ? max(w_.sums[body], w_.sums[other]) : w_.sums[body];
+      push = select(is_stiff_, limited_force(t, elastic, dissipation_, sum), push);
+    }
     if (!meeting.is_endless) stop(pair, part, point, t, other, touches, push);
     const Real most = friction_ * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
@@ -253,6 +288,39 @@ class ContactStep : public ContactSearch<Real, Values> {
     w_.is_touched[body] |= touches;
     if (other >= 0) w_.is_touched[other] |= touches;
     list(meeting, point, t, force, touches);
+  }
+
+  /// Looks whether the shortest part is too long for a spring: its damper, on the mass of the body
+  /// alone, takes the velocity past its end, and within half of the part forces have changed it by
+  /// as much as is left of the way to 1 / d. What is heavier than the body alone rests.
+  /// @param rate  k x^1.5 / m' [m/s^2]
+  SKYBODY_INLINE void find_stiff(const Touch<Real>& t, const Real& rate,
+                                 const MaskOf<Real>& touches) {
+    const auto is_shortest = parts_ > 0.75 * kMostParts;
+    const Real d = 1.5 * dissipation_;
+    const auto may = logical_and(touches, logical_and(is_shortest, d * rate * t.step > 1.0));
+    if (none(may)) return;
+    const Real start = dot(t.normal, t.slide) / t.step;
+    const Real change = dot(t.normal, t.velocity) - start;  // of half a part
+    is_stiff_ |= logical_and(may, d * abs(change) > 0.5 * (1.0 - d * start));
+  }
+
+  /// Adds up, for each body, what limited_force() needs.
+  SKYBODY_INLINE void add_up(const Part& part, const MaskOf<Real>& is_active) {
+    for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) w_.sums[i] = Real(0.0);
+    each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
+      const Meeting& meeting = *w_.near[place.pair].meeting;
+      const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+      Real gives = gives_at(body, part.motion, place.point, place.out);
+      if (meeting.other >= 0) {
+        gives += gives_at(other_body(meeting), part.motion, place.point, place.out);
+      }
+      const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
+      const Real sum = (1.5 * dissipation_) * (part.step * elastic * gives);
+      const Real more = select(place.touches, sum, Real(0.0));
+      w_.sums[body.body] += more;
+      if (meeting.other >= 0) w_.sums[other_body(meeting).body] += more;
+    });
   }
 
   SKYBODY_INLINE Vec3<Real> friction(const Touch<Real>& t, const ContactLaw& law, const Real& most,
@@ -323,6 +391,13 @@ class ContactStep : public ContactSearch<Real, Values> {
     return change.velocity + cross(change.angular_velocity, point - m.position - com);
   }
 
+  /// What a unit impulse at a place, along a unit vector, does to its velocity along it [1/kg].
+  SKYBODY_INLINE Real gives_at(const ContactBody& body, const Motion* motion,
+                               const Vec3<Real>& point, const Vec3<Real>& along) const {
+    if (body.is_driven) return Real(0.0);
+    return dot(along, moved(body, motion, point, response(body, motion, point, along)));
+  }
+
   /// Makes a push so large that the place stays within what it may get in, after all that was
   /// stopped before it: plastic, and no more.
   SKYBODY_INLINE void stop(const NearPair<Real>& pair, const Part& part, const Vec3<Real>& point,
@@ -335,8 +410,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
     const auto of = [&](const ContactBody& one, Real& way, Real& gives) SKYBODY_INLINE_LAMBDA {
       if (one.is_driven) return;
-      const BodyKick<Real> unit = response(one, part.motion, point, t.normal);
-      gives += dot(t.normal, moved(one, part.motion, point, unit));
+      gives += gives_at(one, part.motion, point, t.normal);
       way += part.step * dot(t.normal, moved(one, part.motion, point, w_.kicks[one.body]));
     };
     Real way = dot(t.normal, t.slide), of_other(0.0), gives(1e-12);
@@ -355,7 +429,7 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   const Real* bodies_;
   Real friction_, dissipation_;
-  MaskOf<Real> is_quick_{false};
+  MaskOf<Real> is_quick_{false}, is_stiff_{false};
   int place_count_ = 0;           ///< of ContactWork::places
   bool are_places_kept_ = false;  ///< they are all that the last act() found
 };

@@ -47,6 +47,7 @@ struct ContactWork {
   BodyBound<Real>* bounds = nullptr;     ///< per contact body
   SpatialForce<Real>* forces = nullptr;  ///< per body of the world: of its contacts
   BodyKick<Real>* kicks = nullptr;       ///< likewise
+  Real* sums = nullptr;                  ///< likewise: see limited_force()
   Vec3<Real>* bristles = nullptr;        ///< all of the world
   Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
   MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part

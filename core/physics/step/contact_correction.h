@@ -102,7 +102,7 @@ class ContactCorrection {
     for (const RobotLayout& robot : plan_.world.layout.robots) load_bodies(robot);
     load_bristles();
     contact_.begin();
-    contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), false, list);
+    contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), ContactPass::kStart, list);
   }
   /// Their sum for each body, likewise.
   const SpatialForce<Real>* forces() const { return a_.contact.forces; }
@@ -229,8 +229,12 @@ class ContactCorrection {
   SKYBODY_INLINE bool push(const Real& step, const Real& parts, const MaskOf<Real>& is_active) {
     const BodyKinematics<Real>* mean = a_.motion;
 #pragma GCC unroll 1
-    for (int pass = 0; pass < 2; ++pass) {
-      contact_.act(a_.motion, mean, step, is_active, pass == 1);
+    for (const auto pass : {ContactPass::kStart, ContactPass::kMean}) {
+      const bool is_again = pass != ContactPass::kStart;
+      contact_.act(a_.motion, mean, step, is_active, pass);
+      if (is_again && any(logical_and(is_active, contact_.is_stiff()))) {
+        contact_.act(a_.motion, mean, step, is_active, ContactPass::kLimited);
+      }
       if (any(contact_.parts() > parts)) return false;
       response_(plan_, a_);
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
@@ -239,9 +243,9 @@ class ContactCorrection {
         }
       });
       if (couplings_.any()) {
-        couplings_.constrain(a_.now.q, a_.now.u, a_.motion, pass == 1, a_.rates);
+        couplings_.constrain(a_.now.q, a_.now.u, a_.motion, is_again, a_.rates);
       }
-      if (pass == 1) break;
+      if (is_again) break;
       const auto is_quick = logical_and(is_active, contact_.is_quick());
       if (none(is_quick)) break;
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {

@@ -52,6 +52,7 @@ struct CorrectionArrays {
     arena.take(clearances, plan.contact.bodies.size());
     arena.take(contact.forces, count);
     arena.take(contact.kicks, count);
+    arena.take(contact.sums, count);
     arena.take(contact.bristles, bristles);
     arena.take(contact.bent, bristles);
     arena.take(forest.body, count);

@@ -1,0 +1,126 @@
+// Springs that a step cannot follow: what lies deep in something leaves no faster than the law
+// says, what falls rebounds as high, and what is thrown comes to rest.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/unit/physics/contact_worlds.h"
+
+namespace skybody::test {
+namespace {
+
+constexpr double kSteps[] = {2.5e-4, 1e-3, 2e-3, 4e-3};  // [s]
+constexpr double kDamping = 1.5 * 3.0;                   // d, with the default dissipation [s/m]
+constexpr double kEdge = 0.2;                            // of a cube [m]
+
+Scenario cube(double dt) { return world_of(solid(1.0, make_box(kEdge, kEdge, kEdge)), dt); }
+
+/// How fast a body leaves that came at a speed, without gravity: m v dv = -f dx of the law, by
+/// parts.
+double rebound_of(double speed) {
+  const double d = kDamping, wanted = speed / d - std::log1p(d * speed) / (d * d);
+  double low = 0.0, high = 1.0 / d;
+  for (int i = 0; i < 200; ++i) {
+    const double mid = 0.5 * (low + high);
+    (-mid / d - std::log1p(-d * mid) / (d * d) < wanted ? low : high) = mid;
+  }
+  return low;
+}
+
+class Deep : public testing::TestWithParam<double> {};
+
+TEST_P(Deep, ReboundsAreTheLaws) {
+  Scenario scenario = cube(GetParam());
+  scenario.constants[kGravity + 2] = 0.0;
+  LaneTries tries(scenario);
+  for (int group = 0; group < 4; ++group) {
+    std::vector<double> speeds;
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      const int k = group * kGroupLanes + lane;
+      speeds.push_back(0.1 * std::pow(110.0, k / 127.0));
+      LaneState state = tries.nominal;
+      state.q[2] = 0.5 * kEdge + 0.37 * k * speeds.back() * GetParam() / 16.0;
+      state.u[2] = -speeds.back();
+      tries.set(lane, state);
+    }
+    tries.begin();
+    for (int i = 0; i * GetParam() < 2.0; ++i) ASSERT_TRUE(tries.advance());
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      const double speed = speeds[static_cast<std::size_t>(lane)];
+      const double error = tries.body(lane).velocity.z / rebound_of(speed) - 1.0;
+      EXPECT_LT(std::fabs(error), 0.05) << speed << " m/s";
+    }
+  }
+}
+
+/// Nothing of a deep start is faster than the law says, at any time.
+TEST_P(Deep, CubesInTheGroundLeaveAtTheLawsSpeed) {
+  for (const double depth : {0.009, 0.05, 1.0}) {
+    for (const double tilt : {0.0, 0.4}) {
+      Bench bench(cube(GetParam()));
+      bench.state.q[2] = 0.5 * kEdge - depth;
+      store(from_rpy(tilt, 0.7 * tilt, 0.0), bench.state.q.data() + 3);
+      double most = 0.0, top = -1.0;
+      for (int i = 0; i * GetParam() < 8.0; ++i) {
+        ASSERT_TRUE(bench.run(1));
+        most = std::fmax(most, bench.state.u[2]);
+        top = std::fmax(top, bench.state.q[2]);
+      }
+      EXPECT_LT(most, 1.05 / kDamping) << depth << " m, tilt " << tilt;
+      EXPECT_GT(top, 0.5 * kEdge - 0.002) << "it is out";
+      EXPECT_LT(norm(bench.state.bodies[0].velocity), 1e-4) << "and at rest";
+    }
+  }
+}
+
+TEST_P(Deep, RobotsThatOverlapDoNotFlyApart) {
+  const Shape shapes[] = {make_box(0.2, 0.2, 0.2), make_sphere(0.1)};
+  for (const Shape& shape : shapes) {
+    for (const double apart : {0.02, 0.1, 0.19}) {
+      Scenario scenario = world_of(solid(1.0, shape), GetParam());
+      switch_off_gravity_and_ground(scenario);
+      add_robot(scenario, "s", solid(0.5, shape), {{apart, 0.01, 0.02}, {1, 0, 0, 0}});
+      Bench bench(scenario);
+      double most = 0.0;
+      for (int i = 0; i * GetParam() < 3.0; ++i) {
+        ASSERT_TRUE(bench.run(1));
+        const Vec3<double> way =
+            load_vec3(bench.state.u.data() + 6) - load_vec3(bench.state.u.data());
+        most = std::fmax(most, norm(way));
+      }
+      EXPECT_LT(most, 1.05 / kDamping) << static_cast<int>(shape.type) << ", " << apart << " m";
+    }
+  }
+}
+
+/// A hundred and twenty-eight boxes, thrown.
+TEST_P(Deep, BoxesThatAreThrownComeToRest) {
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Random<double> random{RandomKey{2026, 91}, k, 0, derive_stream("contact_deep_test")};
+    const auto size = [&] { return random.uniform(0.05, 0.4); };
+    const Shape box = make_box(size(), size(), size());
+    LaneTries tries(world_of(solid(random.uniform(0.1, 3.0), box), GetParam()));
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      LaneState state = tries.nominal;
+      state.q[2] = random.uniform(0.4, 0.8);
+      store(random.quaternion(), state.q.data() + 3);
+      store(in_cube(random, 2.0), state.u.data());
+      store(in_cube(random, 5.0), state.u.data() + 3);
+      tries.set(lane, state);
+    }
+    tries.begin();
+    for (int i = 0; i * GetParam() < 20.0; ++i) ASSERT_TRUE(tries.advance());
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      const BodyState now = tries.body(lane);
+      const bool rests = norm(now.velocity) < 1e-5 && norm(now.angular_velocity) < 1e-4;
+      EXPECT_TRUE(rests) << "world " << k << " lane " << lane;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, Deep, testing::ValuesIn(kSteps));
+
+}  // namespace
+}  // namespace skybody::test
