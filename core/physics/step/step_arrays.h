@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/physics/coupling/couplings.h"
+#include "core/physics/step/fast_robots.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/step_plan.h"
 
@@ -80,6 +81,8 @@ struct StepArrays {
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
   CouplingWork<Real> couplings;
+  FastRobot<Real>* fast;  ///< per robot
+  Real* fast_bodies;      ///< kBodyConstantCount per body, of robots that are fast
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -110,6 +113,8 @@ struct StepArrays {
     arena.take(forest.ball, bodies);
     arena.take(forest.acceleration, bodies);
     couplings.take_from(arena, plan.couplings);
+    arena.take(fast, layout.robots.size());
+    arena.take(fast_bodies, kBodyConstantCount * bodies);
     return arena.used;
   }
 };
