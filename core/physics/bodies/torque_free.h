@@ -51,7 +51,7 @@ struct MidpointSpin {
     return {Real(1.0), mean.x * half, mean.y * half, mean.z * half};
   }
 
- private:
+  /// Of the residual's derivative at `mean`.
   SKYBODY_INLINE void invert(const SymMat3<Real>& i, const Real& half) {
     const Vec3<Real>&w = mean, &y = momentum;
     const Real zero(0.0);
@@ -67,10 +67,14 @@ struct MidpointSpin {
   }
 };
 
-/// h' and the number of parts.
+/// The parts of a time, and h'.
 template <class Real>
 struct TorqueFreeParts {
-  Real count, half;  ///< parts; h'/2 of each
+  Real count;           ///< of parts
+  Real half;            ///< h'/2 of each [s]
+  Real half_of;         ///< h/2 of each [s]
+  Real squared;         ///< s^2 [rad^2/s^2]
+  MaskOf<Real> is_cut;  ///< the turn is longer than the parts allow
 
   SKYBODY_INLINE TorqueFreeParts(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
                                  const Real& time) {
@@ -78,12 +82,26 @@ struct TorqueFreeParts {
     const Real size = norm(spin) * abs(time);
     count = clamp(floor(size * (1.0 / kTorqueFreeAngle)) + 1.0, 1.0, double{kTorqueFreeParts});
     constexpr double kMostAngle = kTorqueFreeAngle * kTorqueFreeParts;
-    half = time * 0.5 * min(1.0, kMostAngle / max(size, 1e-300)) / count;
-    const Real squared = dot(momentum, momentum);
-    const Real twice_energy = dot(spin, momentum);
-    const Real s = twice_energy * twice_energy / max(squared, 1e-300);
-    const Real x2 = s * half * half;
-    half *= 1.0 + x2 * (1.0 / 3 + x2 * (2.0 / 15 + x2 * (17.0 / 315)));
+    is_cut = size > kMostAngle;
+    half_of = time * (0.5 * select(is_cut, kMostAngle / size, Real(1.0))) / count;
+    const Real share = dot(spin, momentum) / max(dot(momentum, momentum), 1e-300);
+    squared = share * dot(spin, momentum);
+    const Real x2 = squared * (half_of * half_of);
+    half = half_of * (1.0 + x2 * (1.0 / 3 + x2 * (2.0 / 15 + x2 * (17.0 / 315))));
+  }
+
+  /// Adds to to_spin what comes through `half`.
+  SKYBODY_INLINE void pull_back(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
+                                const Real& to_half, Vec3<Real>& to_spin) const {
+    const Vec3<Real> momentum = inertia * spin;
+    const Real share = dot(spin, momentum) / max(dot(momentum, momentum), 1e-300);
+    const Real square = half_of * half_of, x2 = squared * square;
+    const Real slope = 1.0 / 3 + x2 * (4.0 / 15 + x2 * (17.0 / 105));
+    const Real to_share = (to_half * half_of) * (square * slope) * share;
+    to_spin += momentum * (4.0 * to_share) - (inertia * momentum) * (2.0 * share * to_share);
+    if (none(is_cut)) return;
+    const Real to_time = to_half * (half + half_of * (2.0 * x2 * slope)) / dot(spin, spin);
+    to_spin -= spin * select(is_cut, to_time, Real(0.0));
   }
 };
 

@@ -20,6 +20,11 @@ struct FastRobot {
   Real base[13];  ///< q and u of its base, on their way
 };
 
+/// Robots with joints take so many parts of a step at most that they turn by no more than this
+/// [rad] in each: what moves at joints is not torque-free.
+inline constexpr double kFastPartAngle = 0.1;
+inline constexpr int kMostFastParts = 16;
+
 template <class Real>
 class FastRobots {
  public:
@@ -35,19 +40,19 @@ class FastRobots {
   /// @param is_wanted  per robot: others are left out; null: none is
   SKYBODY_INLINE void find(const BodyKinematics<Real>* motion, const bool* is_wanted = nullptr) {
     has_any_ = false;
-    iterates_ = MaskOf<Real>(false);
+    jointed_square_ = Real(0.0);
     int r = 0;
     for (const RobotLayout& robot : plan_.world.layout.robots) {
       FastRobot<Real>& fast = robots_[r];
-      fast.mask = MaskOf<Real>(false);
+      Real square(0.0);
       const bool is_here = is_wanted == nullptr || is_wanted[r];
       for (int i = 0; is_here && i < robot.body_count; ++i) {
-        fast.mask |= squared_norm(motion[robot.first_body + i].spin) > plan_.fast_square;
+        square = max(square, squared_norm(motion[robot.first_body + i].spin));
       }
-      fast.at_start = fast.mask;
+      fast.mask = fast.at_start = square > plan_.fast_square;
       fast.has_any = any(fast.mask);
       has_any_ |= fast.has_any;
-      if (robot.body_count > 1) iterates_ |= fast.mask;
+      if (robot.body_count > 1) jointed_square_ = max(jointed_square_, square);
       ++r;
     }
   }
@@ -97,7 +102,12 @@ class FastRobots {
   }
   bool has_any() const { return has_any_; }
   /// Lanes where a robot with joints is fast: one evaluation in mid-step is not enough there.
-  const MaskOf<Real>& iterates() const { return iterates_; }
+  SKYBODY_INLINE MaskOf<Real> iterates() const { return jointed_square_ > plan_.fast_square; }
+  /// The parts that a step is cut into for these; elsewhere 1.
+  SKYBODY_INLINE Real parts(double dt) const {
+    const Real parts = floor(sqrt(jointed_square_) * (dt / kFastPartAngle)) + 1.0;
+    return select(iterates(), clamp(parts, 1.0, double{kMostFastParts}), Real(1.0));
+  }
 
   /// Calls f(robot) for robots that are fast in any lane.
   template <class F>
@@ -198,7 +208,7 @@ class FastRobots {
   FastRobot<Real>* robots_;
   const Real* constants_;
   BodyKinematics<Real>* motion_;
-  MaskOf<Real> iterates_ = MaskOf<Real>(false);
+  Real jointed_square_ = Real(0.0);  ///< largest spin of the robots with joints, squared
   bool has_any_ = false;
 };
 

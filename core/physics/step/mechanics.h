@@ -89,15 +89,7 @@ class Mechanics {
                            };
     if (rule.is_split()) find_fast();
     if (rule.integrator == IntegratorChoice::kMidpoint) {
-      has_motion_ = false;
-      stays_ = true;
-      const auto drift = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
-        fast_.drift(Real(0.5 * dt()), is_first, a_.now,
-                    [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(0.5 * dt()); });
-      };
-      is_open_ = fast_.iterates();
-      const auto goes_on = [&]() SKYBODY_INLINE_LAMBDA { return approach_mean(); };
-      step_by_midpoint(dt(), rates, drift, goes_on, a_.now, a_.stages);
+      advance_by_midpoint(rates);
       return end_step(mask);
     }
     step_by_stages(rule, dt(), rates, a_.now, a_.stages);
@@ -150,6 +142,29 @@ class Mechanics {
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
 
+  /// In parts where robots with joints spin fast; what a lane does behind its last part is undone.
+  template <class Rates>
+  SKYBODY_INLINE void advance_by_midpoint(const Rates& rates) {
+    stays_ = true;
+    const Real parts = fast_.parts(dt());
+    const Coordinates<Real>& before = a_.stages.outer;
+#pragma GCC unroll 1
+    for (int p = 0; p < kMostFastParts; ++p) {
+      const auto is_active = parts > static_cast<double>(p);
+      if (none(is_active)) break;
+      const Real step = Real(dt()) / parts, half = 0.5 * step;
+      const auto drift = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
+        fast_.drift(half, is_first, a_.now, [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(half); });
+      };
+      const auto goes_on = [&]() SKYBODY_INLINE_LAMBDA { return approach_mean(half); };
+      if (p > 0) before.copy(a_.now);
+      has_motion_ = has_response_ = false;
+      is_open_ = logical_and(is_active, fast_.iterates());
+      step_by_midpoint(step, rates, drift, goes_on, a_.now, a_.stages);
+      if (p > 0 && !all(is_active)) a_.now.keep(is_active, before);
+    }
+  }
+
   /// Robots that spin fast at the step's start.
   SKYBODY_INLINE void find_fast() {
     fast_.find(a_.motion);
@@ -166,20 +181,21 @@ class Mechanics {
 
   /// Brings the second evaluation's velocities to the mean of the step, where robots with joints
   /// spin fast: with them the rule is the implicit midpoint rule, whose energy does not grow.
+  /// @param half  half the part's time
   /// @returns false if there is no lane left in which they change
-  SKYBODY_INLINE bool approach_mean() {
+  SKYBODY_INLINE bool approach_mean(const Real& half) {
     constexpr double kRounding = 1e-12;
     if (none(is_open_)) return false;
     Real* const point = a_.stages.point.u;
     MaskOf<Real> changes(false);
     for (int i = 0; i < layout().u.size; ++i) {
-      const Real mean = a_.now.u[i] + (0.5 * dt()) * a_.stages.rate.u[i];
+      const Real mean = a_.now.u[i] + half * a_.stages.rate.u[i];
       changes |= abs(mean - point[i]) > kRounding * (1.0 + abs(mean));
     }
     is_open_ &= changes;
     if (none(is_open_)) return false;
     for (int i = 0; i < layout().u.size; ++i) {
-      const Real mean = a_.now.u[i] + (0.5 * dt()) * a_.stages.rate.u[i];
+      const Real mean = a_.now.u[i] + half * a_.stages.rate.u[i];
       point[i] = select(is_open_, mean, point[i]);
     }
     return true;

@@ -40,14 +40,23 @@ struct Coordinates {
   SKYBODY_INLINE void add(const Coordinates& rate) {
     for (int i = 0; i < q_count + u_count; ++i) q[i] += rate.q[i];
   }
-  SKYBODY_INLINE void change_velocity(const Coordinates& rate, double time) {
+  template <class Time>
+  SKYBODY_INLINE void change_velocity(const Coordinates& rate, const Time& time) {
     for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
   }
-  SKYBODY_INLINE void drift(double time) {
+  template <class Time>
+  SKYBODY_INLINE void drift(const Time& time) {
     for (const TreeBody& body : *tree) {
       drift_position(body.type, time, u + body.u, q + body.q);
       normalize_position(body.type, q + body.q);
     }
+  }
+  SKYBODY_INLINE void copy(const Coordinates& from) const {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = from.q[i];
+  }
+  /// What `other` has, but in the lanes of a mask.
+  SKYBODY_INLINE void keep(const MaskOf<Real>& mask, const Coordinates& other) const {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = select(mask, q[i], other.q[i]);
   }
   SKYBODY_INLINE void take_from(StepArena& arena, const StepPlan& plan) {
     tree = &plan.forest.bodies();
@@ -56,7 +65,8 @@ struct Coordinates {
     arena.take(q, static_cast<std::size_t>(q_count + u_count));
     u = q + q_count;
   }
-  SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, double time) {
+  template <class Time>
+  SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, const Time& time) {
     for (int i = 0; i < q_count; ++i) q[i] = start.q[i];
     for (int i = 0; i < u_count; ++i) u[i] = start.u[i] + time * rate.u[i];
   }

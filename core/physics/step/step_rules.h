@@ -144,8 +144,8 @@ SKYBODY_INLINE void step_by_stages(const StepRule& rule, double dt, const Rates&
 /// @param drift   drift(is_first) moves the state for half a step at its velocities
 /// @param goes_on  goes_on() says after the second evaluation, and those behind it, whether there
 ///                is to be one more, at a point that it has brought nearer to the mean velocity
-template <class State, class Rates, class Drift, class GoesOn>
-SKYBODY_INLINE void step_by_midpoint(double dt, const Rates& rates, const Drift& drift,
+template <class Time, class State, class Rates, class Drift, class GoesOn>
+SKYBODY_INLINE void step_by_midpoint(const Time& dt, const Rates& rates, const Drift& drift,
                                      const GoesOn& goes_on, State& state, StageRates<State>& work) {
   drift(true);
   State* at = &state;
