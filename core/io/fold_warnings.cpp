@@ -65,9 +65,15 @@ std::string folded_text(const Fold& fold) {
 }  // namespace
 
 Diagnostics fold_warnings(const Diagnostics& diagnostics) {
+  // A list with more errors than are shown has a note of them, which has no place.
+  const auto& all = diagnostics.all();
+  const bool leaves_errors_out = std::any_of(all.begin(), all.end(), [](const Diagnostic& d) {
+    return d.severity == Severity::kError && d.mark.file.empty();
+  });
+  if (leaves_errors_out) return diagnostics;
   std::vector<Fold> folds;  // errors each for itself
   std::map<std::string, std::size_t> known;
-  for (const Diagnostic& d : diagnostics.all()) {
+  for (const Diagnostic& d : all) {
     const bool may_fold = d.severity == Severity::kWarning && d.mark.line > 0;
     if (may_fold) {
       const auto [found, is_new] =

@@ -252,5 +252,13 @@ TEST(FoldWarnings, KeepsOneOfEachKindAndErrors) {
       "b.urdf:7: warning: the link `d` weighs 2 kg\n");
 }
 
+TEST(FoldWarnings, KeepsCountOfErrorsThatAreNotShown) {
+  Diagnostics diagnostics;
+  for (int line = 1; line <= 150; ++line) diagnostics.error({"a.urdf", line, 0}, "wrong");
+  const Diagnostics folded = fold_warnings(diagnostics);
+  EXPECT_EQ(folded.error_count(), 150);
+  EXPECT_THAT(folded.to_string(), HasSubstr("50 more errors are not shown"));
+}
+
 }  // namespace
 }  // namespace skybody
