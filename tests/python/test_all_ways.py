@@ -105,7 +105,8 @@ def hinged(folder: Path, chain: str) -> Path:
             f'<origin xyz="{x} {y} 0" rpy="{roll} 0 0"/><axis xyz="1 0 0"/></joint>'
         )
         rotors.append(
-            f"  - {{name: r{i}, link: l{i}, position: [0, 0, 0], axis: [0, {np.sin(roll)}, {np.cos(roll)}], "
+            f"  - {{name: r{i}, link: l{i}, position: [0, 0, 0], "
+            f"axis: [0, {np.sin(roll)}, {np.cos(roll)}], "
             f"direction: {'ccw' if x * y > 0 else 'cw'}}}"
         )
     text = URDF.replace('"1.5"', '"1.0"').replace("</robot>", links + "</robot>")
