@@ -100,6 +100,7 @@ WORLDS = {
     "rotor_out": ([], near_the_goals(0.5)),
     "arm": ([], tool_in_place),
     "omav": ([], near_the_goals(0.05)),
+    "tricopter": ([], near_the_goals(0.05)),
     "vehicles": ([], near_the_goals(0.3)),
     "landing": ([], says_so),
     "racing": ([], says_so),

@@ -45,7 +45,10 @@ inline std::vector<AllocatedRotor> allocated_rotors(const View<RotorInfo>& rotor
       rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
     }
   }
-  const std::vector<double> inverse = PseudoInverse::of(rows, robot, mode);
+  const bool all_take_part = rows.size() == 4 * takes_part.size();
+  const std::vector<double> inverse = PseudoInverse::of(
+      rows, robot, mode,
+      all_take_part ? "" : "; of rotors that push downwards `allocation: qp` makes use, too");
   constexpr double kNone[4] = {};
   std::vector<AllocatedRotor> allocated;
   std::size_t row = 0;

@@ -14,8 +14,9 @@ class PseudoInverse {
  public:
   /// P, N x 4, from the rows of A^T, those of the rotors. Each of the four directions is scaled to
   /// length 1 first.
+  /// @param more  put behind the message of an error
   static std::vector<double> of(const std::vector<double>& rows, const std::string& robot,
-                                const std::string& mode) {
+                                const std::string& mode, const std::string& more = "") {
     static const char* const kNames[4] = {"thrust along z", "roll torque", "pitch torque",
                                           "yaw torque"};
     const std::size_t n = rows.size() / 4;
@@ -23,7 +24,7 @@ class PseudoInverse {
     for (std::size_t k = 0; k < 4; ++k) {
       double sum = 0.0;
       for (std::size_t i = 0; i < n; ++i) sum += rows[4 * i + k] * rows[4 * i + k];
-      if (!(sum > 1e-18)) refuse(robot, mode, kNames[k]);
+      if (!(sum > 1e-18)) refuse(robot, mode, kNames[k], more);
       scale[k] = 1.0 / sqrt(sum);
     }
     for (std::size_t k = 0; k < 4; ++k) {
@@ -35,7 +36,7 @@ class PseudoInverse {
       m[k][4 + k] = 1.0;
     }
     for (int k = 0; k < 4; ++k) {
-      if (!eliminate(m, k)) refuse(robot, mode, kNames[k]);
+      if (!eliminate(m, k)) refuse(robot, mode, kNames[k], more);
     }
     std::vector<double> inverse(rows.size());
     for (std::size_t i = 0; i < n; ++i) {
@@ -72,11 +73,12 @@ class PseudoInverse {
   }
 
   [[noreturn]] static void refuse(const std::string& robot, const std::string& mode,
-                                  const std::string& what) {
+                                  const std::string& what, const std::string& more) {
     throw std::runtime_error("the rotors of robot `" + robot + "` cannot give " + what +
                              " independently, which " + mode +
                              " needs: check position, axis, direction and moment_constant in its "
-                             "rotors file, or use controller `srt`");
+                             "rotors file, or use controller `srt`" +
+                             more);
   }
 };
 

@@ -162,8 +162,8 @@ class Mixer : public Controller {
     }
   }
 
-  /// Twice the weight along z, and of other forces and of torques what the rotors give while each
-  /// pushes its full thrust by its row alone.
+  /// Of forces twice the weight, of torques what takes a rotor or a joint to its limit, unless
+  /// given.
   void declare_input(const Setup& setup, int robot) const {
     const double most = 2.0 * control::total_mass(setup, robot) * control::gravity_of(setup);
     std::vector<double> high;

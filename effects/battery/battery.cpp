@@ -108,7 +108,8 @@ class Battery : public Effect {
     Real shafts(0.0);
     for (const Rotor& rotor : pack.rotors) {
       const Real w = env.rotor_speed(rotor.index);
-      shafts = shafts + env.param(rotor.first_param + SKYBODY_ROTOR_MOMENT_CONSTANT) * (w * w * abs(w));
+      shafts =
+          shafts + env.param(rotor.first_param + SKYBODY_ROTOR_MOMENT_CONSTANT) * (w * w * abs(w));
     }
     const Real four_r = 4.0 * internal_resistance_(env);
     const Real asked = shafts / efficiency_(env) + hotel_power_(env);

@@ -79,6 +79,19 @@ def test_rotors_that_turn_one_way_are_refused_where_they_would_have_to_pull(
         Simulation(str(cube(tmp_path, 0, chain)))
 
 
+def test_rotors_that_push_downwards_fly_by_least_squares(tmp_path: Path) -> None:
+    chain = "[{{plugin: geometric, parameters: {{output: ctbt}}}}, {{plugin: ctbt{}}}]"
+    with pytest.raises(InputError, match=r"of rotors that push downwards `allocation: qp` makes"):
+        Simulation(str(cube(tmp_path, 0, chain.format(""))))
+    file = cube(tmp_path, 0, chain.format(", parameters: {allocation: qp}"))
+    sim = Simulation(str(file))
+    sim.reset()
+    point = [0.3, 0.2, 2.2] + [0.0] * 14
+    sim.command(point)
+    assert sim.advance(10_000)
+    np.testing.assert_allclose(sim.base("cube").position, point[:3], atol=1e-4)
+
+
 def test_a_tricopter_hovers_and_turns() -> None:
     sim = Simulation("tricopter", overrides=["randomization=[]"])
     sim.reset()
@@ -105,7 +118,8 @@ def hinged(folder: Path, chain: str) -> Path:
             f'<origin xyz="{x} {y} 0" rpy="{roll} 0 0"/><axis xyz="1 0 0"/></joint>'
         )
         rotors.append(
-            f"  - {{name: r{i}, link: l{i}, position: [0, 0, 0], axis: [0, {np.sin(roll)}, {np.cos(roll)}], "
+            f"  - {{name: r{i}, link: l{i}, position: [0, 0, 0], "
+            f"axis: [0, {np.sin(roll)}, {np.cos(roll)}], "
             f"direction: {'ccw' if x * y > 0 else 'cw'}}}"
         )
     text = URDF.replace('"1.5"', '"1.0"').replace("</robot>", links + "</robot>")
