@@ -102,7 +102,8 @@ Pictures draw_pictures(const fs::path& log) {
   }
   std::string last;
   Pictures pictures{picture_paths(outcome.output, last), ""};
-  if (outcome.status != 0) pictures.failure = last.empty() ? plot_script().string() + " failed" : last;
+  if (outcome.status != 0)
+    pictures.failure = last.empty() ? plot_script().string() + " failed" : last;
   return pictures;
 }
 
