@@ -65,11 +65,12 @@ class Physics {
         scratch_(physics_.make_scratch()) {
     write_default_state(world_, state_);
     state_.rotor_command.assign(4, kHover.command);
-    group_.q = state_.q.data();
-    group_.u = state_.u.data();
-    group_.rotor_speed = state_.rotor_speed.data();
-    group_.rotor_command = state_.rotor_command.data();
-    group_.params = state_.params.data();
+    for (const InputBlock& block : kInputBlocks) {
+      group_.*block.values = values_of(state_, block.place).data();
+    }
+    for (const StateBlock& block : kStateBlocks) {
+      group_.*block.values = values_of(state_, block.place).data();
+    }
     group_.bodies = reinterpret_cast<double*>(state_.bodies.data());
     stepper_->refresh(group_, 1u, 1u, scratch_);
   }
