@@ -77,6 +77,11 @@ def flying(folder: Path) -> list[str]:
     return [str(PROGRAM), "run", "hover", "--steps", "5", "--out", str(folder / "flight")]
 
 
+def plotting(folder: Path) -> list[str]:
+    subprocess.run([*flying(folder), "--no-picture"], cwd=folder, check=True, capture_output=True)
+    return [str(PROGRAM), "plot", str(folder / "flight/flight.h5")]
+
+
 def tuning(folder: Path) -> list[str]:
     options = ["--candidates", "2", "--draws", "1", "--out", str(folder / "gains")]
     return [str(PROGRAM), "tune", "hummingbird", *options]
@@ -85,6 +90,7 @@ def tuning(folder: Path) -> list[str]:
 COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "train": training,
     "run": flying,
+    "plot": plotting,
     "tune": tuning,
     "evaluate": lambda folder: module_command("skybody.train.evaluate", "run", "--episodes", "1"),
     "curve": lambda folder: module_command("skybody.train.curve", "run"),
