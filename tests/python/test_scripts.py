@@ -52,7 +52,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "bench/peers/peer_mjbatch.py": replace(PEER, package="mjbatch"),
     "bench/peers/peer_mujoco.py": replace(PEER, package="mujoco"),
     "bench/peers/peer_pybullet.py": replace(PEER, package="pybullet"),
-    "bench/peers/peer_rotorpy.py": replace(PEER, package="rotorpy"),
+    "bench/peers/peer_rotorpy.py": replace(PEER, package="torchdiffeq"),
     "bench/peers/peers.py": Elsewhere("test_peers.py"),
     "bench/peers/vehicle.py": Call(),
     "examples/imu_observation.py": Elsewhere("test_examples.py"),
