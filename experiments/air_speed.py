@@ -217,7 +217,7 @@ def main() -> int:
     parser = arguments(__doc__ or "")
     options = parser.parse_args()
     folder = output_folder(parser, options)
-    trials, seconds = (1, 0.5) if options.quick else (3, 2.0)
+    trials, seconds = (1, 0.05) if options.quick else (3, 2.0)
     found: dict[str, Any] = {"facts": facts(), "trials": trials, "seconds": seconds}
     found |= {"rates": rates(trials, seconds), "requests": request_costs()}
     write_report(folder, "air_speed", page(found), found)

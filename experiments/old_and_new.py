@@ -156,7 +156,7 @@ def main() -> int:
     options = parser.parse_args()
     if options.quick:
         options.old = options.old or options.new
-        options.turns, options.seconds, options.least = 3, 0.02, 0.0
+        options.turns, options.seconds, options.least = 3, 0.05, 0.0
         options.case = options.case or [CASES[0].name]
     if options.old is None:
         parser.error("--old: the other project folder")

@@ -211,10 +211,11 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     add("--out", type=Path, default=ROOT / "flights/paper_protocol", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
     add("--learned", action="store_true", help="train nothing: show what runs have learned so far")
-    add("--quick", action="store_true", help=f"{QUICK_TRANSITIONS:,} transitions, report in --out")
+    add("--quick", action="store_true", help=f"a seed, {QUICK_TRANSITIONS:,} transitions")
     options = parser.parse_args(arguments)
     wanted = options.transitions or (QUICK_TRANSITIONS if options.quick else TRANSITIONS)
     options.transitions = int(wanted)
+    options.seeds = options.seeds[:1] if options.quick else options.seeds
     least = SIZES["envs"] * SIZES["rollout_steps"]  # type: ignore[operator]
     if not 2 * least <= options.transitions <= TRANSITIONS:
         parser.error(f"--transitions {options.transitions}: {2 * least} to {TRANSITIONS}")

@@ -58,7 +58,7 @@ def measure(quick: bool, folder: Path | None) -> list[dict[str, Any]]:
     """A report of each vehicle, with processor seconds."""
     rows = []
     options = TuneOptions(evaluations=65) if quick else TuneOptions()
-    for vehicle in vehicles():
+    for vehicle in vehicles()[: 1 if quick else None]:
         began = time.process_time()
         tuned = tune(vehicle, options)
         row = {"name": vehicle.name, "processor_seconds": time.process_time() - began}
@@ -188,7 +188,7 @@ def main() -> int:
     folder = output_folder(parser, options)
     results = {"facts": facts(), "rows": measure(options.quick, folder)}
     write_report(folder, "tune", page(results), results)
-    return 0 if is_good(results["rows"]) else 1
+    return 0 if options.quick or is_good(results["rows"]) else 1
 
 
 if __name__ == "__main__":

@@ -14,15 +14,18 @@ namespace {
 /// Actions of a stream, made beforehand.
 class Stream {
  public:
-  Stream(const std::string& name, const std::shared_ptr<const CompiledScenario>& compiled, int envs)
+  /// @param constant  of all actions, in place of those that `name` stands for
+  Stream(const std::string& name, std::optional<float> constant,
+         const std::shared_ptr<const CompiledScenario>& compiled, int envs)
       : rows_(static_cast<std::size_t>(envs)),
-        off_(name == "off" ? rows_ * static_cast<std::size_t>(compiled->action_size()) : 0, -1.0f),
-        rest_(name == "off" ? "zero" : name, compiled, envs) {}
-  std::span<const float> next() { return off_.empty() ? rest_.next(rows_) : std::span(off_); }
+        same_(constant ? rows_ * static_cast<std::size_t>(compiled->action_size()) : 0,
+              constant.value_or(0.0f)),
+        rest_(constant ? "zero" : name, compiled, envs) {}
+  std::span<const float> next() { return same_.empty() ? rest_.next(rows_) : std::span(same_); }
 
  private:
   std::size_t rows_;
-  std::vector<float> off_;
+  std::vector<float> same_;
   BatchActions rest_;
 };
 
@@ -38,7 +41,7 @@ class Ours {
   explicit Ours(const Contest& contest)
       : compiled_(load(contest)),
         envs_(compiled_, options_of(contest)),
-        stream_(contest.actions, compiled_, contest.envs) {
+        stream_(contest.actions, contest.constant, compiled_, contest.envs) {
     envs_.send_reset();
     envs_.recv();
     const double step = compiled_->scenario().stepping.dt * contest.repeats;
@@ -75,8 +78,9 @@ class Limit {
  public:
   Limit(const Contest& contest, const limit::LoopKind& loop)
       : array_(loop, contest.envs, contest.repeats),
-        stream_(contest.limit_actions.empty() ? contest.actions : contest.limit_actions,
-                load(contest), contest.envs),
+        stream_(contest.limit_actions.empty()
+                    ? Stream(contest.actions, contest.constant, load(contest), contest.envs)
+                    : Stream(contest.limit_actions, {}, load(contest), contest.envs)),
         threads_(contest.threads) {}
   double rate(double seconds) {
     const auto work = [&](int share) { array_.step(rows_, share, threads_); };

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct Effort {
 /// One comparison.
 struct Contest {
   LoadOptions scenario;
-  std::string actions = "hold";  ///< of the engine's BatchActions, or "off": rotors at rest
+  std::string actions = "hold";        ///< of the engine's BatchActions, or a name for `constant`
+  std::optional<float> constant = {};  ///< of all actions, in place of those of that name
   /// Of the limit where they differ: at rest on the ground its vehicles would fall.
   std::string limit_actions = {};
   std::vector<limit::LoopKind> loops;  ///< those in lanes; the best counts

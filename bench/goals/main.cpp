@@ -6,9 +6,11 @@
 // --full: longer trials, for results to keep. --trial: one short trial a figure, for tests.
 #include <skybody/build_info.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <optional>
 
 #include "app/machine.h"
 #include "bench/goals/contest.h"
@@ -16,6 +18,7 @@
 #include "bench/goals/footprint.h"
 #include "bench/limit/check.h"
 #include "bench/limit/loops.h"
+#include "bench/limit/pin_rod_task.h"
 #include "core/version.h"
 
 namespace skybody::bench {
@@ -44,7 +47,8 @@ class Goals {
     resting();
     tree("payload", {"payload", {}, {}}, loops_.payload);
     plain_payload();
-    tree("rod on a pin", {SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml", {}, {}}, loops_.pin_rod);
+    tree("rod on a pin", {SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml", {}, {}}, loops_.pin_rod,
+         hover_with_rod());
     scaling();
     footprint();
   }
@@ -95,6 +99,7 @@ class Goals {
                               "randomization[0].parameters.position_min=[-5, -5, 0.06]",
                               "randomization[0].parameters.position_max=[5, 5, 0.061]"};
       c.actions = "off";
+      c.constant = -1.0f;
       c.limit_actions = "hold";
       c.settle = 1.0;
       c.threads = threads;
@@ -102,14 +107,23 @@ class Goals {
     }
   }
 
+  /// Action that carries base and rod: the hold policy knows no load whose link begins at the base.
+  static float hover_with_rod() {
+    const double weight = (limit::kMass + limit::kPinRod.mass) * limit::kGravity;
+    const double speed = std::sqrt(weight / (4.0 * limit::kThrust));
+    return static_cast<float>(speed / limit::PinRodTask<double>::kSpeedScale - 1.0);
+  }
+
+  /// @param hold  action in place of the hold policy's
   void tree(const std::string& name, const LoadOptions& scenario,
-            const std::vector<limit::LoopKind>& loops) {
+            const std::vector<limit::LoopKind>& loops, std::optional<float> hold = {}) {
     for (const int threads : {1, 2}) {
       for (const char* actions : kActions) {
         Contest c;
         c.scenario = scenario;
         c.loops = loops;
         c.actions = actions;
+        if (c.actions == "hold") c.constant = hold;
         c.settle = settle(actions);
         c.threads = threads;
         contest(name + ", K=1", c, 0.5);

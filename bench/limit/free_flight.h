@@ -181,14 +181,14 @@ SKYBODY_INLINE void drift_to_end(Flyer<Real>& s) {
   s.rotation = turned_to_unit(s.rotation, s.spin);
 }
 
-/// What velocities of the base change by in a second, body axes; gravity is left out.
+/// Accelerations of the base from free fall, body axes.
 template <class Real>
 struct FlyerRates {
   Vec3<Real> linear;   ///< of the origin [m/s^2]
   Vec3<Real> angular;  ///< [rad/s^2]
 };
 
-/// The base's velocities as forces want them.
+/// Velocities that the forces on the base depend on.
 template <class Real>
 struct FlyerVelocity {
   Real x, y;        ///< of the origin along body axes [m/s]

@@ -81,14 +81,14 @@ struct Carrier {
   Turning<Real> rod, bob;
 };
 
-/// What velocities change by in a second.
+/// Accelerations.
 template <class Real>
 struct CarrierRates {
   FlyerRates<Real> base;
   Vec3<Real> rod, bob;  ///< of their spins [rad/s^2]
 };
 
-/// What the pose says of the equations.
+/// The equations at one pose of the joints.
 template <class Real>
 class Hanging {
  public:

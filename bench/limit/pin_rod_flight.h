@@ -31,14 +31,14 @@ struct Swinger {
   Real angle, rate;  ///< of the pin [rad, rad/s]
 };
 
-/// What velocities change by in a second.
+/// Accelerations.
 template <class Real>
 struct SwingerRates {
   FlyerRates<Real> base;
   Real rate;  ///< of the pin [rad/s^2]
 };
 
-/// What the pin's angle says of the equations: both evaluations of a step are at one angle.
+/// The equations at one angle of the pin, which both evaluations of a step share.
 template <class Real>
 class PinRodPose {
  public:

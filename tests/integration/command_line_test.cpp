@@ -33,7 +33,7 @@ const Wrong kWrong[] = {
     {"nothing",
      {},
      "error: no command is given; there are run, check, hash, replay, bench, plugins, modes, plan, "
-     "schema, train, tune, new; "
+     "schema, train, tune, plot, new; "
      "see `skybody --help`"},
     {"unknown_command",
      {"rnu"},

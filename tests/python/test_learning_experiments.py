@@ -332,12 +332,12 @@ def test_a_page_is_written_beside_the_data_that_it_was_made_of(
         "a trial",
         "python experiments/trial.py --quick",
     )
-    result_pages.write_page(tmp_path, "trial", content, "# A trial\n")
+    result_pages.write_page(tmp_path, "trial", content, "# A trial\n\nText.\n")
     assert json.loads((tmp_path / "data/trial.json").read_text()) == content
     page = (tmp_path / "trial.md").read_text()
     assert training_runs.page_data.stamp_of(page)["date"]
-    assert training_runs.page_data.body(page) == "# A trial\n"
-    assert "# A trial\n\nwritten: " in capsys.readouterr().out
+    assert training_runs.page_data.body(page) == "# A trial\n\nText.\n"
+    assert "Text.\n\nwritten: " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("script", [control_abstractions, recurrent_policy])

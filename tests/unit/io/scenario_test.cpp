@@ -199,6 +199,19 @@ TEST_F(ScenarioTest, PluginThatCannotBeLoadedIsReportedWhereItIsUsed) {
                         "it is truncated"));
 }
 
+TEST_F(ScenarioTest, NamesThatNoPluginOfTheKindHasAreExplained) {
+  const auto said_of = [&](const std::string& task) {
+    return messages("robots: [{name: q, model: models/r.urdf}]\ntask: {plugin: " + task + "}\n");
+  };
+  const std::string unknown = "s.yaml:2:16: error: unknown task ";
+  EXPECT_THAT(said_of("ctbr"), HasSubstr(unknown + "`ctbr`; `ctbr` is a controller\n"));
+  EXPECT_THAT(said_of("payload"), HasSubstr(unknown + "`payload`: it is not built here; "
+                                                      "`./dev build` makes all plugins"));
+  // Of a library that is closed: close to the word, but nothing to list among the kind's own.
+  EXPECT_THAT(said_of("my_own_lw"), HasSubstr("did you mean `my_own_law`?"));
+  EXPECT_THAT(said_of("zzzzzzzz"), HasSubstr("; found: hover; more folders"));
+}
+
 TEST_F(ScenarioTest, RequiredParameterIsMissing) {
   EXPECT_THAT(messages(std::string(kSmall) + "sensors: [{plugin: imu}]\n"),
               HasSubstr("s.yaml:3:20: error: the parameter `robot` is missing"));
