@@ -9,7 +9,8 @@
 // So contact is one code for all integrators and both dynamics, and the smooth forces are evaluated
 // once however fine the parts are: a multiple-time-step leapfrog (M. Tuckerman, B. J. Berne, G. J.
 // Martyna, "Reversible multiple time scale molecular dynamics", 1992, with the slow force spread
-// evenly over the step).
+// evenly over the step). Bodies that spin fast, or that a contact makes spin fast, drift by their
+// torque-free motion (fast_robots.h), and a is the rest.
 #pragma once
 
 #include <algorithm>
@@ -41,6 +42,7 @@ class ContactCorrection {
         a_(*call.plan, call.scratch),
         params_(params),
         couplings_(plan_.couplings, plan_.forest, a_.couplings),
+        fast_(plan_, a_.fast, a_.bodies, a_.mean),
         contact_(call.plan->contact, params + call.plan->world.layout.world_params, a_.bodies,
                  derived + call.plan->derived.obstacles, a_.contact) {}
 
@@ -83,6 +85,9 @@ class ContactCorrection {
       a_.smooth[i] = (a_.end.u[i] - a_.now.u[i]) * Real(rate);
       a_.no_forces[i] = Real(0.0);
     }
+    fast_.find(a_.motion, a_.is_robot_near);
+    fast_.lock_all(a_.now);
+    fast_.keep_mean_forces(dt(), a_.now, a_.end, a_.smooth);
     for (std::size_t i = 0; i < plan_.world.bodies.size(); ++i) {
       const Vec3<Real> zero = SpatialForce<Real>::zero().force;
       a_.at_rest[i].velocity = a_.at_rest[i].angular_velocity = a_.at_rest[i].spin = zero;
@@ -183,6 +188,7 @@ class ContactCorrection {
       const auto is_active = logical_and(is_near, parts > static_cast<double>(p));
       if (none(is_active)) break;
       const Real step = Real(dt()) / parts, half = 0.5 * step;
+      fast_.find_more(p == 0, a_.now, a_.is_robot_near);
       begin_part(half);
       if (!push(step, parts, is_active)) {  // what touches asks for more: begin again with them
         parts = contact_.parts();
@@ -213,7 +219,9 @@ class ContactCorrection {
   SKYBODY_INLINE void begin_part(const Real& half) {
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA { a_.before.q[i] = a_.now.q[i]; });
-      drift(robot, half);
+    });
+    drift(half);
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       const int last = robot.first_body + robot.body_count;
       forward_kinematics(tree(), robot.first_body, last, a_.now.q, a_.now.u, a_.motion);
       for (int i = robot.first_body; i < last; ++i) {
@@ -279,8 +287,8 @@ class ContactCorrection {
       for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
         a_.now.u[i] += step * a_.rates[i];
       }
-      drift(robot, half);
     });
+    drift(half);
     if (couplings_.any()) project(step, is_active);
     if (all(is_active)) return;
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
@@ -349,6 +357,11 @@ class ContactCorrection {
     for (int i = robot.first_q; i < robot.first_q + robot.q_count; ++i) f(i);
     const int first_u = a_.now.q_count + robot.first_u;
     for (int i = first_u; i < first_u + robot.u_count; ++i) f(i);
+  }
+  SKYBODY_INLINE void drift(const Real& time) const {
+    fast_.drift(time, false, a_.now, [&]() SKYBODY_INLINE_LAMBDA {
+      each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA { drift(robot, time); });
+    });
   }
   SKYBODY_INLINE void drift(const RobotLayout& robot, const Real& time) const {
     for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
@@ -441,6 +454,7 @@ class ContactCorrection {
   CorrectionArrays<Real> a_;
   Values params_;
   Couplings<Real> couplings_;
+  FastRobots<Real> fast_;
   ContactStep<Real, Values> contact_;
 };
 

@@ -23,7 +23,8 @@ struct CorrectionArrays {
   Clearance<Real>* clearances;  ///< per contact body
   typename Forest::template Work<Real> forest;
   CouplingWork<Real> couplings;
-  bool* is_robot_near;  ///< per robot: what is not is left out
+  FastRobot<Real>* fast;  ///< per robot
+  bool* is_robot_near;    ///< per robot: what is not is left out
 
   SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
     lay_out(plan, memory);
@@ -59,6 +60,7 @@ struct CorrectionArrays {
     arena.take(forest.ball, count);
     arena.take(forest.acceleration, count);
     couplings.take_from(arena, plan.couplings);
+    arena.take(fast, layout.robots.size());
     arena.take(pulls, plan.couplings.joinings.size());
     arena.take(has_opened, plan.couplings.joinings.size());
     arena.take(contact.is_bent, bristles);

@@ -2,9 +2,57 @@
 #include "core/physics/step/adjoint_kernel.h"
 #include "core/physics/step/free_robot_adjoint.h"
 #include "core/physics/step/group_kernels.h"
+#include "core/physics/step/torque_free_adjoint.h"
 
 namespace skybody {
 namespace {
+
+/// Half a step at constant velocities (FreeMotion::drift, drift_and_stretch), and the way back.
+template <class Real>
+struct SlowDrift {
+  static constexpr bool kLeavesSpin = true;  ///< what the body's own spin does is in the rates
+
+  /// Arguments at the half step's start. @param is_last  it ends the step
+  SKYBODY_INLINE SlowDrift(const FreeRobotConstants<Real>&, double half, const MaskOf<Real>&,
+                           const Quat<Real>& start, const Vec3<Real>& v, const Vec3<Real>& w,
+                           bool is_last)
+      : velocity(v), spin(w), before(start), turn(w, half, is_last), half_step(half) {
+    rotation = start * turn.factor();
+    if (!is_last) return;
+    inverse_norm = 1.0 / sqrt(squared_norm(rotation));
+    rotation = {rotation.w * inverse_norm, rotation.x * inverse_norm, rotation.y * inverse_norm,
+                rotation.z * inverse_norm};
+  }
+
+  SKYBODY_INLINE void pull_back(const Vec3<Real>& to_position, Quat<Real>& to_rotation,
+                                Vec3<Real>& to_velocity, Vec3<Real>& to_spin) const {
+    to_velocity += to_position * Real(half_step);
+    to_rotation = turn.pull_back(before, pull_back_norm(to_rotation), to_spin);
+  }
+
+  Quat<Real> rotation;  ///< at the end
+  Vec3<Real> velocity, spin;
+
+ private:
+  SKYBODY_INLINE Quat<Real> pull_back_norm(const Quat<Real>& to) const {
+    return turn.stretches ? skybody::pull_back_norm(to, rotation, inverse_norm) : to;
+  }
+
+  Quat<Real> before;
+  HalfTurn<Real> turn;
+  double half_step;
+  Real inverse_norm = Real(1.0);
+};
+
+/// The same of lanes that spin fast: torque-free.
+template <class Real>
+struct FastDrift : TorqueFreeAdjoint<Real> {
+  static constexpr bool kLeavesSpin = false;
+
+  SKYBODY_INLINE FastDrift(const FreeRobotConstants<Real>& c, double half, const MaskOf<Real>& mask,
+                           const Quat<Real>& start, const Vec3<Real>& v, const Vec3<Real>& w, bool)
+      : TorqueFreeAdjoint<Real>(c.inertia, c.com, Real(half), mask, start, v, w) {}
+};
 
 template <class Real>
 class FreeAdjointLanes {
@@ -23,16 +71,28 @@ class FreeAdjointLanes {
         to_speed_(adjoints + (group_.rotor_speed - group_.q) + first),
         to_command_(adjoints + (group_.rotor_command - group_.q) + first) {}
 
+  /// Of the step of the lanes in `mask`.
+  SKYBODY_INLINE void pull_back(const MaskOf<Real>& mask) const {
+    const Vec3<Real> spin = load_vec3(LaneValues<Real>(group_.u + first_) + 3);
+    const auto is_fast = squared_norm(spin) > plan_.fast_square;
+    const auto slow = logical_and(mask, logical_not(is_fast));
+    const auto fast = logical_and(mask, is_fast);
+    if (any(slow)) pull_back<SlowDrift<Real>>(slow);
+    if (any(fast)) pull_back<FastDrift<Real>>(fast);
+  }
+
+ private:
+  /// @tparam Drift  moves the robot for half a step before and after its velocities change
+  template <class Drift>
   SKYBODY_INLINE void pull_back(const MaskOf<Real>& mask) const {
     const double dt = plan_.world.scenario.stepping.dt, half = 0.5 * dt;
     const int rotors = robot_.rotors.count;
-    const typename FreeRatesAdjoint<Real>::Constants c{
-        load_sym_mat3(constants_ + kBodyInertia),
-        load_sym_mat3(constants_ + kBodyInverseInertia),
-        constants_[kBodyInverseMass],
-        factors_[kHeightFactor],
-        load_vec3(constants_ + kBodyCom),
-        plan_.free_robots->rate};
+    const FreeRobotConstants<Real> c{load_sym_mat3(constants_ + kBodyInertia),
+                                     load_sym_mat3(constants_ + kBodyInverseInertia),
+                                     constants_[kBodyInverseMass],
+                                     factors_[kHeightFactor],
+                                     load_vec3(constants_ + kBodyCom),
+                                     plan_.free_robots->rate};
     const Vec3<Real> gravity =
         load_vec3(params_ + plan_.world.layout.world_params + kGravity) +
         load_vec3(params_ + robot_.constants + kDisturbanceForce) * c.inverse_mass;
@@ -41,28 +101,24 @@ class FreeAdjointLanes {
     LevelSums<Real> sums;
     for (int i = 0; i < rotors; ++i) add_rotor(i, sums);
     const LaneValues<Real> q(group_.q + first_), u(group_.u + first_);
-    const Quat<Real> start = load_quat(q + 3);
-    const Vec3<Real> velocity = load_vec3(u), spin = load_vec3(u + 3);
-    const HalfTurn<Real> turn(spin, half, false);
-    const Quat<Real> middle = start * turn.factor();
-    const Mat3<Real> axes = to_mat3(middle);
-    const Vec3<Real> air = transpose_times(axes, velocity);
-    const FreeRatesAdjoint<Real> early(c, sums, air, spin);
+    const Drift begin(c, half, mask, load_quat(q + 3), load_vec3(u), load_vec3(u + 3), false);
+    const Mat3<Real> axes = to_mat3(begin.rotation);
+    const Vec3<Real> air = transpose_times(axes, begin.velocity);
+    using Rates = FreeRatesAdjoint<Real, Drift::kLeavesSpin>;
+    const Rates early(c, sums, air, begin.spin);
     const Vec3<Real> late_air = air + (early.in_body + transpose_times(axes, gravity)) * Real(half);
-    const Vec3<Real> late_spin = spin + early.spin_rate * Real(half);
-    const FreeRatesAdjoint<Real> late(c, sums, late_air, late_spin);
-    const Vec3<Real> end_spin = spin + late.spin_rate * Real(dt);
-    const HalfTurn<Real> last_turn(end_spin, half, true);
-    const Quat<Real> stretched = middle * last_turn.factor();
+    const Vec3<Real> late_spin = begin.spin + early.spin_rate * Real(half);
+    const Rates late(c, sums, late_air, late_spin);
+    const Vec3<Real> end_velocity = begin.velocity + (axes * late.in_body + gravity) * Real(dt);
+    const Drift end(c, half, mask, begin.rotation, end_velocity,
+                    begin.spin + late.spin_rate * Real(dt), true);
 
     // Backwards.
-    const Real inverse_norm = 1.0 / sqrt(squared_norm(stretched));
-    const Quat<Real> to_end = load_quat(LaneValues<Real>(to_q_) + 3);
-    const Quat<Real> to_stretched = across(to_end, stretched, inverse_norm);
     const Vec3<Real> to_position = load_vec3(LaneValues<Real>(to_q_));
+    Quat<Real> to_rotation = load_quat(LaneValues<Real>(to_q_) + 3);
+    Vec3<Real> to_velocity = load_vec3(LaneValues<Real>(to_u_));
     Vec3<Real> to_spin = load_vec3(LaneValues<Real>(to_u_) + 3);
-    Quat<Real> to_middle = last_turn.pull_back(middle, to_stretched, to_spin);
-    Vec3<Real> to_velocity = load_vec3(LaneValues<Real>(to_u_)) + to_position * Real(half);
+    end.pull_back(to_position, to_rotation, to_velocity, to_spin);
     Mat3<Real> to_axes = outer(to_velocity * Real(dt), late.in_body);
     LevelSums<Real> to_sums;
     const Real zero(0.0);
@@ -73,16 +129,14 @@ class FreeAdjointLanes {
     to_spin += to_late_spin;
     Vec3<Real> to_air = to_late_air;
     early.pull_back(to_late_air * Real(half), to_late_spin * Real(half), to_air, to_spin, to_sums);
-    to_velocity += axes * to_air + to_position * Real(half);
-    to_axes = to_axes + outer(velocity, to_air);
-    const Quat<Real> by_axes = pull_back_axes(middle, to_axes);
-    to_middle = {to_middle.w + by_axes.w, to_middle.x + by_axes.x, to_middle.y + by_axes.y,
-                 to_middle.z + by_axes.z};
-    const Quat<Real> to_start = turn.pull_back(start, to_middle, to_spin);
-    put(to_q_, 3, to_start.w, mask);
-    put(to_q_, 4, to_start.x, mask);
-    put(to_q_, 5, to_start.y, mask);
-    put(to_q_, 6, to_start.z, mask);
+    to_velocity += axes * to_air;
+    to_axes = to_axes + outer(begin.velocity, to_air);
+    to_rotation = sum(to_rotation, pull_back_axes(begin.rotation, to_axes));
+    begin.pull_back(to_position, to_rotation, to_velocity, to_spin);
+    put(to_q_, 3, to_rotation.w, mask);
+    put(to_q_, 4, to_rotation.x, mask);
+    put(to_q_, 5, to_rotation.y, mask);
+    put(to_q_, 6, to_rotation.z, mask);
     put(to_u_, 0, to_velocity.x, mask);
     put(to_u_, 1, to_velocity.y, mask);
     put(to_u_, 2, to_velocity.z, mask);
@@ -92,7 +146,6 @@ class FreeAdjointLanes {
     for (int i = 0; i < rotors; ++i) pull_back_rotor(i, to_sums, mask);
   }
 
- private:
   SKYBODY_INLINE RotorOverStep<Real> rotor(int i) const {
     return {load_lag<Real>(lags_ + kLagSize * i), LaneValues<Real>(group_.rotor_speed + first_)[i],
             LaneValues<Real>(group_.rotor_command + first_)[i],
@@ -124,18 +177,6 @@ class FreeAdjointLanes {
     put(to_command_, i, LaneValues<Real>(to_command_)[i] + to_command, mask);
   }
 
-  /// Of q / |q|.
-  static SKYBODY_INLINE Quat<Real> across(const Quat<Real>& to, const Quat<Real>& q,
-                                          const Real& inverse_norm) {
-    const Real along =
-        (to.w * q.w + to.x * q.x + to.y * q.y + to.z * q.z) * (inverse_norm * inverse_norm);
-    return {(to.w - q.w * along) * inverse_norm, (to.x - q.x * along) * inverse_norm,
-            (to.y - q.y * along) * inverse_norm, (to.z - q.z * along) * inverse_norm};
-  }
-  static SKYBODY_INLINE Mat3<Real> outer(const Vec3<Real>& a, const Vec3<Real>& b) {
-    return {{a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y,
-             a.z * b.z}};
-  }
   static SKYBODY_INLINE void put(double* block, int k, const Real& x, const MaskOf<Real>& mask) {
     store_lanes(block + k * kLaneStride<Real>, x, mask);
   }

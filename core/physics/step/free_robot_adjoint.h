@@ -9,6 +9,7 @@
 
 #include "core/physics/bodies/body_constants.h"
 #include "core/physics/forces/level_rotors.h"
+#include "core/physics/step/rotation_adjoint.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
@@ -61,16 +62,20 @@ struct RotorOverStep {
   }
 };
 
-/// The equations of motion of such a robot at one point of its step.
 template <class Real>
+struct FreeRobotConstants {
+  SymMat3<Real> inertia, inverse_inertia;
+  Real inverse_mass, height;
+  Vec3<Real> com;
+  double unit;  ///< of the rotors' accelerations [rad/s^2]
+};
+
+/// The equations of motion of such a robot at one point of its step.
+/// @tparam kSpins  with what the body's own spin does; else by forces alone, as fast lanes have it
+template <class Real, bool kSpins>
 class FreeRatesAdjoint {
  public:
-  struct Constants {
-    SymMat3<Real> inertia, inverse_inertia;
-    Real inverse_mass, height;
-    Vec3<Real> com;
-    double unit;  ///< of the rotors' accelerations [rad/s^2]
-  };
+  using Constants = FreeRobotConstants<Real>;
 
   /// @param air   velocity of the origin through the air; @param spin  both body axes
   SKYBODY_INLINE FreeRatesAdjoint(const Constants& c, const LevelSums<Real>& rotors,
@@ -86,10 +91,14 @@ class FreeRatesAdjoint {
                        (c.height * f.x - r_.thrust[1]) - (roll_y - w_.x * r_.momentum),
                        ((hub_x_ * r_.drag[2] - hub_y_ * r_.drag[1]) - w_.z * r_.drag[3]) -
                            (r_.moment + r_.spin_up * c.unit)};
-    momentum_ = c.inertia * w_;
-    spin_rate = c.inverse_inertia * (m - cross(c.com, f) - cross(w_, momentum_));
-    const Vec3<Real> turn = cross(w_, c.com);
-    in_body = f * c.inverse_mass - (cross(spin_rate, c.com) + cross(w_, turn));
+    Vec3<Real> moment = m - cross(c.com, f);
+    if constexpr (kSpins) {
+      momentum_ = c.inertia * w_;
+      moment -= cross(w_, momentum_);
+    }
+    spin_rate = c.inverse_inertia * moment;
+    in_body = f * c.inverse_mass - cross(spin_rate, c.com);
+    if constexpr (kSpins) in_body -= cross(w_, cross(w_, c.com));
   }
 
   Vec3<Real> in_body;    ///< rate of the velocity but for gravity, body axes
@@ -99,13 +108,14 @@ class FreeRatesAdjoint {
   SKYBODY_INLINE void pull_back(const Vec3<Real>& to_in_body, Vec3<Real> to_spin_rate,
                                 Vec3<Real>& to_air, Vec3<Real>& to_spin,
                                 LevelSums<Real>& to_rotors) const {
-    const Vec3<Real> turn = cross(w_, c_.com);
     to_spin_rate -= cross(c_.com, to_in_body);
-    to_spin -= cross(turn, to_in_body);
-    to_spin -= cross(c_.com, cross(to_in_body, w_));
     const Vec3<Real> to_m = c_.inverse_inertia * to_spin_rate;
-    to_spin -= cross(momentum_, to_m);
-    to_spin -= c_.inertia * cross(to_m, w_);
+    if constexpr (kSpins) {
+      to_spin -= cross(cross(w_, c_.com), to_in_body);
+      to_spin -= cross(c_.com, cross(to_in_body, w_));
+      to_spin -= cross(momentum_, to_m);
+      to_spin -= c_.inertia * cross(to_m, w_);
+    }
     const Vec3<Real> to_f = to_in_body * c_.inverse_mass - cross(to_m, c_.com);
     pull_back_forces(to_f, to_m, to_air, to_spin, to_rotors);
   }
@@ -147,19 +157,6 @@ class FreeRatesAdjoint {
   Real hub_x_, hub_y_;
 };
 
-/// Adjoint of to_mat3 (quat.h). @param to  of the matrix
-template <class Real>
-SKYBODY_INLINE Quat<Real> pull_back_axes(const Quat<Real>& q, const Mat3<Real>& to) {
-  const auto& m = to.m;
-  const Vec3<Real> skew{m[7] - m[5], m[2] - m[6], m[3] - m[1]};
-  const Real xy = m[1] + m[3], xz = m[2] + m[6], yz = m[5] + m[7];
-  const auto twice = [](const Real& a) { return a + a; };
-  return {twice(q.x * skew.x + q.y * skew.y + q.z * skew.z),
-          twice(q.w * skew.x + q.y * xy + q.z * xz - twice(q.x * (m[4] + m[8]))),
-          twice(q.w * skew.y + q.x * xy + q.z * yz - twice(q.y * (m[0] + m[8]))),
-          twice(q.w * skew.z + q.x * xz + q.y * yz - twice(q.z * (m[0] + m[4])))};
-}
-
 /// A turn for a time: q * (cosine, sine), both series in the square of half the angle.
 template <class Real>
 struct HalfTurn {
@@ -167,10 +164,14 @@ struct HalfTurn {
   Real square, cosine, sine;  ///< the sine over half the angle
   Real cosine_slope, sine_slope;
   double scale;
+  bool stretches;  ///< by turned_and_stretched()
 
   /// turned(), or turned_and_stretched() (bodies/kinematics.h)
-  SKYBODY_INLINE HalfTurn(const Vec3<Real>& spin, double time, bool stretches)
-      : half(spin * Real(0.5 * time)), square(dot(half, half)), scale(0.5 * time) {
+  SKYBODY_INLINE HalfTurn(const Vec3<Real>& spin, double time, bool does_stretch)
+      : half(spin * Real(0.5 * time)),
+        square(dot(half, half)),
+        scale(0.5 * time),
+        stretches(does_stretch) {
     if (stretches) {
       cosine = Real(1.0);
       cosine_slope = Real(0.0);

@@ -3,6 +3,7 @@
 // force_terms.h, body_load.h, step_rules.h); here they are put together in the axes of the body.
 #pragma once
 
+#include "core/physics/bodies/torque_free.h"
 #include "core/physics/forces/force_terms.h"
 #include "core/physics/step/free_robots.h"
 #include "core/physics/step/held_kind.h"
@@ -138,17 +139,22 @@ class FreeRobotStep {
     LevelRotors<Real> level;
     if (is_level()) level = quick_level_rotors(run);
     motion = load();
-    motion.drift(0.5 * dt());
+    const FastSpin fast(world_, motion);
+    drift(fast, 0.5 * dt(), motion,
+          [&](FreeMotion<Real>& m) SKYBODY_INLINE_LAMBDA { m.drift(0.5 * dt()); });
     BodyKinematics<Real> body = kinematics(motion);
     Vec3<Real> air = velocity_in_air(body);
-    const FreeRates<Real> first = rates(body, air, level, run, world_.rate);
+    FreeRates<Real> first = rates(body, air, level, run, world_.rate);
+    keep_forces(fast, body, first);
     const Real half(kMidpointRule.reach[1] * dt());
     air += first.velocity_in_body(body.axes, is_upright()) * half;
     body.spin += first.spin * half;
     forget();  // measured: 3 % of the step
-    const FreeRates<Real> second = rates(body, air, level, run, world_.rate);
+    FreeRates<Real> second = rates(body, air, level, run, world_.rate);
+    keep_forces(fast, body, second);
     motion.change_velocity(second.acceleration(body.axes), dt());
-    motion.drift_and_stretch(0.5 * dt());
+    drift(fast, 0.5 * dt(), motion,
+          [&](FreeMotion<Real>& m) SKYBODY_INLINE_LAMBDA { m.drift_and_stretch(0.5 * dt()); });
     return is_sound(motion);
   }
 
@@ -163,14 +169,17 @@ class FreeRobotStep {
     LevelRotors<Real> level;
     if (is_level()) level = level_rotors(run);
     forget();  // the sums need no motion
-    const FreeAcceleration<Real> a = acceleration(kinematics(load()), level, run, world_.rate);
+    motion = load();
+    const FastSpin fast(world_, motion);
+    const BodyKinematics<Real> body = kinematics(motion);
+    FreeRates<Real> first = rates(body, velocity_in_air(body), level, run, world_.rate);
+    keep_forces(fast, body, first);
     forget();
     motion = load();
-    semi_implicit_euler(dt(), a, motion);
-    // How long the quaternion has become says how quick the turn was.
-    const Real squared = renormalize(motion);
-    const auto turns = logical_and(squared > 0.0, squared < world_.largest_square);
-    return logical_and(turns, size_of(motion) < kLargestState);
+    motion.change_velocity(first.acceleration(body.axes), dt());
+    drift(fast, dt(), motion,
+          [&](FreeMotion<Real>& m) SKYBODY_INLINE_LAMBDA { m.change_position(dt()); });
+    return is_sound(motion);
   }
 
   template <class Load>
@@ -196,6 +205,46 @@ class FreeRobotStep {
     StageRates<FreeMotion<Real>> work;
     step_by_stages(kRungeKutta4Rule, dt(), rates, motion, work);
     return is_sound(motion);
+  }
+
+  /// Lanes that fast_spin_square() finds fast: few, so that the others pay for a test alone.
+  struct FastSpin {
+    MaskOf<Real> mask;
+    bool has_any;
+
+    SKYBODY_INLINE FastSpin(const FreeRobots& world, const FreeMotion<Real>& motion)
+        : mask(squared_norm(motion.spin) > world.fast_square), has_any(any(mask)) {}
+  };
+
+  /// Moves the robot for a time in which nothing acts on it.
+  /// @param slowly  slowly(motion) does so in lanes that are not fast
+  template <class Slowly>
+  SKYBODY_INLINE void drift(const FastSpin& fast, double time, FreeMotion<Real>& motion,
+                            const Slowly& slowly) const {
+    if (!fast.has_any) [[likely]] {
+      return slowly(motion);
+    }
+    FreeMotion<Real> slow = motion;
+    slowly(slow);
+    const SymMat3<Real> inertia = load_sym_mat3(constants_ + kBodyInertia);
+    const Vec3<Real> com = load_vec3(constants_ + kBodyCom);
+    move_freely(TorqueFreeCall<Real>{inertia, com, Real(time), fast.mask, motion.position,
+                                     motion.rotation, motion.velocity, motion.spin});
+    motion.position = select(fast.mask, motion.position, slow.position);
+    motion.rotation = select(fast.mask, motion.rotation, slow.rotation);
+  }
+
+  /// Takes from the rates of fast lanes all that the body's own spin does: drift() does it.
+  SKYBODY_INLINE void keep_forces(const FastSpin& fast, const BodyKinematics<Real>& body,
+                                  FreeRates<Real>& rates) const {
+    if (!fast.has_any) [[likely]] {
+      return;
+    }
+    const SpatialForce<Real> none = SpatialForce<Real>::zero();
+    const FreeRates<Real> own =
+        FreeLoad<Real, Values>(body, constants_, known_shape(), none.force, none).rates();
+    rates.in_body = select(fast.mask, rates.in_body - own.in_body, rates.in_body);
+    rates.spin = select(fast.mask, rates.spin - own.spin, rates.spin);
   }
 
   double dt() const { return world_.world.scenario.stepping.dt; }

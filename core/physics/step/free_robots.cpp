@@ -24,9 +24,6 @@ bool FreeRobots::is_possible(const World& world) {
 
 namespace {
 
-/// The square of a unit quaternion's norm after an Euler step of half the angle `half`.
-double square_after(double half) { return 1.0 + half * half; }
-
 /// FreeRobot::are_rotors_alike.
 /// @param places  of all rotors of the world
 /// @param params  the nominal ones
@@ -52,7 +49,7 @@ bool is_plain(const World& world, const FreeRobot& robot) {
 FreeRobots::FreeRobots(const World& w)
     : world(w),
       rate(1.0 / w.scenario.stepping.dt),
-      largest_square(square_after(0.5 * w.scenario.stepping.dt * kLargestState)),
+      fast_square(fast_spin_square(w.scenario.stepping.dt)),
       rotors(make_rotor_places(w)) {
   for (std::size_t r = 0; r < w.layout.robots.size(); ++r) {
     const RobotLayout& layout = w.layout.robots[r];

@@ -38,8 +38,8 @@ struct FreeRobots {
   static bool is_possible(const World& world);
 
   const World& world;
-  double rate = 0.0;            ///< physics steps a second: 1/dt
-  double largest_square = 0.0;  ///< of a quaternion that has turned for a step by kLargestState
+  double rate = 0.0;         ///< physics steps a second: 1/dt
+  double fast_square = 0.0;  ///< fast_spin_square()
   std::vector<FreeRobot> robots;
   std::vector<RotorPlace> rotors;  ///< of the world
 };

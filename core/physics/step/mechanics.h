@@ -45,7 +45,8 @@ class Mechanics {
         derived_(derived),
         accelerations_(accelerations),
         a_(*call.plan, call.scratch),
-        couplings_(plan_.couplings, plan_.forest, a_.couplings) {}
+        couplings_(plan_.couplings, plan_.forest, a_.couplings),
+        fast_(plan_, a_.fast, a_.fast_bodies, a_.motion) {}
 
   /// Quaternions to norm 1; bodies and spins from q and u.
   SKYBODY_INLINE void refresh(const MaskOf<Real>& mask) {
@@ -83,11 +84,20 @@ class Mechanics {
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
                              accelerate(at.q, at.u, time, rate.u);
+                             fast_.keep_forces(a_.motion, at.u, rate.u);
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
-    if (!rule.begins_at_start()) has_motion_ = false;
-    stays_ = rule.integrator == IntegratorChoice::kMidpoint;
-    step_by_rule(rule, dt(), rates, a_.now, a_.stages);
+    if (rule.is_split()) find_fast();
+    if (rule.integrator == IntegratorChoice::kMidpoint) {
+      advance_by_midpoint(rates);
+      return end_step(mask);
+    }
+    step_by_stages(rule, dt(), rates, a_.now, a_.stages);
+    if (rule.is_split()) {
+      a_.now.change_velocity(a_.stages.outer, dt());
+      fast_.drift(Real(dt()), false, a_.now,
+                  [&]() SKYBODY_INLINE_LAMBDA { a_.now.change_position(dt()); });
+    }
     return end_step(mask);
   }
 
@@ -132,6 +142,65 @@ class Mechanics {
   const Layout& layout() const { return plan_.world.layout; }
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
+
+  /// In parts where robots with joints spin fast; what a lane does behind its last part is undone.
+  template <class Rates>
+  SKYBODY_INLINE void advance_by_midpoint(const Rates& rates) {
+    stays_ = true;
+    const Real parts = fast_.parts(dt());
+    const Coordinates<Real>& before = a_.stages.outer;
+#pragma GCC unroll 1
+    for (int p = 0; p < kMostFastParts; ++p) {
+      const auto is_active = parts > static_cast<double>(p);
+      if (none(is_active)) break;
+      const Real step = Real(dt()) / parts, half = 0.5 * step;
+      const auto drift = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
+        fast_.drift(half, is_first, a_.now, [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(half); });
+      };
+      const auto goes_on = [&]() SKYBODY_INLINE_LAMBDA { return approach_mean(half); };
+      if (p > 0) before.copy(a_.now);
+      has_motion_ = has_response_ = false;
+      is_open_ = logical_and(is_active, fast_.iterates());
+      step_by_midpoint(step, rates, drift, goes_on, a_.now, a_.stages);
+      if (p > 0 && !all(is_active)) a_.now.keep(is_active, before);
+    }
+  }
+
+  /// Robots that spin fast at the step's start.
+  SKYBODY_INLINE void find_fast() {
+    fast_.find(a_.motion);
+    fast_.each_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      const int first = kBodyConstantCount * robot.first_body;
+      for (int k = first; k < first + kBodyConstantCount * robot.body_count; ++k) {
+        a_.fast_bodies[k] = derived_[plan_.derived.bodies + k];
+      }
+    });
+    if (plan_.world.scenario.stepping.integrator != IntegratorChoice::kMidpoint) {
+      fast_.lock_all(a_.now);
+    }
+  }
+
+  /// Brings the second evaluation's velocities to the mean of the step, where robots with joints
+  /// spin fast: with them the rule is the implicit midpoint rule, whose energy does not grow.
+  /// @param half  half the part's time
+  /// @returns false if there is no lane left in which they change
+  SKYBODY_INLINE bool approach_mean(const Real& half) {
+    constexpr double kRounding = 1e-12;
+    if (none(is_open_)) return false;
+    Real* const point = a_.stages.point.u;
+    MaskOf<Real> changes(false);
+    for (int i = 0; i < layout().u.size; ++i) {
+      const Real mean = a_.now.u[i] + half * a_.stages.rate.u[i];
+      changes |= abs(mean - point[i]) > kRounding * (1.0 + abs(mean));
+    }
+    is_open_ &= changes;
+    if (none(is_open_)) return false;
+    for (int i = 0; i < layout().u.size; ++i) {
+      const Real mean = a_.now.u[i] + half * a_.stages.rate.u[i];
+      point[i] = select(is_open_, mean, point[i]);
+    }
+    return true;
+  }
 
   /// Coordinates, commands and motion as the step finds them.
   SKYBODY_INLINE void begin_step() {
@@ -422,6 +491,8 @@ class Mechanics {
   StepArrays<Real> a_;
   const SpatialForce<Real>* contact_ = nullptr;
   Couplings<Real> couplings_;
+  FastRobots<Real> fast_;
+  MaskOf<Real> is_open_;       ///< lanes where the mean velocity is not found yet
   bool stays_ = false;         ///< all evaluations of the step are at the same q
   bool has_response_ = false;  ///< what couplings do there is known
   bool has_motion_ = false;    ///< `motion` belongs to the point that is evaluated next

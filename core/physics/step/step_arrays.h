@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/physics/coupling/couplings.h"
+#include "core/physics/step/fast_robots.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/step_plan.h"
 
@@ -39,14 +40,23 @@ struct Coordinates {
   SKYBODY_INLINE void add(const Coordinates& rate) {
     for (int i = 0; i < q_count + u_count; ++i) q[i] += rate.q[i];
   }
-  SKYBODY_INLINE void change_velocity(const Coordinates& rate, double time) {
+  template <class Time>
+  SKYBODY_INLINE void change_velocity(const Coordinates& rate, const Time& time) {
     for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
   }
-  SKYBODY_INLINE void drift(double time) {
+  template <class Time>
+  SKYBODY_INLINE void drift(const Time& time) {
     for (const TreeBody& body : *tree) {
       drift_position(body.type, time, u + body.u, q + body.q);
       normalize_position(body.type, q + body.q);
     }
+  }
+  SKYBODY_INLINE void copy(const Coordinates& from) const {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = from.q[i];
+  }
+  /// What `other` has, but in the lanes of a mask.
+  SKYBODY_INLINE void keep(const MaskOf<Real>& mask, const Coordinates& other) const {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = select(mask, q[i], other.q[i]);
   }
   SKYBODY_INLINE void take_from(StepArena& arena, const StepPlan& plan) {
     tree = &plan.forest.bodies();
@@ -55,7 +65,8 @@ struct Coordinates {
     arena.take(q, static_cast<std::size_t>(q_count + u_count));
     u = q + q_count;
   }
-  SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, double time) {
+  template <class Time>
+  SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, const Time& time) {
     for (int i = 0; i < q_count; ++i) q[i] = start.q[i];
     for (int i = 0; i < u_count; ++i) u[i] = start.u[i] + time * rate.u[i];
   }
@@ -81,6 +92,8 @@ struct StepArrays {
   typename Forest::template Work<Real> forest;
   CouplingWork<Real> couplings;
   StopWork<Real> stops;
+  FastRobot<Real>* fast;  ///< per robot
+  Real* fast_bodies;      ///< kBodyConstantCount per body, of robots that are fast
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -111,6 +124,8 @@ struct StepArrays {
     arena.take(forest.ball, bodies);
     arena.take(forest.acceleration, bodies);
     couplings.take_from(arena, plan.couplings);
+    arena.take(fast, layout.robots.size());
+    arena.take(fast_bodies, kBodyConstantCount * bodies);
     if (!plan.stops.any()) return arena.used;
     for (Real** values : {&stops.force, &stops.inertia, &stops.change, &stops.nothing}) {
       arena.take(*values, static_cast<std::size_t>(layout.u.size));

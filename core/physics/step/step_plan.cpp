@@ -56,6 +56,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
       contact(w),
       couplings(w),
       stops(w),
+      fast_square(fast_spin_square(w.scenario.stepping.dt)),
       derived(w),
       nominal_params(w.layout.nominal_params()),
       nominal_derived(static_cast<std::size_t>(derived.size)) {

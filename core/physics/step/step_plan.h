@@ -148,6 +148,7 @@ struct StepPlan {
   JointStops stops;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
+  double fast_square;  ///< fast_spin_square()
   HeldKind held = HeldKind::kNothing;
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block

@@ -18,6 +18,8 @@ class Forest {
   explicit Forest(const World& world);
 
   const std::vector<TreeBody>& bodies() const { return bodies_; }
+  /// Whether a robot's base moves freely, its joint's frames being W's and its own.
+  bool floats(int robot) const { return tree_of(robot).floats; }
 
   /// What an evaluation works on: arrays with a place per body of the world.
   template <class Real>

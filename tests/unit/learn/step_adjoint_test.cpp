@@ -81,11 +81,13 @@ std::vector<Number> step(const StepPlan& plan, const std::vector<double>& params
 }
 
 /// A wild state and commands, some of them beyond what a rotor can do.
-std::vector<double> wild_inputs(std::mt19937_64& random) {
+/// @param spin  about how fast it turns [rad/s]
+std::vector<double> wild_inputs(std::mt19937_64& random, double spin) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> speed(300, 2200), command(-300, 2800);
   std::vector<double> x(kInputs);
   for (int k = 0; k < 13; ++k) x[static_cast<std::size_t>(k)] = 3.0 * normal(random);
+  for (std::size_t k = 10; k < 13; ++k) x[k] *= spin / 3.0;
   double norm = 0.0;
   for (std::size_t k = 3; k < 7; ++k) norm += x[k] * x[k];
   for (std::size_t k = 3; k < 7; ++k) x[k] /= std::sqrt(norm);
@@ -108,7 +110,9 @@ std::vector<double> odd_params(const World& world) {
   return params;
 }
 
-void expect_adjoint_is_transpose(const std::vector<double>& params, const World& world) {
+/// @param spin  of the lanes; every fourth turns slowly
+void expect_adjoint_is_transpose(const std::vector<double>& params, const World& world,
+                                 double spin = 3.0) {
   const StepPlan plan(world, DynamicsUse::kTree);
   const StepAdjoint adjoint(world);
   std::mt19937_64 random(7);
@@ -121,7 +125,7 @@ void expect_adjoint_is_transpose(const std::vector<double>& params, const World&
   }
   std::vector<std::vector<double>> inputs, weights;
   for (std::size_t l = 0; l < kGroupLanes; ++l) {
-    inputs.push_back(wild_inputs(random));
+    inputs.push_back(wild_inputs(random, l % 4 == 0 ? 3.0 : spin));
     weights.emplace_back(kInputs, 0.0);
     for (std::size_t k = 0; k < kInputs; ++k) {
       // Of rotors' speeds, which are a thousand times as large: of a like effect.
@@ -159,6 +163,15 @@ TEST(StepAdjoint, IsTheTransposeOfForwardModeOfAPlainQuadrotor) {
 TEST(StepAdjoint, IsTheTransposeWithAnOddBodyAndOddRotors) {
   const auto compiled = load("hover_learn");
   expect_adjoint_is_transpose(odd_params(compiled->world()), compiled->world());
+}
+
+// 60 to 40,000 rad/s at 1 ms: one part of torque-free motion, several, and more than there are.
+TEST(StepAdjoint, IsTheTransposeWhereLanesSpinFast) {
+  const auto compiled = load("hover_learn");
+  for (const double spin : {60.0, 500.0, 40000.0}) {
+    expect_adjoint_is_transpose(compiled->layout().nominal_params(), compiled->world(), spin);
+    expect_adjoint_is_transpose(odd_params(compiled->world()), compiled->world(), spin);
+  }
 }
 
 TEST(StepAdjoint, SaysWhichWorldsItKnows) {

@@ -150,6 +150,32 @@ TEST_P(Packs, HaveTheSameBitsWhetherALaneSharesItsConstantsOrNot) {
   }
 }
 
+// Some lanes spin fast, others do not: neighbours of either kind change nothing.
+TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWhereSomeSpinFast) {
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    Random<double> random{RandomKey{2026, 35}, k, 0, derive_stream("packs_test")};
+    const RobotModel vehicle = make_vehicle(qdrone2());
+    const RobotModel model = k % 5 == 0   ? vehicle
+                             : k % 5 == 1 ? busy(vehicle, random)
+                                          : busy(random_tree(random), random);
+    const World world(make_scenario(
+        model, k % 4 == 0 ? IntegratorChoice::kSemiImplicitEuler : IntegratorChoice::kMidpoint));
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      LaneState state = random_lane(random, world, k % 2 == 0 && lane % 3 != 0);
+      const double scale = lane % 4 == 0 ? random.uniform(2.0, 300.0) : 1.0;
+      for (double& u : state.u) u *= scale;
+      ways.set(lane, state);
+    }
+    ways.refresh(kAllLanes);
+    std::uint32_t lanes = kAllLanes;
+    for (int step = 0; step < 10; ++step) {
+      lanes &= ways.advance(lanes, "world " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
 /// Free bases somewhere near x = 2 k, or in one lane of three crowded together.
 LaneState scattered_lane(Random<double>& random, const World& world, bool drawn, bool crowded) {
   LaneState state = random_lane(random, world, drawn);

@@ -1,0 +1,160 @@
+// Torque-free motion of one rigid body: where it is and how it moves after a time in which nothing
+// acts on it. On double, packs and dual numbers.
+//
+// The rotation is the implicit midpoint rule of Euler's equations with a turn that fits it (E.
+// Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2006, sections IV.2 and VII.5).
+// With w the spin in body axes, I the inertia, R the attitude and h a part of the time:
+//
+//   I (w1 - w0) = -h' wm x (I wm),   wm = (w0 + w1) / 2
+//   R1 = R0 Q,   Q the rotation of the quaternion (1, h'/2 wm)
+//   h' = (2 / s) tan(s h / 2),   s = w.Iw / |Iw|
+//
+// It keeps the energy w.Iw / 2 and the angular momentum R I w (in W) exactly, for any h; s is
+// constant, too. A steady turn about a principal axis, where s is the spin, has the exact angle.
+#pragma once
+
+#include "core/base/dual.h"
+#include "core/physics/bodies/kinematics.h"
+
+namespace skybody {
+
+/// Parts turn by at most this [rad]. Newton's error, from w0 on, is then (0.1)^15 after three
+/// steps.
+inline constexpr double kTorqueFreeAngle = 0.2;
+/// No more parts are taken: beyond 12.8 rad the body turns for a shorter time. Its phase, which
+/// means nothing at such steps, is lost; momentum and energy are not.
+inline constexpr int kTorqueFreeParts = 64;
+
+/// The implicit midpoint rule over one part of the time.
+template <class Real>
+struct MidpointSpin {
+  Vec3<Real> mean, momentum;       ///< wm, I wm
+  Vec3<Real> row_x, row_y, row_z;  ///< of the inverse of I + h'/2 d(w x I w)/dw
+
+  /// @param start  w0; @param half  h'/2
+  SKYBODY_INLINE MidpointSpin(const SymMat3<Real>& inertia, const Vec3<Real>& start,
+                              const Real& half)
+      : mean(start), momentum(inertia * start) {
+    const Vec3<Real> before = momentum;
+    constexpr int kNewtonSteps = 3;
+#pragma GCC unroll 1
+    for (int i = 0; i < kNewtonSteps; ++i) {
+      invert(inertia, half);
+      const Vec3<Real> error = (momentum - before) + cross(mean, momentum) * half;
+      mean -= Vec3<Real>{dot(row_x, error), dot(row_y, error), dot(row_z, error)};
+      momentum = inertia * mean;
+    }
+  }
+
+  /// The body's turn in the part, of any norm.
+  SKYBODY_INLINE Quat<Real> turn(const Real& half) const {
+    return {Real(1.0), mean.x * half, mean.y * half, mean.z * half};
+  }
+
+  /// Of the residual's derivative at `mean`.
+  SKYBODY_INLINE void invert(const SymMat3<Real>& i, const Real& half) {
+    const Vec3<Real>&w = mean, &y = momentum;
+    const Real zero(0.0);
+    const Vec3<Real> a{i.xx, i.xy, i.xz}, b{i.xy, i.yy, i.yz}, c{i.xz, i.yz, i.zz};
+    const Vec3<Real> x = a + (cross(w, a) - Vec3<Real>{zero, y.z, -y.y}) * half;
+    const Vec3<Real> v = b + (cross(w, b) - Vec3<Real>{-y.z, zero, y.x}) * half;
+    const Vec3<Real> z = c + (cross(w, c) - Vec3<Real>{y.y, -y.x, zero}) * half;
+    row_x = cross(v, z);
+    const Real scale = 1.0 / dot(x, row_x);
+    row_x *= scale;
+    row_y = cross(z, x) * scale;
+    row_z = cross(x, v) * scale;
+  }
+};
+
+/// The parts of a time, and h'.
+template <class Real>
+struct TorqueFreeParts {
+  Real count;           ///< of parts
+  Real half;            ///< h'/2 of each [s]
+  Real half_of;         ///< h/2 of each [s]
+  Real squared;         ///< s^2 [rad^2/s^2]
+  MaskOf<Real> is_cut;  ///< the turn is longer than the parts allow
+
+  SKYBODY_INLINE TorqueFreeParts(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
+                                 const Real& time) {
+    const Vec3<Real> momentum = inertia * spin;
+    const Real size = norm(spin) * abs(time);
+    count = clamp(floor(size * (1.0 / kTorqueFreeAngle)) + 1.0, 1.0, double{kTorqueFreeParts});
+    constexpr double kMostAngle = kTorqueFreeAngle * kTorqueFreeParts;
+    is_cut = size > kMostAngle;
+    half_of = time * (0.5 * select(is_cut, kMostAngle / size, Real(1.0))) / count;
+    const Real share = dot(spin, momentum) / max(dot(momentum, momentum), 1e-300);
+    squared = share * dot(spin, momentum);
+    const Real x2 = squared * (half_of * half_of);
+    half = half_of * (1.0 + x2 * (1.0 / 3 + x2 * (2.0 / 15 + x2 * (17.0 / 315))));
+  }
+
+  /// Adds to to_spin what comes through `half`.
+  SKYBODY_INLINE void pull_back(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
+                                const Real& to_half, Vec3<Real>& to_spin) const {
+    const Vec3<Real> momentum = inertia * spin;
+    const Real share = dot(spin, momentum) / max(dot(momentum, momentum), 1e-300);
+    const Real square = half_of * half_of, x2 = squared * square;
+    const Real slope = 1.0 / 3 + x2 * (4.0 / 15 + x2 * (17.0 / 105));
+    const Real to_share = (to_half * half_of) * (square * slope) * share;
+    to_spin += momentum * (4.0 * to_share) - (inertia * momentum) * (2.0 * share * to_share);
+    if (none(is_cut)) return;
+    const Real to_time = to_half * (half + half_of * (2.0 * x2 * slope)) / dot(spin, spin);
+    to_spin -= spin * select(is_cut, to_time, Real(0.0));
+  }
+};
+
+/// A body that moves freely. Refers to its arguments.
+template <class Real>
+struct TorqueFreeCall {
+  const SymMat3<Real>& inertia;  ///< about the centre of mass, body axes
+  const Vec3<Real>& com;         ///< from the origin, body axes
+  const Real& time;              ///< [s]
+  const MaskOf<Real>& mask;      ///< lanes that move; others stay as they are
+  Vec3<Real>& position;          ///< of the origin
+  Quat<Real>& rotation;          ///< W from B, unit
+  Vec3<Real>& velocity;          ///< of the origin, W axes
+  Vec3<Real>& spin;              ///< body axes
+
+  /// The centre of mass keeps its velocity, and the body turns about it.
+  SKYBODY_INLINE void run() const {
+    const Vec3<Real> arm = rotate(rotation, com);
+    const Vec3<Real> com_velocity = velocity + rotate(rotation, cross(spin, com));
+    turn();
+    const Vec3<Real> moved = (position + com_velocity * time) + (arm - rotate(rotation, com));
+    position = select(mask, moved, position);
+    velocity = select(mask, com_velocity - rotate(rotation, cross(spin, com)), velocity);
+  }
+
+ private:
+  SKYBODY_INLINE void turn() const {
+    const TorqueFreeParts<Real> parts(inertia, spin, time);
+#pragma GCC unroll 1
+    for (int p = 0; p < kTorqueFreeParts; ++p) {
+      const auto is_active = logical_and(mask, parts.count > static_cast<double>(p));
+      if (none(is_active)) break;
+      const MidpointSpin<Real> part(inertia, spin, parts.half);
+      rotation = select(is_active, normalized(rotation * part.turn(parts.half)), rotation);
+      spin = select(is_active, (part.mean + part.mean) - spin, spin);
+    }
+  }
+};
+
+/// Runs a call of the width's type of number.
+using TorqueFreeFunction = void(const void* call);
+
+/// @param lanes  1: of doubles; else of packs
+TorqueFreeFunction* torque_free_function(int lanes);
+
+/// By a function that all kernels share; dual numbers have none.
+template <class Real>
+SKYBODY_INLINE void move_freely(const TorqueFreeCall<Real>& call) {
+  if constexpr (kIsDual<Real>) {
+    call.run();
+  } else {
+    torque_free_function(kLanesOf<Real>)(&call);
+  }
+}
+
+}  // namespace skybody
