@@ -100,7 +100,8 @@ const MapSpec& stepping_fields() {
           choice_field("integrator", {kIntegratorNames.begin(), kIntegratorNames.end()},
                        "what advances the state; midpoint: of second order, semi_implicit_euler: "
                        "of first, the cheapest; rk4: of fourth; cvode, arkode: SUNDIALS, with "
-                       "control of its error"),
+                       "control of its error, for stiff systems alone: it starts anew at every "
+                       "physics step, slow and no more exact than rk4 elsewhere"),
           map_field("solver", Field::Kind::kMap, solver_fields(),
                     "how cvode and arkode work; null: as if left out"),
       }};

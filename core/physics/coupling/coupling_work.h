@@ -41,15 +41,17 @@ struct CouplingRow {
 
 template <class Real>
 struct CouplingWork {
-  Real* bodies = nullptr;            ///< kBodyConstantCount per body
-  Real* lengths = nullptr;           ///< per joining [m]
-  MaskOf<Real>* is_there = nullptr;  ///< per joining
-  MaskOf<Real>* is_held = nullptr;   ///< per joining: whether its rows are equations just now
-  MaskOf<Real>* was_held = nullptr;  ///< per joining: in the last constrain()
-  MaskOf<Real>* is_taut = nullptr;   ///< per joining: when the step began
-  MaskOf<Real>* is_new = nullptr;    ///< per joining: a rope that got taut within the step
-  MaskOf<Real>* is_open = nullptr;   ///< per joining: where the last project() left its gap open
-  Vec3<Real>* pulls = nullptr;       ///< per joining: force on the first end, W [N]
+  Real* bodies = nullptr;               ///< kBodyConstantCount per body
+  Real* lengths = nullptr;              ///< per joining [m]
+  MaskOf<Real>* is_there = nullptr;     ///< per joining
+  MaskOf<Real>* is_held = nullptr;      ///< per joining: whether its rows are equations just now
+  MaskOf<Real>* was_held = nullptr;     ///< per joining: in the last constrain()
+  MaskOf<Real>* is_taut = nullptr;      ///< per joining: when the step began
+  MaskOf<Real>* is_new = nullptr;       ///< per joining: a rope that got taut within the step
+  MaskOf<Real>* is_open = nullptr;      ///< per joining: where the last project() left its gap open
+  Vec3<Real>* pulls = nullptr;          ///< per joining: force on the first end, W [N]
+  MaskOf<Real>* held_before = nullptr;  ///< per joining: was_held, as remember() found it
+  Vec3<Real>* pulls_before = nullptr;   ///< per joining: pulls, likewise
 
   CouplingRow<Real>* rows = nullptr;
   Real* change = nullptr;  ///< per row, then per u: what a unit force does to u
@@ -79,6 +81,7 @@ struct CouplingWork {
     arena.take(bodies, kBodyConstantCount * body_count);
     arena.take(lengths, joinings);
     arena.take(pulls, joinings);
+    arena.take(pulls_before, joinings);
     arena.take(rows, count);
     arena.take(change, count * us);
     arena.take(mass, count * count);
@@ -93,7 +96,8 @@ struct CouplingWork {
     arena.take(forest.body, body_count);
     arena.take(forest.ball, body_count);
     arena.take(forest.acceleration, body_count);
-    for (MaskOf<Real>** masks : {&is_there, &is_held, &was_held, &is_taut, &is_new, &is_open}) {
+    for (MaskOf<Real>** masks :
+         {&is_there, &is_held, &was_held, &is_taut, &is_new, &is_open, &held_before}) {
       arena.take(*masks, joinings);
     }
   }

@@ -102,6 +102,21 @@ class Couplings {
     run(call);
   }
 
+  /// Keeps pulls and ropes as the last constrain() left them.
+  SKYBODY_INLINE void remember() const {
+    for (std::size_t i = 0; i < scene_.joinings.size(); ++i) {
+      w_.pulls_before[i] = w_.pulls[i];
+      w_.held_before[i] = w_.was_held[i];
+    }
+  }
+  /// Takes them back in the lanes that are not in `mask`: in these, nothing was asked since.
+  SKYBODY_INLINE void take_back(const MaskOf<Real>& mask) const {
+    for (std::size_t i = 0; i < scene_.joinings.size(); ++i) {
+      w_.pulls[i] = select(mask, w_.pulls[i], w_.pulls_before[i]);
+      w_.was_held[i] = select(mask, w_.was_held[i], w_.held_before[i]);
+    }
+  }
+
   /// Takes from accelerations what the pulls did to them.
   SKYBODY_INLINE void release(const Real* q, const Motion* motion, Real* udot) const {
     CouplingCall<Real> call = make_call(CouplingDeed::kRelease);

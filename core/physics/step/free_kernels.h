@@ -7,7 +7,7 @@
 namespace skybody {
 
 /// A physics step of all robots of the lanes that one Real holds.
-template <class Real, class Values, IntegratorChoice kIntegrator, HeldKind kHeld>
+template <class Real, class Values, IntegratorChoice kIntegrator, HeldKind kHeld, SpinKind kSpin>
 class FreeLanes {
  public:
   SKYBODY_INLINE FreeLanes(const StepCall& call, int first, const Values& params,
@@ -102,7 +102,7 @@ class FreeLanes {
     const auto load = [&]() SKYBODY_INLINE_LAMBDA {
       return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
     };
-    using Step = FreeRobotStep<Real, Values, kKind, kHeld>;
+    using Step = FreeRobotStep<Real, Values, kKind, kHeld, kSpin>;
     return Step(robots_, robot, in_).template advance<kIntegrator>(load, motion, end_speeds);
   }
 
@@ -147,18 +147,21 @@ class FreeLanes {
   Real* end_speeds_;           ///< of all rotors
 };
 
-template <IntegratorChoice kIntegrator, HeldKind kHeld>
+template <IntegratorChoice kIntegrator, HeldKind kHeld, SpinKind kSpin = SpinKind::kSlow>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return for_packs<W, kHeld == HeldKind::kAnything>(
-        call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              return FreeLanes<RealOf<W>, Values, kIntegrator, kHeld>(call, first, params, derived)
-                  .advance(bits);
-            });
+    return for_packs < W,
+           kHeld == HeldKind::kAnything &&
+               kSpin == SpinKind::kSlow >
+                            (call, lanes,
+                             [&](int first, std::uint32_t bits, const auto& params,
+                                 const auto& derived) SKYBODY_INLINE_LAMBDA {
+                               using Values = std::decay_t<decltype(params)>;
+                               return FreeLanes<RealOf<W>, Values, kIntegrator, kHeld, kSpin>(
+                                          call, first, params, derived)
+                                   .advance(bits);
+                             });
   }
 };
 

@@ -86,7 +86,14 @@ constexpr int first_place(int place) {
   return kKind == FreeKind::kPlainQuadrotor ? 0 : place;
 }
 
-template <class Real, class Values, FreeKind kKind, HeldKind kHeld>
+/// Lanes that fast_spin_square() finds fast are few and have a kernel of their own, which takes
+/// over what others leave: with one for both, lanes that are not fast would pay 6 % of a step.
+enum class SpinKind {
+  kSlow,  ///< fast lanes do not come through
+  kAny
+};
+
+template <class Real, class Values, FreeKind kKind, HeldKind kHeld, SpinKind kSpin>
 class FreeRobotStep {
  public:
   using Inputs = FreeStepInputs<Real, Values>;
@@ -103,17 +110,18 @@ class FreeRobotStep {
   /// @param load       load() gives the motion at the start of the step
   /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
-  /// @returns where all of it is finite and below kLargestState: the rates of turn, and the
-  ///          magnitudes of all else added up (other rules: of all)
+  /// @returns where it came through: all of it is finite, and its magnitudes added up are below
+  ///          kLargestState; and of kSlow, where it did not spin fast at the start
   template <IntegratorChoice kIntegrator, class Load>
   SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
                                       Real* end_speed) const {
     if constexpr (kIntegrator == IntegratorChoice::kRk4) {
       return advance_by_rk4(load, motion, end_speed);
-    } else if constexpr (kIntegrator == IntegratorChoice::kMidpoint) {
-      return advance_by_midpoint(load, motion, end_speed);
     } else {
-      return advance_by_euler(load, motion, end_speed);
+      const MaskOf<Real> sound =
+          advance_split<kIntegrator>(drifts(load()), load, motion, end_speed);
+      if constexpr (kSpin == SpinKind::kAny) return sound;
+      return logical_and(sound, logical_not(is_fast(load())));
     }
   }
 
@@ -126,11 +134,23 @@ class FreeRobotStep {
   // What is read again after forget() need not be kept in registers, of which there are too few.
   static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
 
+  /// By a rule that changes velocities by rates alone.
+  /// @param fast  FastSpin, or NoFastSpin
+  template <IntegratorChoice kIntegrator, class Fast, class Load>
+  SKYBODY_INLINE MaskOf<Real> advance_split(const Fast& fast, const Load& load,
+                                            FreeMotion<Real>& motion, Real* end_speed) const {
+    if constexpr (kIntegrator == IntegratorChoice::kMidpoint) {
+      return advance_by_midpoint(fast, load, motion, end_speed);
+    } else {
+      return advance_by_euler(fast, load, motion, end_speed);
+    }
+  }
+
   /// kMidpointRule (step_rules.h); the predictor's velocity stays in body axes, since the axes are
   /// those of half the step in both evaluations.
-  template <class Load>
-  SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Load& load, FreeMotion<Real>& motion,
-                                                  Real* end_speed) const {
+  template <class Fast, class Load>
+  SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Fast& fast, const Load& load,
+                                                  FreeMotion<Real>& motion, Real* end_speed) const {
     const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const auto rotor = rotor_step(i);
       end_speed[i] = rotor.at(kStepEnd).speed;
@@ -139,7 +159,6 @@ class FreeRobotStep {
     LevelRotors<Real> level;
     if (is_level()) level = quick_level_rotors(run);
     motion = load();
-    const FastSpin fast(world_, motion);
     drift(fast, 0.5 * dt(), motion,
           [&](FreeMotion<Real>& m) SKYBODY_INLINE_LAMBDA { m.drift(0.5 * dt()); });
     BodyKinematics<Real> body = kinematics(motion);
@@ -158,9 +177,9 @@ class FreeRobotStep {
     return is_sound(motion);
   }
 
-  template <class Load>
-  SKYBODY_INLINE MaskOf<Real> advance_by_euler(const Load& load, FreeMotion<Real>& motion,
-                                               Real* end_speed) const {
+  template <class Fast, class Load>
+  SKYBODY_INLINE MaskOf<Real> advance_by_euler(const Fast& fast, const Load& load,
+                                               FreeMotion<Real>& motion, Real* end_speed) const {
     const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const auto rotor = rotor_step(i);
       end_speed[i] = rotor.at(kStepEnd).speed;
@@ -169,9 +188,7 @@ class FreeRobotStep {
     LevelRotors<Real> level;
     if (is_level()) level = level_rotors(run);
     forget();  // the sums need no motion
-    motion = load();
-    const FastSpin fast(world_, motion);
-    const BodyKinematics<Real> body = kinematics(motion);
+    const BodyKinematics<Real> body = kinematics(load());
     FreeRates<Real> first = rates(body, velocity_in_air(body), level, run, world_.rate);
     keep_forces(fast, body, first);
     forget();
@@ -207,23 +224,33 @@ class FreeRobotStep {
     return is_sound(motion);
   }
 
-  /// Lanes that fast_spin_square() finds fast: few, so that the others pay for a test alone.
+  SKYBODY_INLINE MaskOf<Real> is_fast(const FreeMotion<Real>& start) const {
+    return squared_norm(start.spin) > world_.fast_square;
+  }
+  /// Lanes that are fast.
   struct FastSpin {
     MaskOf<Real> mask;
-    bool has_any;
-
-    SKYBODY_INLINE FastSpin(const FreeRobots& world, const FreeMotion<Real>& motion)
-        : mask(squared_norm(motion.spin) > world.fast_square), has_any(any(mask)) {}
   };
+  /// There are none.
+  struct NoFastSpin {};
+  SKYBODY_INLINE auto drifts(const FreeMotion<Real>& start) const {
+    if constexpr (kSpin == SpinKind::kAny) {
+      return FastSpin{is_fast(start)};
+    } else {
+      return NoFastSpin();
+    }
+  }
 
   /// Moves the robot for a time in which nothing acts on it.
   /// @param slowly  slowly(motion) does so in lanes that are not fast
   template <class Slowly>
+  SKYBODY_INLINE void drift(const NoFastSpin&, double, FreeMotion<Real>& motion,
+                            const Slowly& slowly) const {
+    slowly(motion);
+  }
+  template <class Slowly>
   SKYBODY_INLINE void drift(const FastSpin& fast, double time, FreeMotion<Real>& motion,
                             const Slowly& slowly) const {
-    if (!fast.has_any) [[likely]] {
-      return slowly(motion);
-    }
     FreeMotion<Real> slow = motion;
     slowly(slow);
     const SymMat3<Real> inertia = load_sym_mat3(constants_ + kBodyInertia);
@@ -235,11 +262,10 @@ class FreeRobotStep {
   }
 
   /// Takes from the rates of fast lanes all that the body's own spin does: drift() does it.
+  SKYBODY_INLINE void keep_forces(const NoFastSpin&, const BodyKinematics<Real>&,
+                                  FreeRates<Real>&) const {}
   SKYBODY_INLINE void keep_forces(const FastSpin& fast, const BodyKinematics<Real>& body,
                                   FreeRates<Real>& rates) const {
-    if (!fast.has_any) [[likely]] {
-      return;
-    }
     const SpatialForce<Real> none = SpatialForce<Real>::zero();
     const FreeRates<Real> own =
         FreeLoad<Real, Values>(body, constants_, known_shape(), none.force, none).rates();

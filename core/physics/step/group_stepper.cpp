@@ -165,6 +165,8 @@ std::uint32_t GroupStepper::advance(const GroupBlocks& group, std::uint32_t lane
   std::uint32_t through = 0;
   if (able != 0)
     through = plan_.has_kernels() ? kernels().advance(all, able) : advance_alone(all, able);
+  const std::uint32_t left = able & ~through;
+  if (left != 0 && kernels().advance_fast != nullptr) through |= kernels().advance_fast(all, left);
   if (near_ != 0) through &= ~(near_ & ~correct(all, near_ & through));
   counts_.all += static_cast<std::uint64_t>(std::popcount(lanes));
   counts_.near += static_cast<std::uint64_t>(std::popcount(near_));

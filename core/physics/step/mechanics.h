@@ -158,11 +158,16 @@ class Mechanics {
         fast_.drift(half, is_first, a_.now, [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(half); });
       };
       const auto goes_on = [&]() SKYBODY_INLINE_LAMBDA { return approach_mean(half); };
-      if (p > 0) before.copy(a_.now);
+      if (p > 0) {
+        before.copy(a_.now);
+        couplings_.remember();
+      }
       has_motion_ = has_response_ = false;
       is_open_ = logical_and(is_active, fast_.iterates());
       step_by_midpoint(step, rates, drift, goes_on, a_.now, a_.stages);
-      if (p > 0 && !all(is_active)) a_.now.keep(is_active, before);
+      if (p == 0 || all(is_active)) continue;
+      a_.now.keep(is_active, before);
+      couplings_.take_back(is_active);
     }
   }
 

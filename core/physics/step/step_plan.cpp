@@ -29,9 +29,12 @@ StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
 }
 
 StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
-  StepKernels kernels{refresh_kernel(lanes, isa), nullptr,
-                      near_kernel(lanes, isa),    gap_kernel(lanes, isa),
-                      contact_kernel(lanes, isa), derive_kernel(lanes, isa)};
+  StepKernels kernels;
+  kernels.refresh = refresh_kernel(lanes, isa);
+  kernels.find_near = near_kernel(lanes, isa);
+  kernels.close_gaps = gap_kernel(lanes, isa);
+  kernels.correct = contact_kernel(lanes, isa);
+  kernels.derive = derive_kernel(lanes, isa);
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
   if (!plan.free_robots) {
@@ -43,6 +46,7 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   } else {
     kernels.advance = free_kernel(integrator, lanes, isa);
   }
+  if (plan.free_robots) kernels.advance_fast = free_fast_kernel(integrator, lanes, isa);
   return kernels;
 }
 

@@ -94,6 +94,8 @@ struct StepKernels {
   StepKernel* refresh = nullptr;
   /// One physics step; the lanes that came through: the others are as they were.
   StepKernel* advance = nullptr;
+  /// The same for the lanes that `advance` leaves because a robot spins fast; null: it leaves none.
+  StepKernel* advance_fast = nullptr;
   /// The lanes where something may touch within the step that begins.
   StepKernel* find_near = nullptr;
   /// Takes away what the values, changed from outside, leave of the gaps of couplings; the lanes
@@ -119,6 +121,8 @@ StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
 StepKernel* free_air_kernel(int lanes, Isa isa);
 StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa);
+/// @returns null for rk4
+StepKernel* free_fast_kernel(IntegratorChoice integrator, int lanes, Isa isa);
 
 /// Immutable; refers to the world, which must outlive it.
 struct StepPlan {

@@ -72,7 +72,7 @@ std::vector<Number> step(const StepPlan& plan, const std::vector<double>& params
     const Values q(inputs.data()), u(&inputs[7]);
     return FreeMotion<Number>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
   };
-  FreeRobotStep<Number, Values, FreeKind::kQuadrotor, HeldKind::kNothing>(
+  FreeRobotStep<Number, Values, FreeKind::kQuadrotor, HeldKind::kNothing, SpinKind::kAny>(
       *plan.free_robots, plan.free_robots->robots[0], in)
       .advance<IntegratorChoice::kMidpoint>(start, m, speeds);
   return {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x, m.rotation.y,

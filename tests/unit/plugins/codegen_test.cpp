@@ -87,6 +87,26 @@ TEST(Codegen, WideKernelsUseWideRegisters) {
   EXPECT_EQ(ymm_in_v2, 0);
 }
 
+/// g++ 12 fuses products with sums and differences side by side, whatever -ffp-contract says: other
+/// bits on v3 and v4 than on v2 (SKYBODY_FP_FLAGS). Networks fuse on purpose, in a library of their
+/// own.
+TEST(Codegen, NothingInTheStepPathFusesProductsAndSums) {
+  std::vector<std::filesystem::path> files = plugin_files();
+  files.emplace_back(SKYBODY_BINARY_DIR "/lib/libskybody.so");
+  for (const std::filesystem::path& file : files) {
+    const std::vector<std::string> code =
+        output_of("objdump -d -C --no-show-raw-insn '" + file.string() + "'");
+    if (code.empty()) GTEST_SKIP() << "no objdump";
+    std::string function;
+    for (const std::string& line : code) {
+      if (line.ends_with(">:\n")) function = line;
+      const bool fuses =
+          line.find("\tvfm") != std::string::npos || line.find("\tvfnm") != std::string::npos;
+      EXPECT_FALSE(fuses) << file << ": " << function << line;
+    }
+  }
+}
+
 /// A vector of values read one by one, such as a robot's position, velocity and attitude in code
 /// for one lane, which g++ computes with together.
 class LaneByLaneReads {
