@@ -151,17 +151,15 @@ template <IntegratorChoice kIntegrator, HeldKind kHeld, SpinKind kSpin = SpinKin
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return for_packs < W,
-           kHeld == HeldKind::kAnything &&
-               kSpin == SpinKind::kSlow >
-                            (call, lanes,
-                             [&](int first, std::uint32_t bits, const auto& params,
-                                 const auto& derived) SKYBODY_INLINE_LAMBDA {
-                               using Values = std::decay_t<decltype(params)>;
-                               return FreeLanes<RealOf<W>, Values, kIntegrator, kHeld, kSpin>(
-                                          call, first, params, derived)
-                                   .advance(bits);
-                             });
+    constexpr bool kNeverShared = kHeld == HeldKind::kAnything && kSpin == SpinKind::kSlow;
+    return for_packs<W, kNeverShared>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              using Lanes = FreeLanes<RealOf<W>, Values, kIntegrator, kHeld, kSpin>;
+              return Lanes(call, first, params, derived).advance(bits);
+            });
   }
 };
 
