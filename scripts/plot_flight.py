@@ -326,13 +326,6 @@ def save(figure, path: Path) -> None:
     plt.close(figure)
 
 
-def log_file(text: str) -> Path:
-    """Of the log."""
-    if not Path(text).is_file():
-        raise argparse.ArgumentTypeError(f"there is no file {text}")
-    return Path(text)
-
-
 def panel_names(text: str) -> list[str]:
     """Of --panels."""
     names = [name.strip() for name in text.split(",")]
@@ -346,7 +339,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog="skybody plot", description="draw the flights of a Skybody log, a picture an episode"
     )
-    parser.add_argument("log", type=log_file, help="flight.h5")
+    parser.add_argument("log", type=Path, help="flight.h5")
     parser.add_argument("--pdf", action="store_true", help="PDF in place of PNG")
     parser.add_argument(
         "--panels",
@@ -361,11 +354,12 @@ def main() -> int:
     try:
         log = h5py.File(options.log, "r")
     except OSError as error:
-        sys.exit(f"{options.log}: {os.strerror(error.errno) if error.errno else 'no HDF5 file'}")
+        reason = os.strerror(error.errno) if error.errno else "no HDF5 file"
+        parser.error(f"{options.log}: {reason}")
     # "default": a matplotlibrc of the working folder changes nothing.
     with log, plt.style.context(("default", STYLE)):
         if reason := refusal(log):
-            sys.exit(f"{options.log}: {reason}")
+            parser.error(f"{options.log}: {reason}")
         folder.mkdir(parents=True, exist_ok=True)
         for name in list(log["episodes"])[: options.most]:
             path = folder / f"flight-{name}.{'pdf' if options.pdf else 'png'}"

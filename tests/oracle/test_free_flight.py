@@ -74,7 +74,9 @@ def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
 
 
 def test_midpoint_is_of_second_order(wild: Wild) -> None:
-    errors = [wild.error("midpoint", dt) for dt in (4e-3, 2e-3, 1e-3)]
+    # At these steps hardly any of the flights spins fast (core/physics/step/step_rules.h): where
+    # the rule takes torque-free motion instead, its error has another size, of the same order.
+    errors = [wild.error("midpoint", dt) for dt in (1e-3, 5e-4, 2.5e-4)]
     for coarse, fine in itertools.pairwise(errors):
         # Halved steps divide the error by 4, but for terms of higher order.
         assert coarse[0] / fine[0] == pytest.approx(4.0, rel=0.25)

@@ -90,6 +90,7 @@ def test_rk4_agrees_with_the_oracle_to_a_micrometre(wild: Wild) -> None:
 
 
 def test_midpoint_is_of_second_order(wild: Wild) -> None:
-    coarse, fine = (wild.error("midpoint", dt) for dt in (2e-3, 1e-3))
+    # At these steps none of the bobs spins fast (test_free_flight.py).
+    coarse, fine = (wild.error("midpoint", dt) for dt in (5e-4, 2.5e-4))
     # Halved steps divide the error by 4, but for terms of higher order.
     assert coarse[0] / fine[0] == pytest.approx(4.0, rel=0.3)

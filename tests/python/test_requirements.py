@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -27,6 +28,23 @@ def test_locks_are_hashes_of_all_that_is_named_and_nothing_else(lock: Path) -> N
     assert rest.split() == []
     named = names_in(lock.with_suffix(".in").read_text())
     assert named <= {entry[1] for entry in ENTRY.finditer(text)}
+
+
+def versions_in(folder: Path) -> set[tuple[str, str]]:
+    pins = re.compile(r"^([a-z0-9.-]+==[^\s;]+)", re.M)
+    locks = folder.glob("*.txt")
+    return {(lock.name, pin) for lock in locks for pin in pins.findall(lock.read_text())}
+
+
+def test_the_script_that_writes_the_locks_keeps_the_versions_that_are_locked(
+    tmp_path: Path,
+) -> None:
+    script = tmp_path / "scripts/lock_requirements.sh"
+    script.parent.mkdir()
+    shutil.copy(FOLDER.parent / "scripts/lock_requirements.sh", script)
+    copy = Path(shutil.copytree(FOLDER, tmp_path / "requirements"))
+    subprocess.run(["bash", str(script)], check=True, capture_output=True, timeout=300)
+    assert versions_in(copy) == versions_in(FOLDER)
 
 
 def make_source_package(folder: Path, marker: Path) -> Path:

@@ -105,6 +105,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "scripts/code_lines.py": Call("scripts"),
     "scripts/control_page.py": Call("--check"),
     "scripts/hyperparameters.py": Elsewhere("test_hyperparameters.py"),
+    "scripts/lock_requirements.sh": Elsewhere("test_requirements.py"),
     "scripts/mark_older_pages.py": Elsewhere("test_result_pages.py"),
     "scripts/plot_flight.py": Elsewhere("test_plot_flight.py"),
     "scripts/plugin_reference.py": Call("--check"),

@@ -284,8 +284,9 @@ def test_springs_and_limits_act_on_universal_joints(tmp_path: Path) -> None:
     y = float(sim.state("robots.arm.joints.y.position"))
     weight = 0.1 * 9.81 * 0.2
     assert 0.2 < x < 0.3  # the spring pulls it into its limit, a stop of 1e4 J
-    # Equilibrium about y: 2 (0.5 - y) = m g l cos(x) sin(y).
-    assert 2 * (0.5 - y) == pytest.approx(weight * np.cos(x) * np.sin(y), abs=1e-3)
+    # Equilibrium about y: 2 (0.5 - y) = m g l cos(x) sin(y). A stop acts at a step's end, so that
+    # the spring moves x within the step: 1.8e-3 N m are missing at 1 ms, a quarter at half of it.
+    assert 2 * (0.5 - y) == pytest.approx(weight * np.cos(x) * np.sin(y), abs=3e-3)
 
 
 # ---- actions and requests
