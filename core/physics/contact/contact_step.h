@@ -46,6 +46,26 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// Where springs are too stiff for the shortest parts: known after act() with mean velocities.
   SKYBODY_INLINE const MaskOf<Real>& is_stiff() const { return is_stiff_; }
 
+  /// Lanes whose springs lose nothing: there errors of a step add up.
+  SKYBODY_INLINE MaskOf<Real> is_lossless() const { return dissipation_ <= 0.0; }
+
+  /// Where springs lose nothing, cuts the step for all that search() found near, as finely as if it
+  /// began to touch at once: what touches at a step's end or start, and not in its middle, would
+  /// have its spring bent, or straightened, for nothing.
+  SKYBODY_INLINE void cut_lossless() {
+    const MaskOf<Real> lossless = is_lossless();
+    if (none(lossless)) return;
+    for (int i = 0; i < near_count_; ++i) {
+      const NearPair<Real>& pair = w_.near[i];
+      const Meeting& meeting = *pair.meeting;
+      Real speed = w_.bounds[meeting.body].speed;
+      if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
+      const Real rigidity = meeting.law.stiffness * sqrt(dt() * speed);
+      const Real phase = dt() * sqrt(1.5 * (rigidity * inverse_mass(meeting)));
+      ask_for(phase * (1.0 / kLosslessPhase), logical_and(lossless, pair.lanes));
+    }
+  }
+
   /// The step begins, or begins again: nothing has touched so far. What a lane does must not depend
   /// on whether another one made it begin again.
   SKYBODY_INLINE void begin() {
@@ -122,6 +142,9 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
  private:
+  /// Of a lossless spring's swing, the most that a part goes through [rad].
+  static constexpr double kLosslessPhase = 1.0 / 16.0;
+
   using Search::ask_for;
   using Search::dt;
   using Search::is_close;
@@ -143,29 +166,29 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// Where things touch so quickly or so deep that it matters, a contact asks for parts: so many
   /// that none goes through more of the swing of its spring than kLargestPhase, nor asks for more
   /// damping than Touch::most_damping, nor goes far where it is going to be stopped. Springs that
-  /// lose nothing get more: only there does the error of the parts add up.
+  /// lose nothing get more.
   /// @param elastic  k x^1.5 [N]
   /// @param speed    at which it gets deeper, or less deep
   SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth,
                                     const Real& elastic, const Real& speed,
                                     const MaskOf<Real>& touches) {
-    constexpr double kLargestPhase = 0.5, kLosslessPhase = 1.0 / 16.0, kStoppedParts = 24.0,
-                     kQuickWay = 0.05, kDeepPhase = 1.0, kDeepDamping = 0.5;
+    constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05, kDeepPhase = 1.0,
+                     kDeepDamping = 0.5;
     const Real way = dt() * speed;
     const double rest = scene_.world.scenario.contact.penetration;
     const Real kick = (1.5 * dt()) * (elastic * pair.per_mass);  // 1.5 h k x^1.5 / m'
-    const auto is_lossless = dissipation_ <= 0.0;
+    const MaskOf<Real> lossless = is_lossless();
     const auto is_deep = logical_or(dissipation_ * kick > kDeepDamping,
                                     dt() * kick > kDeepPhase * kDeepPhase * depth);
     const auto is_quick =
-        logical_and(touches, logical_or(way > kQuickWay * rest, logical_or(is_deep, is_lossless)));
+        logical_and(touches, logical_or(way > kQuickWay * rest, logical_or(is_deep, lossless)));
     if (none(is_quick)) return;
     is_quick_ |= is_quick;
     const double stiffness = pair.meeting->law.stiffness;
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
     const Real damping = 1.5 * dissipation_ * (rigidity * reach);
-    const Real most = select(is_lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
+    const Real most = select(lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
     Real parts = max(phase * most, dt() * (damping * pair.per_mass));
     if (!pair.meeting->is_endless) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
