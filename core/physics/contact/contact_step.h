@@ -304,7 +304,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     if (!meeting.is_endless) stop(pair, part, point, t, other, touches, push);
     const Real most = friction_ * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);
+    Vec3<Real> force = out * push + friction(part, place, t, most);
     force = select(touches, force, zero);
     add(body, part.motion, point, force);
     if (other >= 0) add(other, part.motion, point, -force);
@@ -334,10 +334,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
       const Meeting& meeting = *w_.near[place.pair].meeting;
       const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
-      Real gives = gives_at(body, part.motion, place.point, place.out);
-      if (meeting.other >= 0) {
-        gives += gives_at(other_body(meeting), part.motion, place.point, place.out);
-      }
+      const Real gives = gives_at(meeting, part.motion, place.point, place.out);
       const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
       const Real sum = (1.5 * dissipation_) * (part.step * elastic * gives);
       const Real more = select(place.touches, sum, Real(0.0));
@@ -346,20 +343,34 @@ class ContactStep : public ContactSearch<Real, Values> {
     });
   }
 
-  SKYBODY_INLINE Vec3<Real> friction(const Touch<Real>& t, const ContactLaw& law, const Real& most,
-                                     int bristle, const MaskOf<Real>& touches) const {
-    if (bristle < 0) return creeping_force(t, most);
+  SKYBODY_INLINE Vec3<Real> friction(const Part& part, const Place<Real>& place,
+                                     const Touch<Real>& t, const Real& most) const {
+    const int bristle = place.bristle;
+    if (bristle < 0) return creep(part, place, t, most);
+    const ContactLaw& law = w_.near[place.pair].meeting->law;
     MaskOf<Real>& is_bent = w_.is_bent[bristle];
     if (w_.is_idle[bristle]) is_bent = MaskOf<Real>(false);
     w_.is_idle[bristle] = false;
     Vec3<Real> bent = w_.bristles[bristle];
-    const auto is_first = logical_and(touches, logical_not(is_bent));
+    const auto is_first = logical_and(place.touches, logical_not(is_bent));
     const Vec3<Real> force = bristle_force(t, law, most, bent);
     w_.bent[bristle] = select(is_first, bent, w_.bent[bristle]);
-    const auto is_second = logical_and(touches, is_bent);
-    is_bent |= touches;
+    const auto is_second = logical_and(place.touches, is_bent);
+    is_bent |= place.touches;
     if (none(is_second)) return force;
-    return select(is_second, creeping_force(t, most), force);
+    return select(is_second, creep(part, place, t, most), force);
+  }
+
+  /// Friction without a bristle. Four places stop together what one of them, by what it gives way
+  /// along its own velocity, would stop alone: up to eight never gain energy.
+  SKYBODY_INLINE Vec3<Real> creep(const Part& part, const Place<Real>& place, const Touch<Real>& t,
+                                  const Real& most) const {
+    const Vec3<Real> velocity = across(t.normal, t.velocity);
+    const Real speed = norm(velocity);
+    const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));
+    const Real gives = gives_at(*w_.near[place.pair].meeting, part.motion, place.point, along);
+    const Real damping = min(t.most_damping, kContactShare / max(gives * t.step, Real(1e-300)));
+    return creeping_force(velocity, speed, damping, most);
   }
 
   SKYBODY_INLINE void add(int body, const Motion* motion, const Vec3<Real>& point,
@@ -419,6 +430,14 @@ class ContactStep : public ContactSearch<Real, Values> {
                                const Vec3<Real>& point, const Vec3<Real>& along) const {
     if (body.is_driven) return Real(0.0);
     return dot(along, moved(body, motion, point, response(body, motion, point, along)));
+  }
+  /// The same of both that meet.
+  SKYBODY_INLINE Real gives_at(const Meeting& meeting, const Motion* motion,
+                               const Vec3<Real>& point, const Vec3<Real>& along) const {
+    Real gives =
+        gives_at(scene_.bodies[static_cast<std::size_t>(meeting.body)], motion, point, along);
+    if (meeting.other >= 0) gives += gives_at(other_body(meeting), motion, point, along);
+    return gives;
   }
 
   /// Makes a push so large that the place stays within what it may get in, after all that was

@@ -13,7 +13,8 @@ class Lossless : public testing::TestWithParam<double> {};
 
 /// Sixty-four boxes, thrown, over 10 s of bounces. An error of an impact is of second order in a
 /// part's share of the spring's swing: (1/16)^2 / 24 = 0.016 % of what the spring holds, of either
-/// sign, and some tens of impacts add up as a random walk.
+/// sign, and some tens of impacts add up as a random walk: 0.1 % is some 5 standard deviations of a
+/// box, 0.015 % as many of the mean.
 TEST_P(Lossless, TumblingBoxesKeepTheirEnergy) {
   constexpr int kGroups = 2;
   constexpr double kSeconds = 10.0;
@@ -50,10 +51,10 @@ TEST_P(Lossless, TumblingBoxesKeepTheirEnergy) {
       const auto place = static_cast<std::size_t>(lane);
       const double change = after[place] / before[place] - 1.0;
       sum += change;
-      EXPECT_LT(std::fabs(change), 0.005) << "world " << k << " lane " << lane;
+      EXPECT_LT(std::fabs(change), 0.001) << "world " << k << " lane " << lane;
     }
   }
-  EXPECT_LT(std::fabs(sum) / (kGroups * kGroupLanes), 0.0005);
+  EXPECT_LT(std::fabs(sum) / (kGroups * kGroupLanes), 0.00015);
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, Lossless, testing::Values(2.5e-4, 1e-3, 2e-3, 4e-3));
