@@ -94,6 +94,22 @@ TEST_P(OnItsSide, AVehicleRestsForAMinute) {
 
 INSTANTIATE_TEST_SUITE_P(Steps, OnItsSide, testing::Values(2.5e-4, 1e-3, 2e-3, 3e-3, 4e-3));
 
+/// A can that is set down upright with a turn rests on the eight points of its rim at once.
+class Upright : public testing::TestWithParam<double> {};
+
+TEST_P(Upright, ACanRestsForAMinute) {
+  Scenario scenario = world_of(solid(0.5, make_cylinder(0.05, 0.3)), GetParam());
+  scenario.robots[0].pose.position.z = 0.151;
+  Bench bench(scenario);
+  bench.state.u[0] = 0.05;  // [m/s]
+  bench.state.u[5] = 0.2;   // [rad/s]
+  ASSERT_TRUE(bench.run_seconds(10.0));
+  expect_rest(bench, 1, 1e-5);
+  EXPECT_LT(norm(bench.state.bodies[0].angular_velocity), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, Upright, testing::Values(2.5e-4, 1e-3, 2e-3, 3e-3, 4e-3));
+
 /// On the corners of a post that is smaller, where no bristle holds: a plate that is set down with
 /// a turn, and a QDrone2 on its side. They creep by less than 1 mm a minute, and do not rattle.
 class OnAPost : public testing::TestWithParam<double> {};
