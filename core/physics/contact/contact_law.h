@@ -80,11 +80,13 @@ SKYBODY_INLINE Vec3<Real> bristle_force(const Touch<Real>& touch, const ContactL
 
 /// Friction where no bristle is kept: it stops what slides within a few steps, and lets it creep
 /// under a load.
+/// @param velocity  across the normal
+/// @param speed     its norm
+/// @param damping   such that no step gains energy by it
+/// @param most      mu f [N]
 template <class Real>
-SKYBODY_INLINE Vec3<Real> creeping_force(const Touch<Real>& touch, const Real& most) {
-  const Vec3<Real> velocity = across(touch.normal, touch.velocity);
-  const Real speed = norm(velocity);
-  const Real& damping = touch.most_damping;
+SKYBODY_INLINE Vec3<Real> creeping_force(const Vec3<Real>& velocity, const Real& speed,
+                                         const Real& damping, const Real& most) {
   const auto slips = damping * speed > most;
   return velocity * -select(slips, most / select(slips, speed, Real(1.0)), damping);
 }

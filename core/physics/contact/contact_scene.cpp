@@ -12,7 +12,7 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// On so many places at once a body is taken to rest where the law is made for dt.
+/// On so many places at once a body without rims is taken to rest where the law is made for dt.
 constexpr double kCarriers = 4.0;
 /// Of all these together, in all directions: the largest (frequency x dt)^2. The trace of a matrix,
 /// about three times its largest eigenvalue; a step is stable below 4 of that.
@@ -156,6 +156,12 @@ double mobility(const ContactScene& scene, const ContactBody& body) {
   return most;
 }
 
+/// What all the places on which a body rests at once give way, together [1/kg]: four, or those of a
+/// rim.
+double gives_of(const ContactScene& scene, const ContactBody& body) {
+  return (body.rims.empty() ? kCarriers : double{kRimPoints}) * mobility(scene, body);
+}
+
 /// Stiffness of the points of each contact body: resting upright on the n points that lie lowest,
 /// the robot sinks in by ContactSettings::penetration x0,
 ///   k = m |g| / (n x0^1.5),
@@ -177,7 +183,7 @@ std::vector<double> stiffnesses(const ContactScene& scene) {
   }
   std::vector<double> out;
   for (const ContactBody& body : scene.bodies) {
-    const double gives = kCarriers * mobility(scene, body) * (dt * dt);
+    const double gives = gives_of(scene, body) * (dt * dt);
     const double most = kLargestSquaredPhase / gives / (1.5 * sqrt(depth));  // driven: infinite
     out.push_back(min(wanted[static_cast<std::size_t>(body.robot)], most));
   }
@@ -207,13 +213,13 @@ double nominal_share(const ContactScene& scene, const ContactBody& body) {
 }
 
 /// @param share     mass that a bristle feels
-/// @param mobility  of the bodies, together
-ContactLaw make_law(const Scenario& scenario, double stiffness, double share, double mobility) {
+/// @param gives     gives_of() of the bodies, together
+ContactLaw make_law(const Scenario& scenario, double stiffness, double share, double gives) {
   ContactLaw law;
   law.stiffness = stiffness;
   law.bristle_stiffness = 1.5 * stiffness * sqrt(scenario.contact.penetration);
   if (share == kInfinity) return law;
-  const double most = kLargestDamping / (kCarriers * mobility * scenario.stepping.dt);
+  const double most = kLargestDamping / (gives * scenario.stepping.dt);
   law.bristle_damping = min(sqrt(law.bristle_stiffness * share), most);
   return law;
 }
@@ -290,7 +296,7 @@ void add_meetings(ContactScene& scene) {
   const std::vector<double> stiffness = stiffnesses(scene);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const double share = nominal_share(scene, scene.bodies[i]);
-    const double gives = mobility(scene, scene.bodies[i]);
+    const double gives = gives_of(scene, scene.bodies[i]);
     const ContactLaw law = make_law(scenario, stiffness[i], share, gives);
     const int body = static_cast<int>(i);
     const bool moves = !scene.bodies[i].is_driven;
@@ -306,7 +312,7 @@ void add_meetings(ContactScene& scene) {
       const double softer = in_series(stiffness[i], stiffness[k]);
       scene.meetings.push_back(
           {body, static_cast<int>(k),
-           make_law(scenario, softer, both, gives + mobility(scene, scene.bodies[k])),
+           make_law(scenario, softer, both, gives + gives_of(scene, scene.bodies[k])),
            moves || !scene.bodies[k].is_driven, false});
     }
   }

@@ -46,6 +46,26 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// Where springs are too stiff for the shortest parts: known after act() with mean velocities.
   SKYBODY_INLINE const MaskOf<Real>& is_stiff() const { return is_stiff_; }
 
+  /// Lanes whose springs lose nothing: there errors of a step add up.
+  SKYBODY_INLINE MaskOf<Real> is_lossless() const { return dissipation_ <= 0.0; }
+
+  /// Where springs lose nothing, cuts the step for all that search() found near, as finely as if it
+  /// began to touch at once: what touches at a step's end or start, and not in its middle, would
+  /// have its spring bent, or straightened, for nothing.
+  SKYBODY_INLINE void cut_lossless() {
+    const MaskOf<Real> lossless = is_lossless();
+    if (none(lossless)) return;
+    for (int i = 0; i < near_count_; ++i) {
+      const NearPair<Real>& pair = w_.near[i];
+      const Meeting& meeting = *pair.meeting;
+      Real speed = w_.bounds[meeting.body].speed;
+      if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
+      const Real rigidity = meeting.law.stiffness * sqrt(dt() * speed);
+      const Real phase = dt() * sqrt(1.5 * (rigidity * inverse_mass(meeting)));
+      ask_for(phase * (1.0 / kLosslessPhase), logical_and(lossless, pair.lanes));
+    }
+  }
+
   /// The step begins, or begins again: nothing has touched so far. What a lane does must not depend
   /// on whether another one made it begin again.
   SKYBODY_INLINE void begin() {
@@ -122,6 +142,9 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
  private:
+  /// Of a lossless spring's swing, the most that a part goes through [rad].
+  static constexpr double kLosslessPhase = 1.0 / 16.0;
+
   using Search::ask_for;
   using Search::dt;
   using Search::is_close;
@@ -143,29 +166,29 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// Where things touch so quickly or so deep that it matters, a contact asks for parts: so many
   /// that none goes through more of the swing of its spring than kLargestPhase, nor asks for more
   /// damping than Touch::most_damping, nor goes far where it is going to be stopped. Springs that
-  /// lose nothing get more: only there does the error of the parts add up.
+  /// lose nothing get more.
   /// @param elastic  k x^1.5 [N]
   /// @param speed    at which it gets deeper, or less deep
   SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth,
                                     const Real& elastic, const Real& speed,
                                     const MaskOf<Real>& touches) {
-    constexpr double kLargestPhase = 0.5, kLosslessPhase = 1.0 / 16.0, kStoppedParts = 24.0,
-                     kQuickWay = 0.05, kDeepPhase = 1.0, kDeepDamping = 0.5;
+    constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05, kDeepPhase = 1.0,
+                     kDeepDamping = 0.5;
     const Real way = dt() * speed;
     const double rest = scene_.world.scenario.contact.penetration;
     const Real kick = (1.5 * dt()) * (elastic * pair.per_mass);  // 1.5 h k x^1.5 / m'
-    const auto is_lossless = dissipation_ <= 0.0;
+    const MaskOf<Real> lossless = is_lossless();
     const auto is_deep = logical_or(dissipation_ * kick > kDeepDamping,
                                     dt() * kick > kDeepPhase * kDeepPhase * depth);
     const auto is_quick =
-        logical_and(touches, logical_or(way > kQuickWay * rest, logical_or(is_deep, is_lossless)));
+        logical_and(touches, logical_or(way > kQuickWay * rest, logical_or(is_deep, lossless)));
     if (none(is_quick)) return;
     is_quick_ |= is_quick;
     const double stiffness = pair.meeting->law.stiffness;
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
     const Real damping = 1.5 * dissipation_ * (rigidity * reach);
-    const Real most = select(is_lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
+    const Real most = select(lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
     Real parts = max(phase * most, dt() * (damping * pair.per_mass));
     if (!pair.meeting->is_endless) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
@@ -281,7 +304,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     if (!meeting.is_endless) stop(pair, part, point, t, other, touches, push);
     const Real most = friction_ * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);
+    Vec3<Real> force = out * push + friction(part, place, t, most);
     force = select(touches, force, zero);
     add(body, part.motion, point, force);
     if (other >= 0) add(other, part.motion, point, -force);
@@ -311,10 +334,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
       const Meeting& meeting = *w_.near[place.pair].meeting;
       const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
-      Real gives = gives_at(body, part.motion, place.point, place.out);
-      if (meeting.other >= 0) {
-        gives += gives_at(other_body(meeting), part.motion, place.point, place.out);
-      }
+      const Real gives = gives_at(meeting, part.motion, place.point, place.out);
       const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
       const Real sum = (1.5 * dissipation_) * (part.step * elastic * gives);
       const Real more = select(place.touches, sum, Real(0.0));
@@ -323,20 +343,34 @@ class ContactStep : public ContactSearch<Real, Values> {
     });
   }
 
-  SKYBODY_INLINE Vec3<Real> friction(const Touch<Real>& t, const ContactLaw& law, const Real& most,
-                                     int bristle, const MaskOf<Real>& touches) const {
-    if (bristle < 0) return creeping_force(t, most);
+  SKYBODY_INLINE Vec3<Real> friction(const Part& part, const Place<Real>& place,
+                                     const Touch<Real>& t, const Real& most) const {
+    const int bristle = place.bristle;
+    if (bristle < 0) return creep(part, place, t, most);
+    const ContactLaw& law = w_.near[place.pair].meeting->law;
     MaskOf<Real>& is_bent = w_.is_bent[bristle];
     if (w_.is_idle[bristle]) is_bent = MaskOf<Real>(false);
     w_.is_idle[bristle] = false;
     Vec3<Real> bent = w_.bristles[bristle];
-    const auto is_first = logical_and(touches, logical_not(is_bent));
+    const auto is_first = logical_and(place.touches, logical_not(is_bent));
     const Vec3<Real> force = bristle_force(t, law, most, bent);
     w_.bent[bristle] = select(is_first, bent, w_.bent[bristle]);
-    const auto is_second = logical_and(touches, is_bent);
-    is_bent |= touches;
+    const auto is_second = logical_and(place.touches, is_bent);
+    is_bent |= place.touches;
     if (none(is_second)) return force;
-    return select(is_second, creeping_force(t, most), force);
+    return select(is_second, creep(part, place, t, most), force);
+  }
+
+  /// Friction without a bristle. Four places stop together what one of them, by what it gives way
+  /// along its own velocity, would stop alone: up to eight never gain energy.
+  SKYBODY_INLINE Vec3<Real> creep(const Part& part, const Place<Real>& place, const Touch<Real>& t,
+                                  const Real& most) const {
+    const Vec3<Real> velocity = across(t.normal, t.velocity);
+    const Real speed = norm(velocity);
+    const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));
+    const Real gives = gives_at(*w_.near[place.pair].meeting, part.motion, place.point, along);
+    const Real damping = min(t.most_damping, kContactShare / max(gives * t.step, Real(1e-300)));
+    return creeping_force(velocity, speed, damping, most);
   }
 
   SKYBODY_INLINE void add(int body, const Motion* motion, const Vec3<Real>& point,
@@ -396,6 +430,14 @@ class ContactStep : public ContactSearch<Real, Values> {
                                const Vec3<Real>& point, const Vec3<Real>& along) const {
     if (body.is_driven) return Real(0.0);
     return dot(along, moved(body, motion, point, response(body, motion, point, along)));
+  }
+  /// The same of both that meet.
+  SKYBODY_INLINE Real gives_at(const Meeting& meeting, const Motion* motion,
+                               const Vec3<Real>& point, const Vec3<Real>& along) const {
+    Real gives =
+        gives_at(scene_.bodies[static_cast<std::size_t>(meeting.body)], motion, point, along);
+    if (meeting.other >= 0) gives += gives_at(other_body(meeting), motion, point, along);
+    return gives;
   }
 
   /// Makes a push so large that the place stays within what it may get in, after all that was

@@ -10,7 +10,8 @@
 // once however fine the parts are: a multiple-time-step leapfrog (M. Tuckerman, B. J. Berne, G. J.
 // Martyna, "Reversible multiple time scale molecular dynamics", 1992, with the slow force spread
 // evenly over the step). Bodies that spin fast, or that a contact makes spin fast, drift by their
-// torque-free motion (fast_robots.h), and a is the rest.
+// torque-free motion (fast_robots.h), and a is the rest; so do all that are near something where
+// springs lose nothing.
 #pragma once
 
 #include <algorithm>
@@ -85,7 +86,8 @@ class ContactCorrection {
       a_.smooth[i] = (a_.end.u[i] - a_.now.u[i]) * Real(rate);
       a_.no_forces[i] = Real(0.0);
     }
-    fast_.find(a_.motion, a_.is_robot_near);
+    contact_.cut_lossless();
+    fast_.find(a_.motion, a_.is_robot_near, contact_.is_lossless());
     fast_.lock_all(a_.now);
     fast_.keep_mean_forces(dt(), a_.now, a_.end, a_.smooth);
     for (std::size_t i = 0; i < plan_.world.bodies.size(); ++i) {

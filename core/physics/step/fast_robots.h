@@ -38,7 +38,9 @@ class FastRobots {
   /// Finds them at the step's start.
   /// @param motion     of all bodies
   /// @param is_wanted  per robot: others are left out; null: none is
-  SKYBODY_INLINE void find(const BodyKinematics<Real>* motion, const bool* is_wanted = nullptr) {
+  /// @param always     lanes where all of the wanted count as fast
+  SKYBODY_INLINE void find(const BodyKinematics<Real>* motion, const bool* is_wanted = nullptr,
+                           const MaskOf<Real>& always = MaskOf<Real>(false)) {
     has_any_ = false;
     jointed_square_ = Real(0.0);
     int r = 0;
@@ -49,7 +51,8 @@ class FastRobots {
       for (int i = 0; is_here && i < robot.body_count; ++i) {
         square = max(square, squared_norm(motion[robot.first_body + i].spin));
       }
-      fast.mask = fast.at_start = square > plan_.fast_square;
+      const auto counts = logical_and(always, MaskOf<Real>(is_here));
+      fast.mask = fast.at_start = logical_or(square > plan_.fast_square, counts);
       fast.has_any = any(fast.mask);
       has_any_ |= fast.has_any;
       if (robot.body_count > 1) jointed_square_ = max(jointed_square_, square);

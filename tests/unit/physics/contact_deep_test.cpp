@@ -95,6 +95,25 @@ TEST_P(Deep, RobotsThatOverlapDoNotFlyApart) {
   }
 }
 
+LaneState thrown(Random<double>& random, LaneState state) {
+  state.q[2] = random.uniform(0.4, 0.8);
+  store(random.quaternion(), state.q.data() + 3);
+  store(in_cube(random, 2.0), state.u.data());
+  store(in_cube(random, 5.0), state.u.data() + 3);
+  return state;
+}
+
+/// All lanes lie still after a time.
+void expect_rest(LaneTries& tries, double seconds, const std::string& name) {
+  tries.begin();
+  for (int i = 0; i * tries.world.scenario.stepping.dt < seconds; ++i) ASSERT_TRUE(tries.advance());
+  for (int lane = 0; lane < kGroupLanes; ++lane) {
+    const BodyState now = tries.body(lane);
+    const bool rests = norm(now.velocity) < 1e-5 && norm(now.angular_velocity) < 1e-4;
+    EXPECT_TRUE(rests) << name << " lane " << lane;
+  }
+}
+
 /// A hundred and twenty-eight boxes, thrown.
 TEST_P(Deep, BoxesThatAreThrownComeToRest) {
   for (std::uint64_t k = 0; k < 4; ++k) {
@@ -102,20 +121,20 @@ TEST_P(Deep, BoxesThatAreThrownComeToRest) {
     const auto size = [&] { return random.uniform(0.05, 0.4); };
     const Shape box = make_box(size(), size(), size());
     LaneTries tries(world_of(solid(random.uniform(0.1, 3.0), box), GetParam()));
-    for (int lane = 0; lane < kGroupLanes; ++lane) {
-      LaneState state = tries.nominal;
-      state.q[2] = random.uniform(0.4, 0.8);
-      store(random.quaternion(), state.q.data() + 3);
-      store(in_cube(random, 2.0), state.u.data());
-      store(in_cube(random, 5.0), state.u.data() + 3);
-      tries.set(lane, state);
-    }
-    tries.begin();
-    for (int i = 0; i * GetParam() < 20.0; ++i) ASSERT_TRUE(tries.advance());
-    for (int lane = 0; lane < kGroupLanes; ++lane) {
-      const BodyState now = tries.body(lane);
-      const bool rests = norm(now.velocity) < 1e-5 && norm(now.angular_velocity) < 1e-4;
-      EXPECT_TRUE(rests) << "world " << k << " lane " << lane;
+    for (int lane = 0; lane < kGroupLanes; ++lane) tries.set(lane, thrown(random, tries.nominal));
+    expect_rest(tries, 20.0, "world " + std::to_string(k));
+  }
+}
+
+/// Likewise vehicles. A plate on its side rocks for half a minute, with any dt: so all are given
+/// one.
+TEST_P(Deep, VehiclesThatAreThrownComeToRest) {
+  for (const VehicleData& data : {qdrone2(), crazyflie()}) {
+    for (std::uint64_t k = 0; k < 4; ++k) {
+      Random<double> random{RandomKey{2026, 92}, k, 0, derive_stream("contact_deep_test")};
+      LaneTries tries(world_of(make_vehicle(data), GetParam()));
+      for (int lane = 0; lane < kGroupLanes; ++lane) tries.set(lane, thrown(random, tries.nominal));
+      expect_rest(tries, 60.0, "world " + std::to_string(k));
     }
   }
 }
