@@ -9,12 +9,18 @@ namespace {
 
 constexpr std::size_t kMoreRows = 61;  // beyond a batch, so that actions of environments change
 
-/// What the hold policy does after a reset.
+/// What the hold policy does once it has brought the robots to rest: what it does before would turn
+/// them over where it is kept.
 std::vector<float> hold_row(const std::shared_ptr<const CompiledScenario>& compiled) {
+  constexpr double kSettle = 5.0;  // [s]
   Simulation simulation(compiled, 0, 0);
   simulation.reset();
   std::vector<float> row(static_cast<std::size_t>(simulation.action_size()));
-  HoldPolicy(*compiled).act(simulation, row);
+  HoldPolicy policy(*compiled);
+  while (simulation.time() < kSettle && !simulation.done()) {
+    policy.act(simulation, row);
+    simulation.step(row);
+  }
   return row;
 }
 

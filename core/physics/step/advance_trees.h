@@ -6,18 +6,17 @@
 
 namespace skybody {
 
-/// @tparam kIsHeld  effects hold something of the world
-template <bool kIsHeld>
+template <TreeKind kKind>
 struct AdvanceTrees {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
-    return for_packs<W, kIsHeld>(
+    return for_packs<W, kKind == TreeKind::kAny>(
         call, lanes,
         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
             SKYBODY_INLINE_LAMBDA {
               using Values = std::decay_t<decltype(params)>;
-              return bits_from_mask(Mechanics<Real, Values, kIsHeld>(call, first, params, derived)
+              return bits_from_mask(Mechanics<Real, Values, kKind>(call, first, params, derived)
                                         .advance(mask_from_bits<Real>(bits)));
             });
   }

@@ -8,7 +8,7 @@ namespace {
 
 /// Effects may hold something: worlds where they do not take the same code, with nothing held.
 template <class Real>
-using DualMechanics = Mechanics<Real, ConstantValues<Real>, true>;
+using DualMechanics = Mechanics<Real, ConstantValues<Real>, TreeKind::kAny>;
 
 /// Calls f(mechanics, mask) for every pack that holds any of `lanes`.
 template <int W, class F>

@@ -121,7 +121,7 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
       near_meetings_(plan.contact.meetings.size()) {
   SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
                  "a group has 1 or 32 lanes");
-  if (plan.never_shares()) make_derived();
+  if (plan.never_shares() || fast_reads_derived()) make_derived();
   constexpr std::size_t kFewObstacles = 4;
   if (plan.contact.obstacles.size() <= kFewObstacles) return;
   clearances_ =
@@ -166,11 +166,21 @@ std::uint32_t GroupStepper::advance(const GroupBlocks& group, std::uint32_t lane
   if (able != 0)
     through = plan_.has_kernels() ? kernels().advance(all, able) : advance_alone(all, able);
   const std::uint32_t left = able & ~through;
-  if (left != 0 && kernels().advance_fast != nullptr) through |= kernels().advance_fast(all, left);
+  if (left != 0 && kernels().advance_fast != nullptr) through |= advance_fast(all, left);
   if (near_ != 0) through &= ~(near_ & ~correct(all, near_ & through));
   counts_.all += static_cast<std::uint64_t>(std::popcount(lanes));
   counts_.near += static_cast<std::uint64_t>(std::popcount(near_));
   return through;
+}
+
+std::uint32_t GroupStepper::advance_fast(StepCall all, std::uint32_t lanes) {
+  if (fast_reads_derived()) all.derived = derived_.data();
+  return kernels().advance_fast(all, lanes);
+}
+
+/// Whether the kernel for fast lanes reads each lane's own parameters, nominal or not.
+bool GroupStepper::fast_reads_derived() const {
+  return !plan_.free_robots && kernels().advance_fast != nullptr;
 }
 
 /// What only kernels keep (bodies, spins) is made anew for lanes that went by themselves.

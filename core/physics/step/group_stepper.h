@@ -123,6 +123,8 @@ class GroupStepper {
   StepCall call(const GroupBlocks& group, PhysicsScratch& scratch);
   std::uint32_t find_near(const StepCall& all, std::uint32_t lanes) const;
   std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes);
+  std::uint32_t advance_fast(StepCall all, std::uint32_t lanes);
+  bool fast_reads_derived() const;
   std::uint32_t correct(const StepCall& all, std::uint32_t lanes);
   double* remembered(const StepCall& all) const;
   void remember(const StepCall& all) const;

@@ -38,8 +38,8 @@ struct ChosenAccelerations {
   }
 };
 
-/// In the form for held inputs, whether there are any or not: with the same bits.
-using LaneMechanics = Mechanics<double, LaneValues<double>, true, ChosenAccelerations>;
+/// In the form for any world: where none of its cases is, with the bits of the usual form.
+using LaneMechanics = Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>;
 
 /// What forces do to accelerations, likewise.
 struct ChosenResponse {

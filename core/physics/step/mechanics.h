@@ -26,11 +26,18 @@ struct TreeAccelerations {
   }
 };
 
+/// What a step of a tree is compiled for. Rare cases have a kernel of their own: their code beside
+/// the usual one costs a tenth of a step.
+enum class TreeKind {
+  kUsual,  ///< no effect holds anything, no rotor turns backwards, no joint has stops; lanes where
+           ///< a body spins fast do not come through
+  kAny
+};
+
 /// @tparam Values         how parameters and what derives from them are read: LaneValues,
 ///                        SharedValues
-/// @tparam kIsHeld        effects hold something of the world
 /// @tparam Accelerations  what turns forces into accelerations
-template <class Real, class Values, bool kIsHeld, class Accelerations = TreeAccelerations>
+template <class Real, class Values, TreeKind kKind, class Accelerations = TreeAccelerations>
 class Mechanics {
  public:
   /// @param first  of the lanes that Real holds
@@ -80,25 +87,26 @@ class Mechanics {
   SKYBODY_INLINE MaskOf<Real> advance(const MaskOf<Real>& mask) {
     const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
     begin_step();
+    MaskOf<Real> taken = mask;
+    if (rule.is_split()) taken = logical_and(taken, find_fast());
+    if (none(taken)) return taken;
     run_rotors(rule);
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
                              accelerate(at.q, at.u, time, rate.u);
-                             fast_.keep_forces(a_.motion, at.u, rate.u);
+                             if constexpr (kIsAny) fast_.keep_forces(a_.motion, at.u, rate.u);
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
-    if (rule.is_split()) find_fast();
     if (rule.integrator == IntegratorChoice::kMidpoint) {
       advance_by_midpoint(rates);
-      return end_step(mask);
+      return end_step(taken);
     }
     step_by_stages(rule, dt(), rates, a_.now, a_.stages);
     if (rule.is_split()) {
       a_.now.change_velocity(a_.stages.outer, dt());
-      fast_.drift(Real(dt()), false, a_.now,
-                  [&]() SKYBODY_INLINE_LAMBDA { a_.now.change_position(dt()); });
+      drift(Real(dt()), false, [&]() SKYBODY_INLINE_LAMBDA { a_.now.change_position(dt()); });
     }
-    return end_step(mask);
+    return end_step(taken);
   }
 
   /// The same with an integrator that chooses its own times.
@@ -138,15 +146,29 @@ class Mechanics {
   SpatialForce<Real>* forces() const { return a_.forces; }
 
  private:
+  static constexpr bool kIsAny = kKind == TreeKind::kAny;
+
   double dt() const { return plan_.world.scenario.stepping.dt; }
   const Layout& layout() const { return plan_.world.layout; }
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
 
-  /// In parts where robots with joints spin fast; what a lane does behind its last part is undone.
   template <class Rates>
   SKYBODY_INLINE void advance_by_midpoint(const Rates& rates) {
     stays_ = true;
+    if constexpr (kIsAny) {
+      advance_in_parts(rates);
+    } else {
+      has_motion_ = false;
+      const auto drift = [&](bool) SKYBODY_INLINE_LAMBDA { a_.now.drift(0.5 * dt()); };
+      const auto goes_on = []() SKYBODY_INLINE_LAMBDA { return false; };
+      step_by_midpoint(dt(), rates, drift, goes_on, a_.now, a_.stages);
+    }
+  }
+
+  /// In parts where robots with joints spin fast; what a lane does behind its last part is undone.
+  template <class Rates>
+  SKYBODY_INLINE void advance_in_parts(const Rates& rates) {
     const Real parts = fast_.parts(dt());
     const Coordinates<Real>& before = a_.stages.outer;
 #pragma GCC unroll 1
@@ -154,8 +176,8 @@ class Mechanics {
       const auto is_active = parts > static_cast<double>(p);
       if (none(is_active)) break;
       const Real step = Real(dt()) / parts, half = 0.5 * step;
-      const auto drift = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
-        fast_.drift(half, is_first, a_.now, [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(half); });
+      const auto move = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
+        drift(half, is_first, [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(half); });
       };
       const auto goes_on = [&]() SKYBODY_INLINE_LAMBDA { return approach_mean(half); };
       if (p > 0) {
@@ -164,24 +186,41 @@ class Mechanics {
       }
       has_motion_ = has_response_ = false;
       is_open_ = logical_and(is_active, fast_.iterates());
-      step_by_midpoint(step, rates, drift, goes_on, a_.now, a_.stages);
+      step_by_midpoint(step, rates, move, goes_on, a_.now, a_.stages);
       if (p == 0 || all(is_active)) continue;
       a_.now.keep(is_active, before);
       couplings_.take_back(is_active);
     }
   }
 
-  /// Robots that spin fast at the step's start.
-  SKYBODY_INLINE void find_fast() {
-    fast_.find(a_.motion);
-    fast_.each_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
-      const int first = kBodyConstantCount * robot.first_body;
-      for (int k = first; k < first + kBodyConstantCount * robot.body_count; ++k) {
-        a_.fast_bodies[k] = derived_[plan_.derived.bodies + k];
+  /// Moves the robots for a time in which nothing acts on them: see FastRobots::drift.
+  template <class Slowly>
+  SKYBODY_INLINE void drift(const Real& time, bool locks, const Slowly& slowly) const {
+    if constexpr (kIsAny) {
+      fast_.drift(time, locks, a_.now, slowly);
+    } else {
+      slowly();
+    }
+  }
+
+  /// Robots that spin fast at the step's start. @returns the lanes whose step this kind takes
+  SKYBODY_INLINE MaskOf<Real> find_fast() {
+    if constexpr (kIsAny) {
+      fast_.find(a_.motion);
+      fast_.each_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+        const int first = kBodyConstantCount * robot.first_body;
+        for (int k = first; k < first + kBodyConstantCount * robot.body_count; ++k) {
+          a_.fast_bodies[k] = derived_[plan_.derived.bodies + k];
+        }
+      });
+      if (plan_.world.scenario.stepping.integrator != IntegratorChoice::kMidpoint) {
+        fast_.lock_all(a_.now);
       }
-    });
-    if (plan_.world.scenario.stepping.integrator != IntegratorChoice::kMidpoint) {
-      fast_.lock_all(a_.now);
+      return MaskOf<Real>(true);
+    } else {
+      Real square(0.0);
+      for (int i = 0; i < body_count(); ++i) square = max(square, squared_norm(a_.motion[i].spin));
+      return logical_not(square > plan_.fast_square);
     }
   }
 
@@ -190,13 +229,13 @@ class Mechanics {
   /// @param half  half the part's time
   /// @returns false if there is no lane left in which they change
   SKYBODY_INLINE bool approach_mean(const Real& half) {
-    constexpr double kRounding = 1e-12;
+    constexpr double kSmall = 1e-9;  // what is left then is less by the part's angle
     if (none(is_open_)) return false;
     Real* const point = a_.stages.point.u;
     MaskOf<Real> changes(false);
     for (int i = 0; i < layout().u.size; ++i) {
       const Real mean = a_.now.u[i] + half * a_.stages.rate.u[i];
-      changes |= abs(mean - point[i]) > kRounding * (1.0 + abs(mean));
+      changes |= abs(mean - point[i]) > kSmall * (1.0 + abs(mean));
     }
     is_open_ &= changes;
     if (none(is_open_)) return false;
@@ -268,11 +307,13 @@ class Mechanics {
       const Real speed = lanes_.load(group_.rotor_speed, i);
       const Real command = lanes_.load(group_.rotor_command, i);
       const Real max_speed = rotor_constants(i)[kMaxSpeed];
-      const Rotor& model = *plan_.world.rotors[static_cast<std::size_t>(i)].model;
-      if (model.is_reversible()) {
-        run_reversible(i, lag, speed, command, max_speed, Real(model.min_speed), f);
-      } else if constexpr (kIsHeld) {
-        f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
+      if constexpr (kIsAny) {
+        const Rotor& model = *plan_.world.rotors[static_cast<std::size_t>(i)].model;
+        if (model.is_reversible()) {
+          run_reversible(i, lag, speed, command, max_speed, Real(model.min_speed), f);
+        } else {
+          f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
+        }
       } else {
         f(i, RotorStep<Real>(lag, speed, command, max_speed));
       }
@@ -284,19 +325,12 @@ class Mechanics {
   SKYBODY_INLINE void run_reversible(int i, const RotorLag<Real>& lag, const Real& speed,
                                      const Real& command, const Real& max_speed,
                                      const Real& min_speed, const F& f) const {
-    if constexpr (kIsHeld) {
-      HeldRotor<Real> held = held_rotor(held_, i);
-      limit_both_senses(held);
-      const Real goal = limit_command(clamp(command, held.lower, held.upper), max_speed, min_speed);
-      using Step = HeldRotorStep<Real>;
-      f(i, ReversibleRotorStep<Real, Step>{Step(lag_by_size(lag, speed, goal), speed, command,
-                                                max_speed, held, dt(), min_speed)});
-    } else {
-      const Real goal = limit_command(command, max_speed, min_speed);
-      using Step = RotorStep<Real>;
-      f(i, ReversibleRotorStep<Real, Step>{
-               Step(lag_by_size(lag, speed, goal), speed, command, max_speed, min_speed)});
-    }
+    HeldRotor<Real> held = held_rotor(held_, i);
+    limit_both_senses(held);
+    const Real goal = limit_command(clamp(command, held.lower, held.upper), max_speed, min_speed);
+    using Step = HeldRotorStep<Real>;
+    f(i, ReversibleRotorStep<Real, Step>{Step(lag_by_size(lag, speed, goal), speed, command,
+                                              max_speed, held, dt(), min_speed)});
   }
 
   /// Calls f(i, drive, state, command) for every joint drive of the world.
@@ -339,7 +373,7 @@ class Mechanics {
                                        params_,
                                        a_.wrench,
                                        a_.joint_targets[time],
-                                       kIsHeld ? &held_ : nullptr};
+                                       kIsAny ? &held_ : nullptr};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
     for (int i = 0; contact_ != nullptr && i < body_count(); ++i) {
       a_.forces[i].moment += contact_[i].moment;
@@ -381,12 +415,12 @@ class Mechanics {
                        step[k] = select(where, dt() * change[k], Real(0.0));
                        a_.now.u[k] = select(where, a_.now.u[k] + step[k], a_.now.u[k]);
                      }
-                     drift(robot, where, step);
+                     move_on(robot, where, step);
                    });
   }
   /// Coordinates of a robot go on for dt with rates `u`.
-  SKYBODY_INLINE void drift(const RobotLayout& robot, const MaskOf<Real>& where,
-                            const Real* u) const {
+  SKYBODY_INLINE void move_on(const RobotLayout& robot, const MaskOf<Real>& where,
+                              const Real* u) const {
     for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
       const TreeBody& body = tree()[static_cast<std::size_t>(i)];
       Real moved[7];
@@ -420,7 +454,9 @@ class Mechanics {
   /// Joints stopped, quaternions to norm 1, pose-driven bases exactly where they were told to be;
   /// writes the lanes whose values are bounded.
   SKYBODY_INLINE MaskOf<Real> end_step(const MaskOf<Real>& mask) {
-    if (plan_.stops.any()) stop_joints(mask);
+    if constexpr (kIsAny) {
+      if (plan_.stops.any()) stop_joints(mask);
+    }
     for (const TreeBody& body : tree()) normalize_position(body.type, a_.now.q + body.q);
     const Real* target = a_.targets;
     for (const DrivenBase& drive : plan_.drives) {

@@ -38,7 +38,7 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
   if (!plan.free_robots) {
-    kernels.advance = plan.has_held() ? tree_held_kernel(lanes, isa) : tree_kernel(lanes, isa);
+    kernels.advance = plan.has_rare_cases() ? tree_any_kernel(lanes, isa) : tree_kernel(lanes, isa);
   } else if (plan.held == HeldKind::kAir) {
     kernels.advance = free_air_kernel(lanes, isa);
   } else if (plan.has_held()) {
@@ -46,7 +46,11 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   } else {
     kernels.advance = free_kernel(integrator, lanes, isa);
   }
-  if (plan.free_robots) kernels.advance_fast = free_fast_kernel(integrator, lanes, isa);
+  if (plan.free_robots) {
+    kernels.advance_fast = free_fast_kernel(integrator, lanes, isa);
+  } else if (!plan.has_rare_cases() && integrator != IntegratorChoice::kRk4) {
+    kernels.advance_fast = tree_any_kernel(lanes, isa);
+  }
   return kernels;
 }
 
@@ -78,6 +82,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
     value += kDriveSize;
   }
   if (FreeRobots::is_possible(w)) free_robots.emplace(w);
+  for (const WorldRotor& rotor : w.rotors) has_reversible_rotors |= rotor.model->is_reversible();
   held = held_kind(w, free_robots && free_robots->robots[0].is_plain_quadrotor);
   const auto one_lane =
       static_cast<std::size_t>(w.layout.physics_params + derived.size) * sizeof(double);

@@ -115,7 +115,7 @@ StepKernel* contact_kernel(int lanes, Isa isa);
 StepKernel* gap_kernel(int lanes, Isa isa);
 StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
-StepKernel* tree_held_kernel(int lanes, Isa isa);
+StepKernel* tree_any_kernel(int lanes, Isa isa);
 StepKernel* free_midpoint_kernel(int lanes, Isa isa);
 StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
@@ -135,9 +135,11 @@ struct StepPlan {
     return !is_error_controlled(world.scenario.stepping.integrator) && use != DynamicsUse::kSimbody;
   }
   bool has_held() const { return held != HeldKind::kNothing; }
+  /// Whether trees take the kernel for any world: TreeKind in mechanics.h.
+  bool has_rare_cases() const { return has_held() || stops.any() || has_reversible_rotors; }
   /// Whether lanes read their own parameters even where these are nominal: a second kernel would
   /// double the compile time.
-  bool never_shares() const { return held == HeldKind::kAnything; }
+  bool never_shares() const { return free_robots ? held == HeldKind::kAnything : has_rare_cases(); }
   /// Those for groups of kGroupLanes lanes, or of one.
   const StepKernels& kernels(int lanes) const {
     return lanes == 1 ? kernels_of_one : kernels_of_all;
@@ -154,6 +156,7 @@ struct StepPlan {
   std::vector<DrivenBase> drives;
   double fast_square;  ///< fast_spin_square()
   HeldKind held = HeldKind::kNothing;
+  bool has_reversible_rotors = false;
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;

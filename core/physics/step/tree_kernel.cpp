@@ -2,6 +2,8 @@
 
 namespace skybody {
 
-StepKernel* tree_kernel(int lanes, Isa isa) { return kernel_for<AdvanceTrees<false>>(lanes, isa); }
+StepKernel* tree_kernel(int lanes, Isa isa) {
+  return kernel_for<AdvanceTrees<TreeKind::kUsual>>(lanes, isa);
+}
 
 }  // namespace skybody

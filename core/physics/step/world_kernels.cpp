@@ -7,8 +7,8 @@ namespace {
 
 /// For what asks for no parameters.
 template <class Real>
-SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, false> motion_of(const StepCall& call,
-                                                                    int first) {
+SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, TreeKind::kUsual> motion_of(const StepCall& call,
+                                                                               int first) {
   const SharedValues<Real> none(nullptr);
   return {call, first, none, none};
 }
@@ -32,7 +32,7 @@ struct CloseGaps {
         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
             SKYBODY_INLINE_LAMBDA {
               using Values = std::decay_t<decltype(params)>;
-              Mechanics<Real, Values, false> mechanics(call, first, params, derived);
+              Mechanics<Real, Values, TreeKind::kUsual> mechanics(call, first, params, derived);
               return bits_from_mask(mechanics.close_gaps(mask_from_bits<Real>(bits))) & bits;
             });
   }

@@ -3,8 +3,8 @@
 
 namespace skybody {
 
-StepKernel* tree_held_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceTrees<true>>(lanes, isa);
+StepKernel* tree_any_kernel(int lanes, Isa isa) {
+  return kernel_for<AdvanceTrees<TreeKind::kAny>>(lanes, isa);
 }
 
 }  // namespace skybody
