@@ -275,6 +275,8 @@ TEST(Run, KeepsWhatWasFlownWhenItIsInterrupted) {
                                       {.interrupt_when = has_flown});
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("interrupted"));
+  EXPECT_THAT(lines_of(outcome.out),
+              Contains("draw it  skybody plot " + (folder.path() / "flight.h5").string()));
   EXPECT_THAT(outcome.err, HasSubstr("interrupted in episode 1 of 1"));
   EXPECT_THAT(folder.names(), ElementsAre("flight.h5"));
   const FlightFile log(folder.path() / "flight.h5");
