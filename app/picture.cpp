@@ -107,10 +107,4 @@ Pictures draw_pictures(const fs::path& log) {
   return pictures;
 }
 
-std::string picture_command(const fs::path& log) {
-  std::string text;
-  for (const std::string& word : command_line(log)) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
 }  // namespace skybody

@@ -17,7 +17,4 @@ struct Pictures {
 /// Skybody was configured, else python3 on PATH; it is started directly, never through a shell.
 Pictures draw_pictures(const std::filesystem::path& log);
 
-/// The command that draws `log`, for people.
-std::string picture_command(const std::filesystem::path& log);
-
 }  // namespace skybody

@@ -137,7 +137,7 @@ int run(const RunOptions& options) {
   std::printf("\nlog      %s\n", folder.log().c_str());
   std::fflush(stdout);
   if (result.signal != 0) {
-    std::printf("draw it  %s\n", picture_command(folder.log()).c_str());
+    std::printf("draw it  skybody plot %s\n", folder.log().c_str());
     std::fflush(stdout);
     spdlog::warn("interrupted in episode {} of {}; what was flown is in the log",
                  std::max<std::size_t>(1, result.episodes.size()), plan.episodes);

@@ -265,7 +265,9 @@ def read_flight(log: h5py.File, name: str) -> Flight:
     if followed := dict.fromkeys(texts(about.get("references", []))):
         title += f" along {', '.join(followed)}"
     title += f"  ·  episode {int(name)} of {len(log['episodes'])}"
-    title += f"  ·  policy {about['policy']}  ·  seed {about['seed']}"
+    if "action" in episode:  # else nothing is left to a policy
+        title += f"  ·  policy {about['policy']}"
+    title += f"  ·  seed {about['seed']}"
     subtitle = f"{ending(episode)} after {time[-1]:.3f} s, {len(time) - 1} steps of "
     subtitle += f"{about['action_repeat']} x {1e3 * about['dt']:g} ms"
     subtitle += f"  ·  scenario {about['scenario_hash']}"

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/assemble/trajectory_chain.h"
 #include "core/base/error.h"
 #include "core/base/suggestion.h"
 #include "core/env/check_declarations.h"
@@ -273,6 +274,14 @@ bool fits(const ControllerSurvey& survey, const std::vector<int>& row, const Lev
   return given.signal == level.signal && (given.count == 0 || given.count == level.count);
 }
 
+/// Where the task has a trajectory, `signal: position` is not what `position` takes by default.
+void say_default_of_position(ControllerSurvey& survey) {
+  for (ControllerMode& mode : survey.modes) {
+    if (mode.plugin != "position" || mode.takes.signal != SKYBODY_POSITION) continue;
+    mode.options.emplace_back("signal: position");
+  }
+}
+
 }  // namespace
 
 ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entries,
@@ -280,6 +289,7 @@ ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entri
   ControllerSurvey survey;
   const Survey way(topology, robot);
   for (const PluginEntry* entry : entries) way.add(*entry, survey);
+  if (has_trajectory(topology.scenario.task)) say_default_of_position(survey);
   return survey;
 }
 

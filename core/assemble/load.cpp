@@ -7,6 +7,7 @@
 #include "core/assemble/check_uses.h"
 #include "core/assemble/controller_survey.h"
 #include "core/assemble/reference_use.h"
+#include "core/assemble/trajectory_chain.h"
 #include "core/assemble/unlikely.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
@@ -230,6 +231,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
   const SourceMark whole{scenario->file, 0, 0};
   try {
     fit_couplings(*scenario);
+    take_trajectory_of_task(*scenario);
     RegistryFactory factory(*registry);
     auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);

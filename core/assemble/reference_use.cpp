@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/assemble/trajectory_chain.h"
 #include "core/base/suggestion.h"
 #include "core/env/controller_chains.h"
 #include "core/io/file.h"
@@ -67,30 +68,6 @@ const std::vector<Lead> kLeads = {
 
 #undef SKYBODY_FREE_PACE
 #undef SKYBODY_FREE_PLACE
-
-/// Parameters that let a chain of shipped laws follow the trajectory itself and not its position
-/// alone, where the scenario does not say otherwise.
-struct Upgrade {
-  bool position = false;  ///< `signal: trajectory` of `position`, the first controller
-  bool attitude = false;  ///< `feed_forward: true` of `attitude`, the first or behind `position`
-
-  bool any() const { return position || attitude; }
-};
-
-bool is_left_open(const PluginUse& use, const char* plugin, const char* parameter) {
-  if (use.plugin != plugin) return false;
-  return std::none_of(use.parameters.begin(), use.parameters.end(),
-                      [&](const ParameterValue& v) { return v.name == parameter && v.is_given; });
-}
-
-/// @param chain  controllers of the robot, from the chain's first on
-Upgrade find_upgrade(const PluginUse* chain, int count) {
-  const bool begins = is_left_open(chain[0], "position", "signal");
-  if (begins && count > 1 && is_left_open(chain[1], "attitude", "feed_forward")) {
-    return {true, true};
-  }
-  return {false, is_left_open(chain[0], "attitude", "feed_forward")};
-}
 
 /// What the command line asks for.
 struct Asked {
@@ -244,21 +221,24 @@ struct Place {
 
 Place place_of(const CompiledScenario& compiled, const ControllerChain& chain) {
   const auto robot = static_cast<std::size_t>(chain.robot);
-  const std::vector<RobotUse>& robots = compiled.scenario().robots;
-  std::size_t before = 0;
-  for (std::size_t r = 0; r < robot; ++r) before += robots[r].controllers.size();
-  return {robot, static_cast<std::size_t>(chain.first) - before, robots[robot].name,
-          robots[robot].model.bodies[0].name};
+  const RobotUse& use = compiled.scenario().robots[robot];
+  const auto controller = &first_controller(compiled, chain) - use.controllers.data();
+  return {robot, static_cast<std::size_t>(controller), use.name, use.model.bodies[0].name};
 }
 
 /// Takes out draws of the task's parameters: another task takes its place.
 void drop_draws_of_task(ConfigNode& root) {
   ConfigNode* randomization = root.find("randomization");
   if (randomization == nullptr) return;
-  const auto is_of_task = [](const ConfigNode& path) { return path.scalar.starts_with("task."); };
+  const auto is_of_task = [](const ConfigNode& path) {
+    return path.scalar == "task" || path.scalar.starts_with("task.");
+  };
   std::erase_if(randomization->items, [&](ConfigNode& use) {
     ConfigNode* parameters = use.find("parameters");
-    ConfigNode* what = parameters == nullptr ? nullptr : parameters->find("what");
+    if (parameters == nullptr) return false;
+    const ConfigNode* path = parameters->find("reference");  // of `lissajous`
+    if (path != nullptr && is_of_task(*path)) return true;
+    ConfigNode* what = parameters->find("what");
     if (what == nullptr) return false;
     if (what->is_scalar()) return is_of_task(*what);
     return std::erase_if(what->items, is_of_task) > 0 && what->items.empty();
@@ -290,16 +270,12 @@ struct Preview {
 
 /// What the first law of trajectories takes: `nmpc` a point a node, and now; others points alone.
 Preview preview_of(const CompiledScenario& compiled, const ControllerChain& chain,
-                   const Place& place, const std::vector<ConfigNode>& controllers) {
+                   const std::vector<ConfigNode>& controllers) {
   Preview preview;
   if (chain.signal == SKYBODY_TRAJECTORY) {
     preview.points = std::to_string(chain.inputs / SKYBODY_REFERENCE_VALUES);
-    const PluginUse& law = compiled.scenario().robots[place.robot].controllers[place.controller];
-    for (const ParameterValue& value : law.parameters) {
-      if (law.plugin == "nmpc" && value.name == "node_step") {
-        preview.spacing = format_number(value.numbers.at(0));
-      }
-    }
+    const double spacing = point_spacing(first_controller(compiled, chain));
+    if (spacing > 0.0) preview.spacing = format_number(spacing);
   } else if (!controllers.empty()) {
     const ConfigNode& parameters = *controllers[0].find("parameters");
     const ConfigNode *horizon = parameters.find("horizon"), *step = parameters.find("node_step");
@@ -321,19 +297,19 @@ void set_parameter(ConfigNode& use, const char* name, const char* value, const S
   set(*parameters, name, text_node(value, mark));
 }
 
-void apply(const Upgrade& upgrade, ConfigNode* chain, const SourceMark& mark) {
-  if (upgrade.position) set_parameter(chain[0], "signal", "trajectory", mark);
-  if (!upgrade.attitude) return;
-  set_parameter(chain[upgrade.position ? 1 : 0], "feed_forward", "true", mark);
+void apply(const TrajectoryChain& open, ConfigNode* chain, const SourceMark& mark) {
+  if (open.position) set_parameter(chain[0], "signal", "trajectory", mark);
+  if (!open.attitude) return;
+  set_parameter(chain[open.position ? 1 : 0], "feed_forward", "true", mark);
 }
 
 /// @param more_controllers  that lead from the reference to the chain
 /// @param parameters        of the controller `reference`, the level included
-void put_in(ConfigNode& root, const Place& place, const Upgrade& upgrade,
+void put_in(ConfigNode& root, const Place& place, const TrajectoryChain& open,
             const std::vector<ConfigNode>& more_controllers, const ConfigNode& parameters,
             const SourceMark& mark) {
   ConfigNode& controllers = *root.find("robots")->items[place.robot].find("controllers");
-  apply(upgrade, &controllers.items[place.controller], mark);
+  apply(open, &controllers.items[place.controller], mark);
   ConfigNode reference = plugin_node("reference", mark);
   reference.entries.push_back({"parameters", mark, parameters});
   std::vector<ConfigNode> more = {std::move(reference)};
@@ -386,10 +362,10 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
   }
   const ControllerChain* chain = chains[0];
   const Place place = place_of(compiled, *chain);
-  const Upgrade upgrade = find_upgrade(
-      &compiled.scenario().robots[place.robot].controllers[place.controller], chain->count);
-  const int signal = upgrade.position ? SKYBODY_TRAJECTORY : chain->signal;
-  const int inputs = upgrade.any() && !upgrade.position ? kAttitudeAndRates : chain->inputs;
+  const TrajectoryChain open =
+      open_trajectory_chain(&first_controller(compiled, *chain), chain->count);
+  const int signal = open.position ? SKYBODY_TRAJECTORY : chain->signal;
+  const int inputs = open.any() && !open.position ? kAttitudeAndRates : chain->inputs;
   const auto lead = std::find_if(kLeads.begin(), kLeads.end(), [&](const Lead& l) {
     return l.signal == signal && (l.count == 0 || l.count == inputs);
   });
@@ -403,15 +379,15 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
   set(asked->parameters, "gives", text_node(lead->gives, mark));
   const std::vector<ConfigNode> controllers =
       controllers_of(*lead, norm(compiled.scenario().gravity()), mark);
-  const Preview preview = preview_of(compiled, *chain, place, controllers);
+  const Preview preview = preview_of(compiled, *chain, controllers);
   const auto by_default = [&](const std::string& key, const std::string& value) {
     if (asked->parameters.find(key) == nullptr) set(asked->parameters, key, text_node(value, mark));
   };
   by_default("points", preview.points);
   if (!preview.spacing.empty()) by_default("spacing", preview.spacing);
-  return [place, upgrade, controllers, parameters = asked->parameters, mark](ConfigNode& root,
-                                                                             Diagnostics&) {
-    put_in(root, place, upgrade, controllers, parameters, mark);
+  return [place, open, controllers, parameters = asked->parameters, mark](ConfigNode& root,
+                                                                          Diagnostics&) {
+    put_in(root, place, open, controllers, parameters, mark);
   };
 }
 

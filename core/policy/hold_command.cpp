@@ -11,6 +11,10 @@ namespace {
 
 using V = Vec3<double>;
 
+void put(const V& v, std::vector<double>& values, std::size_t at) {
+  std::copy(&v.x, &v.x + 3, values.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
 }  // namespace
 
 /// Of the robot with all that joints hold on it, as the scenario has it [N].
@@ -83,16 +87,26 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {};
     case SKYBODY_POSITION:
       return {p.x, p.y, p.z, wish.yaw};
-    default: {  // SKYBODY_TRAJECTORY: points that rest
-      std::vector<double> values(robot.low.size());
-      for (std::size_t k = 0; k + SKYBODY_REFERENCE_VALUES <= values.size();
-           k += SKYBODY_REFERENCE_VALUES) {
-        std::copy(&p.x, &p.x + 3, values.begin() + static_cast<std::ptrdiff_t>(k));
-        values[k + 15] = wish.yaw;
-      }
-      return values;
-    }
+    default:  // SKYBODY_TRAJECTORY
+      return trajectory(robot, wish);
   }
+}
+
+/// The goal's motion: all points ahead have its present acceleration. Rates of the yaw, jerk and
+/// snap are unknown: 0.
+std::vector<double> HoldPolicy::trajectory(const Robot& robot, const Wish& wish) const {
+  std::vector<double> values(robot.low.size());
+  double ahead = 0.0;  // [s]
+  for (std::size_t k = 0; k + SKYBODY_REFERENCE_VALUES <= values.size();
+       k += SKYBODY_REFERENCE_VALUES) {
+    const V velocity = wish.velocity + ahead * wish.acceleration;
+    put(wish.position + (0.5 * ahead) * (wish.velocity + velocity), values, k);
+    put(velocity, values, k + 3);
+    put(wish.acceleration, values, k + 6);
+    values[k + 15] = wish.yaw;
+    ahead += robot.spacing;
+  }
+  return values;
 }
 
 /// Of the arm's joints what reaches, of others what the scenario has.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/assemble/trajectory_chain.h"
 #include "core/base/error.h"
 #include "core/env/setup_tables.h"
 #include "core/physics/coupling/coupling_scene.h"
@@ -83,6 +84,7 @@ HoldPolicy::Robot HoldPolicy::commanded_robot(const ControllerChain& chain) cons
   robot.action = chain.command;
   robot.low = first.low;
   robot.high = first.high;
+  robot.spacing = point_spacing(first_controller(compiled_, chain));
   if (robot.signal == SKYBODY_JOINT) {
     robot.joints = joints_at_reset(compiled_.world(), compiled_, chain);
     robot.drives = last_of(compiled_, chain).joints;

@@ -19,7 +19,8 @@ namespace skybody {
 /// (proportional on the attitude error) -> collective thrust and body rates (ctbr), which are
 /// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
 /// thrusts, rotor speeds and throttles by the pseudo-inverse of the rotors' geometry, a wrench by
-/// rotation to W, velocity and pose directly. All loops are slower where the rotors are. A goal
+/// rotation to W, velocity and pose directly, a trajectory by the goal's motion, which goes on with
+/// the present acceleration. All loops are slower where the rotors are. A goal
 /// about a body that hangs from the base, or stands on it, is reached by placing the four poles of
 /// a pendulum on an accelerated pivot. What has no rotors and hangs on robots by rods, ropes or
 /// points is carried by them in equal shares. A goal about a body that joints with position drives
@@ -45,6 +46,7 @@ class HoldPolicy : public Policy {
     double cable = 0.0;  ///< from the base's origin down to the tool [m]; less than 0: it stands
     int signal = 0;      ///< SkybodySignal
     int action = 0;
+    double spacing = 0.0;     ///< of a trajectory's points [s]
     double load_share = 0.0;  ///< of the bodies in `loads`
     std::vector<int> loads;   ///< world body indices: what hangs on it by couplings
     std::vector<double> low, high;
@@ -70,6 +72,7 @@ class HoldPolicy : public Policy {
   std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> rotor_thrusts(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> rotor_speeds(const Robot& robot, const View& view, const Wish& wish) const;
+  std::vector<double> trajectory(const Robot& robot, const Wish& wish) const;
   const double* rotor_params(const Robot& robot, const View& view, std::size_t i) const;
   std::vector<double> wrench(const Robot& robot, const View& view, const Wish& wish) const;
 

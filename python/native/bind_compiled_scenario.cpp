@@ -192,8 +192,8 @@ void bind_identity(nb::class_<LoadedScenario>& c) {
       "hashes, equal scenarios.");
   c.def_prop_ro(
       "scenario_text", [](const E& e) { return e->scenario().text; },
-      "The scenario as YAML, fully merged: includes and overrides applied, defaults "
-      "filled in.");
+      "The scenario as YAML, fully merged: includes and overrides applied. Keys that are not\n"
+      "given are not in it.");
   c.def_prop_ro(
       "plugins", &E::plugins,
       "Versions of the plugins in use, by their names. Looks at the plugin folders anew.");

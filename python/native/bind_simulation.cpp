@@ -189,7 +189,15 @@ void bind_outcome(Class& c) {
       "Whether horizon, task or fault ended it.");
   c.def_prop_ro(
       "fault", [](S& s) { return s.look([](Simulation& sim) { return sim.fault(); }); },
-      "Whether a non-finite action or state ended it.");
+      "Whether a bad action, state or outcome ended it (fault_reason).");
+  c.def_prop_ro(
+      "fault_reason",
+      [](S& s) -> std::optional<std::string> {
+        const std::uint64_t status = s.look([](Simulation& sim) { return sim.status(); });
+        if ((status & kFault) == 0) return std::nullopt;
+        return s.compiled()->fault_reason(status);
+      },
+      "Why it is a fault, with body and value where they are known; None where it is none.");
   c.def_prop_ro(
       "status", [](S& s) { return s.look([](Simulation& sim) { return sim.status(); }); },
       "Bits of the last transition, as Batch.status.");

@@ -1,6 +1,8 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <new>
 #include <optional>
 #include <string>
@@ -110,6 +112,18 @@ template <class T, class Value>
 nb::object each_value(PythonSimulationPool& pool, Value&& value) {
   const auto values = gather<T>(pool, 1, [&](Simulation& sim, T* out) { *out = value(sim); });
   return copy_of<T>(values, {static_cast<std::size_t>(pool.size())});
+}
+
+std::optional<std::vector<std::optional<std::string>>> fault_reasons(PythonSimulationPool& pool) {
+  const auto statuses = gather<std::uint64_t>(
+      pool, 1, [](Simulation& sim, std::uint64_t* out) { *out = sim.status(); });
+  const auto is_fault = [](std::uint64_t status) { return (status & kFault) != 0; };
+  if (std::none_of(statuses.begin(), statuses.end(), is_fault)) return std::nullopt;
+  std::vector<std::optional<std::string>> reasons(statuses.size());
+  for (std::size_t i = 0; i < statuses.size(); ++i) {
+    if (is_fault(statuses[i])) reasons[i] = pool.compiled()->fault_reason(statuses[i]);
+  }
+  return reasons;
 }
 
 nb::object refuse_pickling(const PythonSimulationPool&) {
@@ -226,6 +240,9 @@ void bind_states(Class& c) {
       },
       nb::sig("def status(self) -> numpy.typing.NDArray[numpy.uint64]"),
       "(num_envs,) uint64: bits of the last transition: 1 terminated, 2 truncated, 4 fault.");
+  c.def_prop_ro(
+      "fault_reasons", &fault_reasons,
+      "Per environment why it is a fault, None where it is none; None where none is one.");
 }
 
 /// Calls work(Simulation&) for one environment. @throws ValueError if there is none of that number

@@ -171,8 +171,8 @@ class VectorOptions(BatchOptions, total=False):
         bool,
         Option(
             False,
-            "several robots that are alike: observations and actions are (num_envs, agents, "
-            "width), views of the same memory, with the team's reward.",
+            "robots that are alike: observations and actions are (num_envs, agents, width), views "
+            "of the same memory, with the team's reward; a single robot is a team of one.",
         ),
     ]
 

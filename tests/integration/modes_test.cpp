@@ -64,6 +64,19 @@ TEST(Modes, OfEveryListedChainFly) {
   EXPECT_GE(flown, 12);
 }
 
+TEST(Modes, OfATaskWithATrajectoryTakeItByDefault) {
+  const std::string position = "{plugin: position, parameters: {signal: position}}, ";
+  const std::string rest = "{plugin: attitude}, {plugin: ctbr}]";
+  const auto modes = [&](const std::string& first) {
+    return run_skybody({"modes", "trajectory", "--set", "robots.quad.controllers=[" + first + rest})
+        .out;
+  };
+  const std::string by_default = modes("{plugin: position}, ");
+  EXPECT_THAT(by_default, HasSubstr("robot quad: actions are trajectory[17]"));
+  EXPECT_THAT(by_default, HasSubstr("[" + position + rest));
+  EXPECT_THAT(modes(position), HasSubstr("robot quad: actions are position[4]"));
+}
+
 TEST(Modes, OfRobotsThatAreAlikeAreSaidOnce) {
   const Outcome outcome = run_skybody({"modes", "formation_2"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -19,6 +19,8 @@
 namespace skybody::test {
 namespace {
 
+constexpr std::chrono::minutes kTimeLimit{4};
+
 /// A file in memory that takes a program's output.
 class Capture {
  public:
@@ -86,17 +88,21 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
 
 /// Waits for its end, and interrupts it once when asked to.
 int wait_for(pid_t child, const ProcessOptions& options) {
-  int status = 0;
+  const auto deadline = std::chrono::steady_clock::now() + kTimeLimit;
   bool interrupted = !options.interrupt_when;
-  while (!interrupted) {
-    if (waitpid(child, &status, WNOHANG) == child) return status;
-    if (options.interrupt_when()) {
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) != child) {
+    if (!interrupted && options.interrupt_when()) {
       kill(child, SIGINT);
       interrupted = true;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (std::chrono::steady_clock::now() > deadline) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      throw std::runtime_error("a program has not ended in time, and was killed");
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  waitpid(child, &status, 0);
   return status;
 }
 

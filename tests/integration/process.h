@@ -22,7 +22,9 @@ struct ProcessOptions {
   std::function<bool()> interrupt_when = {};
 };
 
-/// Runs `program` to its end. Throws std::runtime_error if it cannot be started.
+/// Runs `program` to its end. Throws std::runtime_error if it cannot be started, or has not ended
+/// after four minutes: it is then killed, since a test that ctest kills after five leaves it
+/// behind.
 Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
                     const ProcessOptions& options = {});
 

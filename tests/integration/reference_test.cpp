@@ -79,6 +79,17 @@ TEST(Reference, IsFlownByTheChainThatTheScenarioHas) {
   }
 }
 
+TEST(Reference, TakesThePlaceOfATasksOwnTrajectory) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody(
+      {"run", "trajectory", "--reference", "lissajous", "--set",
+       "robots.quad.controllers=[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]", "--out",
+       folder.path().string(), "--no-picture"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_GT(rms_of(outcome.out), 0.0) << outcome.out;
+  EXPECT_LT(rms_of(outcome.out), 5.0) << outcome.out;
+}
+
 TEST(Reference, FliesTheSameTwiceFromADrawnStart) {
   const TemporaryFolder folder;
   const Outcome one = fly(folder.path(), "lissajous"), two = fly(folder.path(), "lissajous");

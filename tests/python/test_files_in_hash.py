@@ -53,6 +53,15 @@ def test_an_edited_file_is_another_scenario(folder: Path) -> None:
     assert hash_of(folder / "gusty.yaml") == before
 
 
+def test_what_is_written_out_counts_and_a_key_taken_out_does_not() -> None:
+    def hash_with(*overrides: str) -> int:
+        return CompiledScenario("hover", overrides=list(overrides)).scenario_hash
+
+    for given in ("sensors=[]", "stepping.integrator=midpoint"):  # the defaults
+        assert hash_with(given) != hash_with()
+        assert hash_with(given, given.split("=")[0] + "=~") == hash_with()
+
+
 def test_a_recording_is_replayed_whatever_path_it_was_made_by(folder: Path) -> None:
     def skybody(*arguments: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(

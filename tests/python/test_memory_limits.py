@@ -6,6 +6,7 @@ import os
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,7 @@ def run(command: list[str], megabytes: int) -> subprocess.CompletedProcess[str]:
         env={**os.environ, "SKYBODY_PYTHON": sys.executable},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
         check=False,
+        timeout=60,
     )
 
 
@@ -39,13 +41,24 @@ def test_less_than_python_needs_is_refused(command: str, tmp_path: Path) -> None
     )
 
 
-def test_what_is_enough_trains_and_what_is_not_is_one_message(tmp_path: Path) -> None:
+def training(folder: Path) -> list[str]:
+    words = arguments("fast-ppo", folder)
+    words[words.index("--total-steps") + 1] = "600"
+    return ["train", *words]
+
+
+def tuning(folder: Path) -> list[str]:
+    return ["tune", "qdrone2", "--candidates", "4", "--threads", "2", "--out", str(folder)]
+
+
+@pytest.mark.parametrize("words", [training, tuning])
+def test_what_is_enough_works_and_what_is_not_is_one_message(
+    words: Callable[[Path], list[str]], tmp_path: Path
+) -> None:
     """Wherever on the way memory ends: it depends on the machine's libraries."""
     status = {}
     for megabytes in range(256, 768, 32):
-        words = arguments("fast-ppo", tmp_path / str(megabytes))
-        words[words.index("--total-steps") + 1] = "600"
-        done = run([str(PROGRAM), "train", *words], megabytes)
+        done = run([str(PROGRAM), *words(tmp_path / str(megabytes))], megabytes)
         status[megabytes] = done.returncode
         if done.returncode == 0:
             break

@@ -96,6 +96,16 @@ def test_a_joint_observation_is_a_view_of_agents_times_width():
     assert ours[4]["agent_reward"].shape == (3, agents)
 
 
+def test_a_single_robot_is_a_joint_team_of_one():
+    joint, flat = (make_vec("hover", 3, seed=1, joint=flag) for flag in (True, False))
+    assert joint.single_observation_space.shape == (1, *flat.single_observation_space.shape)
+    assert joint.single_action_space.shape == (1, 4)
+    np.testing.assert_array_equal(joint.reset()[0][:, 0], flat.reset()[0])
+    given = np.full((3, 4), 0.2, np.float32)
+    for ours, theirs in zip(joint.step(given[:, None])[:4], flat.step(given)[:4], strict=True):
+        np.testing.assert_array_equal(ours.reshape(theirs.shape), theirs)
+
+
 def test_joint_final_obs_has_the_joint_shape():
     envs = make_vec("formation", 2, joint=True, autoreset="same_step", overrides=SHORT)
     envs.reset()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -15,6 +17,7 @@ from gymnasium.wrappers import vector as vector_wrappers
 from skybody.env import SkybodyEnv
 from skybody.multi_agent import ParallelEnv
 
+PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
 COPIES: dict[str, Callable[[Any], Any]] = {
     "pickle": lambda thing: pickle.loads(pickle.dumps(thing)),
     "copy": copy.copy,
@@ -191,7 +194,13 @@ def test_torchrl_wraps_an_environment_and_many() -> None:
     rollout = one.rollout(25, break_when_any_done=False)
     assert rollout["next", "truncated"].sum() == 2
     one.close()
-    for autoreset in ("disabled", "same_step"):
+    row = next(line for line in PAGE.read_text().splitlines() if line.startswith("| TorchRL"))
+    _, *taken, refused = re.findall(r'"(\w+)"', row)
+    assert taken == ["disabled", "same_step"]
+    assert refused == skybody.make_vec("hover", 3).metadata["autoreset_mode"].name.lower()
+    with pytest.raises(RuntimeError, match="must be one of SAME_STEP or DISABLED"):
+        GymWrapper(skybody.make_vec("hover", 3, autoreset=refused))
+    for autoreset in taken:
         envs = skybody.make_vec("hover", 3, autoreset=autoreset, overrides=["stepping.horizon=10"])
         many = GymWrapper(envs)
         rollout = many.rollout(25, break_when_any_done=False)

@@ -212,11 +212,15 @@ def test_what_touches_is_shaded_and_what_passes_at_a_distance_is_not(
     assert data.read_flight(log, "0001").touching == []
 
 
-def test_the_title_says_the_reference(data: ModuleType, tmp_path: Path) -> None:
+def test_the_title_says_the_reference_in_place_of_a_policy_that_commands_nothing(
+    data: ModuleType, tmp_path: Path
+) -> None:
     log = episode_of(flown(tmp_path / "a", "hover", "--reference", "figure_eight:check=false"))
-    assert data.read_flight(log, "0001").title.startswith("hover along figure_eight  ·  episode 1")
+    title = data.read_flight(log, "0001").title
+    assert title == "hover along figure_eight  ·  episode 1 of 1  ·  seed 0"
     log = episode_of(flown(tmp_path / "b", "hover"))
-    assert data.read_flight(log, "0001").title.startswith("hover  ·  episode 1 of 1")
+    title = data.read_flight(log, "0001").title
+    assert title == "hover  ·  episode 1 of 1  ·  policy hold  ·  seed 0"
 
 
 def test_yaw_is_that_of_the_table(data: ModuleType, tmp_path: Path) -> None:

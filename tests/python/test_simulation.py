@@ -118,9 +118,16 @@ def test_a_fault_of_the_physics_is_told_and_a_reset_mends_it():
     assert not simulation.advance(5)
     assert simulation.fault
     assert simulation.truncated
+    reason = simulation.fault_reason
+    assert reason is not None
+    assert reason.startswith(
+        "the physics gave up or left the finite numbers: rotor `front_left` of robot `quad` was "
+        "commanded "
+    )
     simulation.reset()
     assert simulation.advance(5)
     assert not simulation.fault
+    assert simulation.fault_reason is None
 
 
 def test_accelerations_in_balance_are_none_and_twice_the_mass_falls():

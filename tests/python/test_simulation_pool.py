@@ -120,10 +120,15 @@ def test_a_fault_stays_in_its_environment():
         pool.teleport(1, angular_velocity=[1e200, 1e200, 0])
         pool.advance(20)
         assert pool.faults.tolist() == [False, True, False]
+        reasons = pool.fault_reasons
+        assert reasons is not None
+        assert reasons[0] is None and reasons[2] is None
+        assert str(reasons[1]).startswith("the physics gave up or left the finite numbers: ")
         np.testing.assert_allclose(pool.states().times, [0.02, 0, 0.02])
         pool.reset([1])
         pool.advance(1)
         assert not pool.faults.any()
+        assert pool.fault_reasons is None
 
 
 def test_a_non_finite_action_faults_its_world_only():

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +35,8 @@ def minimize(
         progress: is told how many were tried, and the best cost so far.
     """
     try:
-        from cmaes import CMA  # type: ignore[import-untyped, unused-ignore]
+        with _without_scipy():
+            from cmaes import CMA  # type: ignore[import-untyped, unused-ignore]
     except ModuleNotFoundError as error:
         raise TuneError(
             "the search needs the package `cmaes`, not installed here: `pip install '.[tune]'` in "
@@ -64,3 +67,19 @@ def minimize(
         if search.should_stop():
             break
     return best, cost
+
+
+@contextlib.contextmanager
+def _without_scipy() -> Iterator[None]:
+    """Hides SciPy, which `cmaes` takes for searches other than this one where it is installed.
+
+    It takes 190 MB and half a second, and its OpenBLAS tries without end where memory is short.
+    """
+    if "scipy" in sys.modules:
+        yield
+        return
+    sys.modules["scipy"] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        del sys.modules["scipy"]
