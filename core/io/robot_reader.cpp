@@ -94,12 +94,22 @@ constexpr double kOnAxis = 1e-3;
 /// Cosine of the angle between that axis and the rotor's, from which they are one.
 constexpr double kAlongAxis = 0.9999;
 
-/// Joints without limits that turn about the own axis of a rotor on them.
+/// Limits of a hinge that lie further apart do not limit it: cables and springs that turn with a
+/// joint bear a few turns, while files write 1e3 to 1e16 for a rotor [rad].
+constexpr double kFreeTravel = 20.0 * kTwoPi;
+
+bool turns_freely(const Joint& joint) {
+  const JointLimit& limit = joint.limit;
+  const bool is_free = !limit.enabled || limit.upper - limit.lower > kFreeTravel;
+  return joint.type == JointType::kPin && is_free;
+}
+
+/// Joints that turn freely about the own axis of a rotor on them.
 std::set<std::string> spinning_joints(const RobotModel& model) {
   std::set<std::string> names;
   for (const Rotor& rotor : model.rotors) {
     const Joint& joint = model.bodies[static_cast<std::size_t>(rotor.body)].joint;
-    if (joint.type != JointType::kPin || joint.limit.enabled) continue;
+    if (!turns_freely(joint)) continue;
     const Vec3<double> axis = rotate(joint.frame_in_body.rotation, Vec3<double>{0.0, 0.0, 1.0});
     const Vec3<double> arm = rotor.position() - joint.frame_in_body.position;
     const bool is_along = std::fabs(dot(axis, rotor.axis)) > kAlongAxis;

@@ -191,16 +191,29 @@ SPINNING = """\
 PROPELLER = """\
 <link name="rotor_{k}"><inertial><mass value="1e-9"/>
   <inertia ixx="1e-12" ixy="0" ixz="0" iyy="1e-12" iyz="0" izz="1e-12"/></inertial></link>
-<joint name="spin_{k}" type="continuous"><parent link="base_link"/><child link="rotor_{k}"/>
-  <origin xyz="{x} {y} 0"/><axis xyz="0 0 1"/></joint>
+<joint name="spin_{k}" type="{joint}"><parent link="base_link"/><child link="rotor_{k}"/>
+  <origin xyz="{x} {y} 0"/><axis xyz="0 0 1"/>{limit}</joint>
 """
 PLACES = [(0.17, -0.17, "ccw"), (-0.17, 0.17, "ccw"), (0.17, 0.17, "cw"), (-0.17, -0.17, "cw")]
 
 
-def test_rotors_on_free_joints_turn_the_vehicle(tmp_path: Path) -> None:
-    """Joints about a rotor's own axis are read as fixed: after 0.5 s at 800 and 600 rad/s the yaw
-    rate is 2 k_m (600^2 - 800^2) / Izz * 0.5 s = -1.653 rad/s."""
-    links = "".join(PROPELLER.format(k=k, x=x, y=y) for k, (x, y, _) in enumerate(PLACES))
+@pytest.mark.parametrize(
+    ("joint", "limit"),
+    [
+        ("continuous", ""),
+        ("revolute", '<limit lower="-1e16" upper="1e16" effort="0" velocity="0"/>'),
+        ("revolute", '<limit lower="0" upper="1000" effort="0" velocity="0"/>'),
+    ],
+)
+def test_rotors_on_free_joints_turn_the_vehicle(joint: str, limit: str, tmp_path: Path) -> None:
+    """Joints about a rotor's own axis are read as fixed, those with limits of many turns, too.
+
+    After 0.5 s at 800 and 600 rad/s the yaw rate is
+    2 k_m (600^2 - 800^2) / Izz * 0.5 s = -1.653 rad/s."""
+    links = "".join(
+        PROPELLER.format(k=k, x=x, y=y, joint=joint, limit=limit)
+        for k, (x, y, _) in enumerate(PLACES)
+    )
     (tmp_path / "quad.urdf").write_text(SPINNING.format(links=links))
     rotors = "".join(
         f"  - {{name: r{k}, link: rotor_{k}, position: [0, 0, 0], direction: {turn}}}\n"
