@@ -25,6 +25,10 @@ constexpr std::size_t kMostBodies = 1000;
 /// Links, shapes and rotors of all robots.
 constexpr std::size_t kMostParts = 20'000;
 
+/// Messages of each severity about a URDF before its warnings are folded. Each is compared with all
+/// before it, in a tenth of a second altogether.
+constexpr int kMostToFold = 10'000;
+
 /// Entries of a folder that are looked at for a word that somebody may have meant.
 constexpr std::size_t kMostEntries = 200;
 
@@ -219,7 +223,7 @@ std::optional<RobotModel> RobotReader::make_model(const std::string& text, const
   options.own_joints.insert(own.begin(), own.end());
   std::optional<RobotModel> model;
   for (int pass = 0; pass < 2; ++pass) {
-    Diagnostics found;
+    Diagnostics found(kMostToFold);
     model = parse_urdf(text, file, options, found);
     if (model && !add_rotors(reader, *model, found)) model.reset();
     if (model && pass == 0) options.fixed_joints = spinning_joints(*model);
