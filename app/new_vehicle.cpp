@@ -84,8 +84,8 @@ void require_possible(const VehicleOptions& options, const VehicleRotors<double>
     if (value >= row.least && value <= row.greatest) continue;
     throw Error("a vehicle of " + number(options.mass) + " kg on arms of " + number(options.arm) +
                 " m would need rotors with a `" + row.key + "` of " + number(value) + ' ' +
-                row.unit + "; allowed: " + number(row.least) + " to " + number(row.greatest) +
-                "; give --mass and --arm that fit one another");
+                row.unit + "; allowed: " + format_number(row.least) + " to " +
+                format_number(row.greatest) + "; give --mass and --arm that fit one another");
   }
 }
 
