@@ -211,7 +211,7 @@ TEST_F(TiltTest, BadConfigurationNamesValueAndRemedy) {
   PluginWorld off = world;
   off.rotors[0].position[1] = 0.01;
   EXPECT_THAT(refusal("tilt_allocation", off, {}),
-              HasSubstr("rotor `rotor0` does not push across the axis of joint `arm0_tilt`"));
+              HasSubstr("rotor `rotor0` pushes 0.01 m beside the axis of joint `arm0_tilt`"));
   PluginWorld two = world;
   two.rotors.resize(4);
   two.robots[0].rotor_count = 4;
