@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/io/text.h"
+#include "core/model/constants.h"
 #include "plugins/host/new_project.h"
 #include "randomization/vehicle/laws.h"
 
@@ -76,6 +77,18 @@ std::string about(const VehicleOptions& options) {
          ", all else by scaling laws.";
 }
 
+/// What files may not give, scaling laws may not either.
+void require_possible(const VehicleOptions& options, const VehicleRotors<double>& rotors) {
+  for (const ConstantRow& row : kRotorConstants) {
+    const double value = rotors.constants[row.place];
+    if (value >= row.least && value <= row.greatest) continue;
+    throw Error("a vehicle of " + number(options.mass) + " kg on arms of " + number(options.arm) +
+                " m would need rotors with a `" + row.key + "` of " + number(value) + ' ' +
+                row.unit + "; allowed: " + format_number(row.least) + " to " +
+                format_number(row.greatest) + "; give --mass and --arm that fit one another");
+  }
+}
+
 }  // namespace
 
 std::filesystem::path write_new_vehicle(const VehicleOptions& options) {
@@ -94,6 +107,7 @@ std::filesystem::path write_new_vehicle(const VehicleOptions& options) {
   VehicleRotors<double> rotors{};
   rotors.arm = options.arm;
   laws.make_rotors(std::pow(options.mass, 1.0 / 6.0), full, options.thrust_to_weight, rotors);
+  require_possible(options, rotors);
   const double ixx = laws.roll_inertia(options.mass, options.thrust_to_weight, full, options.arm);
   const double iyy = middle(randomization::kPitchInertia) * ixx;
   const auto constant = [&](int place) { return number(rotors.constants[place]); };

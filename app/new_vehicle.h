@@ -19,7 +19,8 @@ struct VehicleOptions {
 
 /// Writes the folder `options.folder`/`options.name`: a URDF, rotors.yaml, a scenario that flies it
 /// and a README. @returns the new folder
-/// @throws Error if the name is none, if the folder exists, or if it cannot be written
+/// @throws Error if the name is none, if no rotors that files may have carry it on such arms, if
+/// the folder exists, or if it cannot be written
 std::filesystem::path write_new_vehicle(const VehicleOptions& options);
 
 }  // namespace skybody

@@ -1,5 +1,5 @@
-// A robot put together with all joints at 0, by nominal constants: where its bodies are, and its
-// mass, centre of mass and inertia as one rigid body. In the frame of its base.
+// A robot put together with its joints as at a reset, by nominal constants: where its bodies are,
+// and its mass, centre of mass and inertia as one rigid body. In the frame of its base.
 #pragma once
 
 #include <vector>
@@ -19,6 +19,17 @@ struct Placed {
 };
 
 inline Placed placed(const double (&pose)[7]) { return {position_of(pose), rotation_of(pose)}; }
+
+/// A body in its parent, with its inboard joint at `coordinate`. Joints without or with more than
+/// one coordinate are at rest.
+inline Placed placed_in_parent(const BodyInfo& body, double coordinate) {
+  Placed moved;
+  if (body.joint == SKYBODY_PIN) {
+    moved.rotation = from_axis_angle(Vec3<double>{0.0, 0.0, 1.0}, coordinate);
+  }
+  if (body.joint == SKYBODY_SLIDER) moved.position.x = coordinate;
+  return placed(body.joint_in_parent).then(moved).then(placed(body.joint_in_body).inverse());
+}
 
 struct Assembly {
   std::vector<Placed> bodies;  ///< of the robot, in its order, the base first
@@ -46,7 +57,7 @@ inline Assembly assembly_of(const Setup& setup, int robot) {
     Placed here;
     if (i > r.first_body) {
       const Placed& parent = all.bodies[static_cast<std::size_t>(body.parent - r.first_body)];
-      here = parent.then(placed(body.joint_in_parent)).then(placed(body.joint_in_body).inverse());
+      here = parent.then(placed_in_parent(body, body.joint_start));
     }
     all.bodies.push_back(here);
     all.mass += body.mass;

@@ -39,7 +39,11 @@ class RobotCheck {
     check_thrust();
     check_moment_arms();
     check_lags();
-    for (std::size_t b = 0; b < use_.model.bodies.size(); ++b) check_gyration(static_cast<int>(b));
+    if (check_arms()) {
+      for (std::size_t b = 0; b < use_.model.bodies.size(); ++b) {
+        check_gyration(static_cast<int>(b));
+      }
+    }
     check_sizes();
   }
 
@@ -112,6 +116,18 @@ class RobotCheck {
     }
   }
 
+  /// @returns whether all are usual: gyration is measured by them
+  bool check_arms() {
+    double longest = 0.0;
+    for (const Rotor& rotor : model().rotors) {
+      const Pose place = place_at_reset(model(), rotor.body);
+      const Vec3<double> hub = place.position + rotate(place.rotation, rotor.position());
+      longest = std::max(longest, norm(hub - model().bodies[0].mass.com));
+    }
+    warn(Usual::kArm, longest, "the longest arm of a rotor", {{"position", longest}});
+    return is_usual(Usual::kArm, longest);
+  }
+
   /// Of a body with three rotors or more: fewer do not say how large it is.
   void check_gyration(int body) {
     const MassProperties& mass = model().bodies[static_cast<std::size_t>(body)].mass;
@@ -130,7 +146,7 @@ class RobotCheck {
       if (is_usual(Usual::kGyration, ratio)) continue;
       warn(Usual::kGyration, ratio,
            std::string("radius of gyration (") + names[k] + ") by the longest arm",
-           {{"inertia", moments[k]}, {"position", arm}});
+           {{"inertia", moments[k]}});
       return;
     }
   }

@@ -68,6 +68,7 @@ SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int in
   info.joint_is_limited = b.model->joint.limit.enabled ? 1 : 0;
   info.joint_lower = b.model->joint.limit.lower;
   info.joint_upper = b.model->joint.limit.upper;
+  info.joint_start = b.model->joint.position;
   copy(b.model->joint.frame_in_parent, info.joint_in_parent);
   copy(b.model->joint.frame_in_body, info.joint_in_body);
   return info;

@@ -7,7 +7,6 @@
 namespace skybody {
 namespace {
 
-constexpr int kMostShown = 100;  // of each severity; nobody mends more before the next try
 constexpr std::size_t kLongestMessage = 2000;  // [bytes]; lists of names in messages stay below
 constexpr std::size_t kLongestPlace = 500;     // [bytes] of a file's name or an override
 
@@ -57,7 +56,7 @@ void Diagnostics::add(Severity severity, const SourceMark& mark, const std::stri
   }
   if (severity == Severity::kError) ++error_count_;
   Shown& shown = severity == Severity::kError ? errors_ : warnings_;
-  if (shown.count < kMostShown) {
+  if (shown.count < most_) {
     ++shown.count;
     list_.push_back(std::move(added));
   } else {

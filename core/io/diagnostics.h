@@ -36,11 +36,15 @@ class InputError : public Error {
 
 /// Collects messages while files are read, so that a user sees all of them at once.
 /// A message that was given before, word for word and at the same place, is not repeated. Beyond a
-/// hundred errors or warnings the rest are only counted. Messages are kept as printable() makes
-/// them, the longest without their middle: whatever a file quotes in one, it is valid UTF-8 and one
-/// line.
+/// hundred errors or warnings, unless told otherwise, the rest are only counted. Messages are kept
+/// as printable() makes them, the longest without their middle: whatever a file quotes in one, it
+/// is valid UTF-8 and one line.
 class Diagnostics {
  public:
+  Diagnostics() = default;
+  /// @param most  messages of each severity beyond which the rest are only counted
+  explicit Diagnostics(int most) : most_(most) {}
+
   void error(const SourceMark& mark, const std::string& message);
   void warning(const SourceMark& mark, const std::string& message);
 
@@ -70,6 +74,7 @@ class Diagnostics {
   void add(Severity severity, const SourceMark& mark, const std::string& message);
   void count_only(Shown& shown, Severity severity, int count);
 
+  int most_ = 100;  ///< nobody mends more before the next try
   std::vector<Diagnostic> list_;
   int error_count_ = 0;
   Shown errors_;

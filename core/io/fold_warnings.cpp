@@ -27,7 +27,8 @@ std::size_t end_of_number(const std::string& text, std::size_t at) {
   return at;
 }
 
-/// The message without numbers and without what stands in `` or <>.
+/// The message without numbers and without what stands in ``. Elements of other names are of
+/// another kind.
 std::string warning_kind(const std::string& message) {
   std::string kind;
   for (std::size_t at = 0; at < message.size();) {
@@ -38,11 +39,9 @@ std::string warning_kind(const std::string& message) {
     }
     kind += c;
     ++at;
-    if (c == '`' || c == '<') {
-      at = std::min(message.find(c == '`' ? '`' : '>', at), message.size());
-    }
-    // A closing backtick is no opening one.
-    if (c == '`' && at < message.size()) ++at;
+    if (c != '`') continue;
+    at = std::min(message.find('`', at), message.size());
+    if (at < message.size()) ++at;  // a closing backtick is no opening one
   }
   return kind;
 }
@@ -50,15 +49,26 @@ std::string warning_kind(const std::string& message) {
 /// Warnings of one kind.
 struct Fold {
   const Diagnostic* first;
-  std::vector<std::string> lines;  ///< of the others
+  int others = 0;
+  std::vector<std::string> lines = {};  ///< of the others, each once
 };
 
+/// Notes its line, one more of them than a folded warning lists at most.
+void add_other(Fold& fold, const Diagnostic& other) {
+  const std::string line = std::to_string(other.mark.line);
+  ++fold.others;
+  if (fold.lines.size() > kMostLines) return;
+  if (std::find(fold.lines.begin(), fold.lines.end(), line) == fold.lines.end()) {
+    fold.lines.push_back(line);
+  }
+}
+
 std::string folded_text(const Fold& fold) {
+  if (fold.others == 0) return fold.first->message;
   const std::size_t count = fold.lines.size();
-  if (count == 0) return fold.first->message;
   const auto shown = static_cast<std::ptrdiff_t>(std::min(count, kMostLines));
   const std::vector<std::string> lines(fold.lines.begin(), fold.lines.begin() + shown);
-  return fold.first->message + " (and " + std::to_string(count) + " more of this kind, in " +
+  return fold.first->message + " (and " + std::to_string(fold.others) + " more of this kind, in " +
          (count == 1 ? "line " : "lines ") + join(lines) + (count > kMostLines ? ", ...)" : ")");
 }
 
@@ -79,11 +89,11 @@ Diagnostics fold_warnings(const Diagnostics& diagnostics) {
       const auto [found, is_new] =
           known.emplace(d.mark.file + '\n' + warning_kind(d.message), folds.size());
       if (!is_new) {
-        folds[found->second].lines.push_back(std::to_string(d.mark.line));
+        add_other(folds[found->second], d);
         continue;
       }
     }
-    folds.push_back({&d, {}});
+    folds.push_back({&d});
   }
   Diagnostics folded;
   for (const Fold& fold : folds) {

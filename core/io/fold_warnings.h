@@ -7,7 +7,8 @@ namespace skybody {
 
 /// The messages with warnings of one kind folded into the first of them, which then says in which
 /// lines the others are. Of one kind are warnings about one file whose texts differ in nothing but
-/// names and numbers. Errors stay as they are, and so does all of a list with errors left out.
+/// names in `` and numbers. Errors stay as they are, and so does all of a list with errors left
+/// out.
 Diagnostics fold_warnings(const Diagnostics& diagnostics);
 
 }  // namespace skybody

@@ -25,6 +25,10 @@ constexpr std::size_t kMostBodies = 1000;
 /// Links, shapes and rotors of all robots.
 constexpr std::size_t kMostParts = 20'000;
 
+/// Messages of each severity about a URDF before its warnings are folded. Each is compared with all
+/// before it, in a tenth of a second altogether.
+constexpr int kMostToFold = 10'000;
+
 /// Entries of a folder that are looked at for a word that somebody may have meant.
 constexpr std::size_t kMostEntries = 200;
 
@@ -94,12 +98,22 @@ constexpr double kOnAxis = 1e-3;
 /// Cosine of the angle between that axis and the rotor's, from which they are one.
 constexpr double kAlongAxis = 0.9999;
 
-/// Joints without limits that turn about the own axis of a rotor on them.
+/// Limits of a hinge that lie further apart do not limit it: cables and springs that turn with a
+/// joint bear a few turns, while files write 1e3 to 1e16 for a rotor [rad].
+constexpr double kFreeTravel = 20.0 * kTwoPi;
+
+bool turns_freely(const Joint& joint) {
+  const JointLimit& limit = joint.limit;
+  const bool is_free = !limit.enabled || limit.upper - limit.lower > kFreeTravel;
+  return joint.type == JointType::kPin && is_free;
+}
+
+/// Joints that turn freely about the own axis of a rotor on them.
 std::set<std::string> spinning_joints(const RobotModel& model) {
   std::set<std::string> names;
   for (const Rotor& rotor : model.rotors) {
     const Joint& joint = model.bodies[static_cast<std::size_t>(rotor.body)].joint;
-    if (joint.type != JointType::kPin || joint.limit.enabled) continue;
+    if (!turns_freely(joint)) continue;
     const Vec3<double> axis = rotate(joint.frame_in_body.rotation, Vec3<double>{0.0, 0.0, 1.0});
     const Vec3<double> arm = rotor.position() - joint.frame_in_body.position;
     const bool is_along = std::fabs(dot(axis, rotor.axis)) > kAlongAxis;
@@ -209,7 +223,7 @@ std::optional<RobotModel> RobotReader::make_model(const std::string& text, const
   options.own_joints.insert(own.begin(), own.end());
   std::optional<RobotModel> model;
   for (int pass = 0; pass < 2; ++pass) {
-    Diagnostics found;
+    Diagnostics found(kMostToFold);
     model = parse_urdf(text, file, options, found);
     if (model && !add_rotors(reader, *model, found)) model.reset();
     if (model && pass == 0) options.fixed_joints = spinning_joints(*model);

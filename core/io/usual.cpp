@@ -1,8 +1,10 @@
 #include "core/io/usual.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string_view>
 
 #include "core/base/math.h"
@@ -21,9 +23,10 @@ struct Slip {
 struct UsualRow {
   const char* unit;
   double low, high;
-  std::array<Slip, 3> slips;  ///< the first that explains a value counts; how: null where unused
+  std::array<Slip, 3> slips;  ///< how: null where unused
 };
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDegree = kPi / 180.0;
 constexpr double kTurnAMinute = kPi / 30.0;
 constexpr Slip kNoSlip{"", 1.0, 1.0, nullptr};
@@ -52,8 +55,9 @@ constexpr UsualRow kRows[] = {
      3,
      {{{"inertia", 1e-7, 0.5, "g cm^2 written for kg m^2"},
        {"inertia", 1e-6, 0.5, "kg mm^2 written for kg m^2"},
-       {"position", 1e-3, -1, "mm written for m"}}}},
+       {"inertia", 1e-4, 0.5, "kg cm^2 written for kg m^2"}}}},
     {"m", 0, 20, {{{"", 1e-3, 1, "mm written for m"}, kNoSlip, kNoSlip}}},
+    {"m", 0, 15, {{{"position", 1e-3, 1, "mm written for m"}, kNoSlip, kNoSlip}}},
 };
 
 const UsualRow& row_of(Usual what) { return kRows[static_cast<std::size_t>(what)]; }
@@ -71,29 +75,42 @@ std::string with_unit_of(const UsualRow& row, double value) {
   return four_digits(value) + (row.unit[0] == '\0' ? "" : " ") + row.unit;
 }
 
-/// "; do you mean `max_speed: 2094` (rpm written for rad/s)?", or nothing.
-std::string meant(const UsualRow& row, const Slip& slip, double value, const GivenValue& given) {
-  if (std::string_view(slip.key) != given.key) return "";
-  const double factor = slip.factor * given.factor;
-  if (!is_in(row, value * std::pow(factor, slip.power))) return "";
-  const std::string number = four_digits(given.value * factor);
-  const std::string key = given.key;
-  return "; do you mean " + (key.empty() ? number : "`" + key + ": " + number + "`") + " (" +
-         slip.how + ")?";
+/// A mistake that explains a value, and the value that was meant.
+struct Meant {
+  const Slip* slip = nullptr;
+  double value = 0.0;
+};
+
+/// By the mistakes with `given` in a row: of units that would all do, the one that comes nearest to
+/// the middle of the range.
+Meant meant(const UsualRow& row, double value, const GivenValue& given) {
+  const double middle = sqrt(row.low * row.high);
+  double least = kInfinity;
+  Meant found;
+  for (const Slip& slip : row.slips) {
+    if (slip.how == nullptr || std::string_view(slip.key) != given.key) continue;
+    const double factor = slip.factor * given.factor;
+    const double looked_at = value * std::pow(factor, slip.power);
+    if (!is_in(row, looked_at)) continue;
+    const double distance = middle > 0.0 ? std::fabs(std::log(looked_at / middle)) : 0.0;
+    if (distance < least) found = {&slip, given.value * factor};
+    least = std::min(least, distance);
+  }
+  return found;
 }
 
+/// "; do you mean `max_speed: 2094` (rpm written for rad/s)?", or nothing.
 std::string explanation(const UsualRow& row, double value,
                         std::initializer_list<GivenValue> given) {
   const GivenValue itself{"", value};
-  for (const Slip& slip : row.slips) {
-    if (slip.how == nullptr) break;
-    std::string text = meant(row, slip, value, itself);
-    for (const GivenValue& g : given) {
-      if (text.empty()) text = meant(row, slip, value, g);
-    }
-    if (!text.empty()) return text;
+  Meant found = meant(row, value, itself);
+  for (const GivenValue& g : given) {
+    if (found.slip == nullptr) found = meant(row, value, g);
   }
-  return "";
+  if (found.slip == nullptr) return "";
+  const std::string key = found.slip->key, number = four_digits(found.value);
+  return "; do you mean " + (key.empty() ? number : "`" + key + ": " + number + "`") + " (" +
+         found.slip->how + ")?";
 }
 
 }  // namespace

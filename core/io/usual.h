@@ -18,7 +18,8 @@ enum class Usual {
   kMomentArm,       ///< drag torque by thrust, k_m / k_f [m]
   kLag,             ///< time constant of a rotor [s]
   kGyration,        ///< radius of gyration of what carries the rotors, by the longest arm
-  kSize             ///< greatest length of a collision shape [m]
+  kSize,            ///< greatest length of a collision shape [m]
+  kArm              ///< of a hub from the centre of mass of the robot's base [m]
 };
 
 /// A value from a file that made what is looked at.

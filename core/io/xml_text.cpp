@@ -3,12 +3,19 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/base/printable.h"
+
 namespace skybody {
 namespace {
 
 constexpr int kMostAttributes = 100;           // of one element; URDF has up to six
 constexpr long kMostParts = 1'000'000;         // tags and attributes of a text
 constexpr std::size_t kLongestReference = 12;  // &#x0010FFFF;
+constexpr std::size_t kLongestShown = 60;      // bytes of a text in a message
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kSpace = " \t\r\n";
+
+enum class TagKind { kElement, kEnd, kDeclaration };
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_hex_digit(char c) {
@@ -37,6 +44,8 @@ class Scan {
       : text_(text), file_(file), references_(references), diagnostics_(diagnostics) {}
 
   bool run() {
+    if (text_.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ = kByteOrderMark.size();
+    line_start_ = at_;
     while (good_ && at_ < text_.size()) {
       if (!skip("<!--", "-->") && !skip("<![CDATA[", "]]>") && !skip("<?", "?>")) step();
     }
@@ -44,10 +53,15 @@ class Scan {
   }
 
  private:
-  void fail(const std::string& message) {
-    diagnostics_.error({file_, line_, 0}, message);
+  void fail(const std::string& message) { fail_at(0, message); }
+
+  /// @param column  from 1; 0: none is named
+  void fail_at(int column, const std::string& message) {
+    diagnostics_.error({file_, line_, column}, message);
     good_ = false;
   }
+
+  int column() const { return static_cast<int>(at_ - line_start_) + 1; }
 
   /// Passes what begins with `begin` here, up to `end`.
   bool skip(std::string_view begin, std::string_view end) {
@@ -55,6 +69,7 @@ class Scan {
     const std::size_t found = text_.find(end, at_ + begin.size());
     const std::size_t next = found == text_.npos ? text_.size() : found + end.size();
     count_part();
+    if (begin == "<![CDATA[") check_place_of_text();
     for (; at_ < next && good_; ++at_) take(text_[at_]);
     return true;
   }
@@ -66,13 +81,43 @@ class Scan {
     if (quote_ != 0) {
       if (c == quote_) quote_ = 0;
     } else if (c == '<' || c == '>') {
-      is_in_tag_ = c == '<';
-      attributes_ = 0;
-      if (is_in_tag_) count_part();
+      if (c == '<') begin_tag();
+      if (c == '>') end_tag();
     } else if (is_in_tag_) {
       step_in_tag(c);
+    } else if (kSpace.find(c) == kSpace.npos) {
+      check_place_of_text();
     }
     ++at_;
+  }
+
+  void begin_tag() {
+    const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : ' ';
+    is_in_tag_ = true;
+    attributes_ = 0;
+    kind_ = next == '/' ? TagKind::kEnd : next == '!' ? TagKind::kDeclaration : TagKind::kElement;
+    count_part();
+    if (kind_ != TagKind::kElement || depth_ > 0) return;
+    if (has_root_) fail_at(column(), "a second element at the top; XML allows one: remove it");
+    has_root_ = true;
+  }
+
+  void end_tag() {
+    if (!is_in_tag_) return check_place_of_text();
+    is_in_tag_ = false;
+    const bool is_empty = text_[at_ - 1] == '/';
+    if (kind_ == TagKind::kElement && !is_empty) ++depth_;
+    if (kind_ == TagKind::kEnd && depth_ > 0) --depth_;
+  }
+
+  /// Text may stand within the element at the top only.
+  void check_place_of_text() {
+    if (!good_ || depth_ > 0) return;
+    const std::string_view rest = text_.substr(at_, text_.find_first_of("\r\n<", at_ + 1) - at_);
+    const std::string_view shown = rest.substr(0, rest.find_last_not_of(kSpace) + 1);
+    fail_at(column(), "the text `" + shortened(std::string(shown), kLongestShown) + "` stands " +
+                          (has_root_ ? "after" : "before") +
+                          " the element at the top, where XML allows none; remove it");
   }
 
   void step_in_tag(char c) {
@@ -92,7 +137,10 @@ class Scan {
   }
 
   void take(char c) {
-    if (c == '\n') ++line_;
+    if (c == '\n') {
+      ++line_;
+      line_start_ = at_ + 1;
+    }
     const auto code = static_cast<unsigned char>(c);
     if (code < 0x20 && c != '\n' && c != '\t' && c != '\r') {
       fail("the control character `" + std::string(1, c) + "`, which XML forbids; remove it");
@@ -115,8 +163,12 @@ class Scan {
   XmlReferences references_;
   Diagnostics& diagnostics_;
   std::size_t at_ = 0;
+  std::size_t line_start_ = 0;
   int line_ = 1;
   bool is_in_tag_ = false;
+  TagKind kind_ = TagKind::kElement;  ///< of the tag that it is in
+  int depth_ = 0;                     ///< elements that are open
+  bool has_root_ = false;
   char quote_ = 0;  ///< that an attribute's value began with; 0: outside of values
   int attributes_ = 0;
   long parts_ = 0;

@@ -105,6 +105,7 @@ typedef struct SkybodyBodyInfo {
   const char* joint_name;    /* "" of a base */
   int32_t joint_is_limited;  /* pin and slider: 1: it has limits */
   double joint_lower, joint_upper; /* [rad] or [m] */
+  double joint_start;              /* pin and slider: its coordinate at a reset [rad] or [m] */
   double joint_in_parent[7];       /* its frame on the parent's side, in the parent's frame (of a
                                       fixed base in W): position [m], quaternion w x y z */
   double joint_in_body[7]; /* its frame on this body's side, in the body's frame, likewise; the

@@ -1,6 +1,7 @@
 // Where and how robots begin an episode: position, heading, tilt, velocity, rates, rotor speeds.
 #include <skybody/plugin.h>
 
+#include <cmath>
 #include <vector>
 
 namespace skybody {
@@ -46,7 +47,8 @@ class RandomStart : public Randomizer {
   struct Rotor {
     int start;  ///< its speed at the start
     int constants;
-    double lift;  ///< axis . z of the base
+    double lift;       ///< axis . z of the base; below 0: it lifts by turning backwards
+    double min_speed;  ///< [rad/s]
   };
   struct Target {
     int position_param, rotation_param, velocity, angular_velocity;  ///< first EnvParams
@@ -108,8 +110,9 @@ class RandomStart : public Randomizer {
       const int start = announce("rotors[" + std::to_string(k) + "].speed");
       constexpr double kLeastLift = 1e-6;  // below it is rounding
       const double up = rotor.axis_in_base[2];
-      t.rotors.push_back({start, rotor.first_param, up > kLeastLift ? up : 0.0});
-      lift += t.rotors.back().lift;
+      const bool lifts = up > kLeastLift || (rotor.min_speed < 0.0 && up < -kLeastLift);
+      t.rotors.push_back({start, rotor.first_param, lifts ? up : 0.0, rotor.min_speed});
+      lift += std::fabs(t.rotors.back().lift);
     }
     if (!(lift > 1e-6)) {
       throw std::runtime_error("robot `" + std::string(info.name) +
@@ -176,11 +179,13 @@ class RandomStart : public Randomizer {
     Real mass(0.0), lift(0.0);
     for (const int param : t.masses) mass += env.param(param);
     for (const Rotor& r : t.rotors)
-      lift += env.param(r.constants + SKYBODY_ROTOR_THRUST_CONSTANT) * r.lift;
+      lift += env.param(r.constants + SKYBODY_ROTOR_THRUST_CONSTANT) * std::fabs(r.lift);
     const Vec3<Real> gravity{env.param(gravity_), env.param(gravity_ + 1), env.param(gravity_ + 2)};
     const Real speed = sqrt(mass * norm(gravity) / lift);
     for (const Rotor& r : t.rotors) {
-      const Real own = select(Real(r.lift) > 0.0, speed, Real(0.0));
+      const Real own = r.lift > 0.0   ? speed
+                       : r.lift < 0.0 ? max(Real(0.0) - speed, Real(r.min_speed))
+                                      : Real(0.0);
       start.params.set(r.start, min(own, env.param(r.constants + SKYBODY_ROTOR_MAX_SPEED)));
     }
   }

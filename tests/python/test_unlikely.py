@@ -120,8 +120,18 @@ MISTAKES = {
     ),
     "mm_for_m_in_rotors": (
         {"arm": 177},
-        "radius of gyration (ixx) by the longest arm of the robot `quad` is 0.0004161; usual is "
-        "0.1 to 3; do you mean `position: 0.2503` (mm written for m)?",
+        "the longest arm of a rotor of the robot `quad` is 250.3 m; usual is 0 to 15 m; do you "
+        "mean `position: 0.2503` (mm written for m)?",
+    ),
+    "kg_mm2_for_kg_m2": (
+        {"ixx": 21700, "izz": 40000},
+        "radius of gyration (ixx) by the longest arm of the robot `quad` is 416.1; usual is 0.1 to "
+        "3; do you mean `inertia: 0.0217` (kg mm^2 written for kg m^2)?",
+    ),
+    "kg_cm2_for_kg_m2": (
+        {"ixx": 217, "izz": 400},
+        "radius of gyration (ixx) by the longest arm of the robot `quad` is 41.61; usual is 0.1 to "
+        "3; do you mean `inertia: 0.0217` (kg cm^2 written for kg m^2)?",
     ),
     "mm_for_m_in_shapes": (
         {"size": 200},
@@ -191,16 +201,29 @@ SPINNING = """\
 PROPELLER = """\
 <link name="rotor_{k}"><inertial><mass value="1e-9"/>
   <inertia ixx="1e-12" ixy="0" ixz="0" iyy="1e-12" iyz="0" izz="1e-12"/></inertial></link>
-<joint name="spin_{k}" type="continuous"><parent link="base_link"/><child link="rotor_{k}"/>
-  <origin xyz="{x} {y} 0"/><axis xyz="0 0 1"/></joint>
+<joint name="spin_{k}" type="{joint}"><parent link="base_link"/><child link="rotor_{k}"/>
+  <origin xyz="{x} {y} 0"/><axis xyz="0 0 1"/>{limit}</joint>
 """
 PLACES = [(0.17, -0.17, "ccw"), (-0.17, 0.17, "ccw"), (0.17, 0.17, "cw"), (-0.17, -0.17, "cw")]
 
 
-def test_rotors_on_free_joints_turn_the_vehicle(tmp_path: Path) -> None:
-    """Joints about a rotor's own axis are read as fixed: after 0.5 s at 800 and 600 rad/s the yaw
-    rate is 2 k_m (600^2 - 800^2) / Izz * 0.5 s = -1.653 rad/s."""
-    links = "".join(PROPELLER.format(k=k, x=x, y=y) for k, (x, y, _) in enumerate(PLACES))
+@pytest.mark.parametrize(
+    ("joint", "limit"),
+    [
+        ("continuous", ""),
+        ("revolute", '<limit lower="-1e16" upper="1e16" effort="0" velocity="0"/>'),
+        ("revolute", '<limit lower="0" upper="1000" effort="0" velocity="0"/>'),
+    ],
+)
+def test_rotors_on_free_joints_turn_the_vehicle(joint: str, limit: str, tmp_path: Path) -> None:
+    """Joints about a rotor's own axis are read as fixed, those with limits of many turns, too.
+
+    After 0.5 s at 800 and 600 rad/s the yaw rate is
+    2 k_m (600^2 - 800^2) / Izz * 0.5 s = -1.653 rad/s."""
+    links = "".join(
+        PROPELLER.format(k=k, x=x, y=y, joint=joint, limit=limit)
+        for k, (x, y, _) in enumerate(PLACES)
+    )
     (tmp_path / "quad.urdf").write_text(SPINNING.format(links=links))
     rotors = "".join(
         f"  - {{name: r{k}, link: rotor_{k}, position: [0, 0, 0], direction: {turn}}}\n"
@@ -411,3 +434,22 @@ def test_a_new_vehicle_needs_its_numbers(tmp_path: Path) -> None:
         [*command, *VEHICLES["racer"], "--rotors", "5"], capture_output=True, text=True, timeout=60
     )
     assert "5 rotors cannot turn half one way and half the other" in odd.stderr
+
+
+def test_an_impossible_vehicle_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    command = [PROGRAM, "new", "vehicle", "--dir", tmp_path, "--thrust-to-weight", "6"]
+    for numbers, expected in (
+        (
+            ["--mass", "450", "--arm", "0.11"],
+            "error: a vehicle of 450 kg on arms of 0.11 m would need rotors with a `max_speed` of "
+            "103790 rad/s; allowed: 0.001 to 100000; give --mass and --arm that fit one another\n",
+        ),
+        (
+            ["--mass", "1", "--arm", "10"],
+            "on arms of 10 m would need rotors with a `thrust_constant`",
+        ),
+    ):
+        done = subprocess.run([*command, *numbers], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2
+        assert expected in done.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -1,5 +1,7 @@
 #include "core/physics/bodies/default_state.h"
 
+#include <cmath>
+
 #include "core/base/math.h"
 #include "core/model/held_inputs.h"
 #include "core/physics/bodies/kinematics.h"
@@ -78,14 +80,14 @@ Pose place_at_reset(const RobotModel& model, int body) {
 double lift_of(const RobotModel& model, const Rotor& rotor) {
   constexpr double kLeast = 1e-6;  // below it is rounding
   const double z = rotate(place_at_reset(model, rotor.body).rotation, rotor.axis).z;
-  return z > kLeast ? z : 0.0;
+  return z > kLeast || (rotor.is_reversible() && z < -kLeast) ? z : 0.0;
 }
 
 double hover_rotor_speed(const Scenario& scenario, int robot) {
   const RobotModel& model = scenario.robots[static_cast<std::size_t>(robot)].model;
   double lift = 0.0;
   for (const Rotor& rotor : model.rotors) {
-    lift += rotor.constants[kThrustConstant] * lift_of(model, rotor);
+    lift += rotor.constants[kThrustConstant] * std::fabs(lift_of(model, rotor));
   }
   if (!(lift > 0.0)) return 0.0;
   return sqrt(model.total_mass() * norm(scenario.gravity()) / lift);
@@ -96,8 +98,9 @@ double start_rotor_speed(const Topology& world, int rotor) {
   const RobotUse& robot = world.scenario.robots[static_cast<std::size_t>(r.robot)];
   double speed = robot.rotor_speed;
   if (speed < 0.0) {
-    const bool lifts = lift_of(robot.model, *r.model) > 0.0;
-    speed = lifts ? hover_rotor_speed(world.scenario, r.robot) : 0.0;
+    const double lift = lift_of(robot.model, *r.model);
+    const double hover = lift == 0.0 ? 0.0 : hover_rotor_speed(world.scenario, r.robot);
+    speed = lift < 0.0 ? max(-hover, r.model->min_speed) : hover;
   }
   return min(speed, r.model->constants[kMaxSpeed]);
 }

@@ -156,6 +156,41 @@ TEST_F(TiltTest, FullPoseBearsTheWeightAndLeansTowardsTheWishedAttitude) {
   EXPECT_NEAR(g.output[3], inertia * 36.0 * 2.0 * std::sin(0.05), 1e-12);
 }
 
+TEST_F(TiltTest, TheCentreOfMassIsThatOfTheJointsStart) {
+  // Arms that begin turned by a quarter have their masses, 0.1 m above the hubs' plane at 0, in it.
+  for (std::size_t i = 1; i < world.bodies.size(); ++i) world.bodies[i].com[2] = 0.1;
+  const auto moment_of_push_along_x = [&] {
+    return wrench(control(Instance("tilt_allocation", world, {{"least_share", 0.0}}),
+                          {2, 0, 20, 0, 0, 0}))[4];
+  };
+  // The robot weighs 2.3 kg, its arms 0.6 kg. The wrench acts at the centre of mass.
+  EXPECT_NEAR(moment_of_push_along_x(), 2.0 * 0.1 * 0.6 / 2.3, 1e-12);
+  for (std::size_t i = 1; i < world.bodies.size(); ++i) world.bodies[i].joint_start = kHalfPi;
+  EXPECT_NEAR(moment_of_push_along_x(), 0.0, 1e-12);
+}
+
+TEST_F(TiltTest, TakesWhatFilesRoundAndNamesWhatIsBeyond) {
+  const auto with = [&](const V& axis, double x) {
+    PluginWorld rounded = world;
+    std::copy(&axis.x, &axis.x + 3, rounded.rotors[0].axis);
+    rounded.rotors[0].position[1] = x;
+    return rounded;
+  };
+  PluginWorld good = with({8e-4, 0, 1}, 1e-4);
+  const Instance instance("tilt_allocation", good);
+  const std::vector<double> out = control(instance, {0, 0, 23, 0, 0, 0});
+  EXPECT_NEAR(kThrustConstant * out[0] * out[0], 23.0 / 12.0, 1e-3);
+  PluginWorld askew = with({0.01, 0, 1}, 0.0);
+  EXPECT_THAT(refusal("tilt_allocation", askew, {}),
+              HasSubstr("rotor `rotor0` pushes 0.01 rad off the plane across the axis of joint "
+                        "`arm0_tilt`; tilt_allocation allows 0.002: check `position` and `axis` in "
+                        "the rotors file"));
+  PluginWorld beside = with({0, 0, 1}, 0.002);
+  EXPECT_THAT(refusal("tilt_allocation", beside, {}),
+              HasSubstr("rotor `rotor0` pushes 0.002 m beside the axis of joint `arm0_tilt`; "
+                        "tilt_allocation allows 0.001: "));
+}
+
 TEST_F(TiltTest, ANaNWrenchStaysOne) {
   const Instance instance("tilt_allocation", world);
   for (const double x : control(instance, {0, kNan, 20, 0, 0, 0})) EXPECT_TRUE(is_nan(x));
@@ -176,7 +211,7 @@ TEST_F(TiltTest, BadConfigurationNamesValueAndRemedy) {
   PluginWorld off = world;
   off.rotors[0].position[1] = 0.01;
   EXPECT_THAT(refusal("tilt_allocation", off, {}),
-              HasSubstr("rotor `rotor0` does not push across the axis of joint `arm0_tilt`"));
+              HasSubstr("rotor `rotor0` pushes 0.01 m beside the axis of joint `arm0_tilt`"));
   PluginWorld two = world;
   two.rotors.resize(4);
   two.robots[0].rotor_count = 4;

@@ -140,7 +140,10 @@ TEST(DaeMeshes, NodesStandForOthers) {
 }
 
 TEST(DaeMeshes, DamagedDocumentsAreRefused) {
-  EXPECT_EQ(read("no COLLADA\n"), "line 1: not well-formed XML: parsing text");
+  EXPECT_EQ(
+      read("no COLLADA\n"),
+      "line 1: the text `no COLLADA` stands before the element at the top, where XML allows none; "
+      "remove it");
   EXPECT_EQ(read("<robot/>"), "its first element is not <COLLADA>");
   EXPECT_EQ(read("<COLLADA/>"), "line 1: <COLLADA> has no <scene>");
   Dae dae;

@@ -51,6 +51,25 @@ TEST(Urdf, RefusesABareAmpersandInAName) {
   }
 }
 
+TEST(Urdf, RefusesTextOutsideOfTheElementAtTheTop) {
+  const std::string robot = "<robot name=\"r\">" + link("base") + "</robot>";
+  const auto told = [](const std::string& text) {
+    Diagnostics diagnostics;
+    parse_urdf(text, "r.urdf", {}, diagnostics);
+    return diagnostics.to_string();
+  };
+  const std::string nowhere = " the element at the top, where XML allows none; remove it\n";
+  EXPECT_EQ(told(robot + "\n x y \n"), "r.urdf:3:2: error: the text `x y` stands after" + nowhere);
+  EXPECT_EQ(told(robot + "<!-- c -->>"), "r.urdf:2:19: error: the text `>` stands after" + nowhere);
+  EXPECT_EQ(told("<?xml version=\"1.0\"?>1<!-- c -->" + robot),
+            "r.urdf:1:22: error: the text `1` stands before" + nowhere);
+  EXPECT_EQ(told(robot + "<![CDATA[x]]>"),
+            "r.urdf:2:9: error: the text `<![CDATA[x]]>` stands after" + nowhere);
+  EXPECT_EQ(told(robot + "\n<link/>"),
+            "r.urdf:3:1: error: a second element at the top; XML allows one: remove it\n");
+  EXPECT_EQ(told("\xEF\xBB\xBF<!DOCTYPE robot>\n" + robot + " \r\n\t<!-- end -->\n"), "");
+}
+
 TEST(Urdf, TakesReferencesAndAmpersandsInComments) {
   const std::string body = "<!-- a & b -->\n" + link("a&amp;b&lt;&#65;&#x42;&apos;");
   Diagnostics diagnostics;

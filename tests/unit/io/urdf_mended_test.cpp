@@ -239,17 +239,39 @@ TEST(FoldWarnings, KeepsOneOfEachKindAndErrors) {
   diagnostics.warning({"a.urdf", 5, 0}, "the link `b` weighs 2.5 kg");
   diagnostics.error({"a.urdf", 6, 0}, "the link `c` weighs -1 kg");
   diagnostics.warning({"b.urdf", 7, 0}, "the link `d` weighs 2 kg");
-  for (int line = 10; line < 16; ++line) {
+  for (int line = 10; line < 17; ++line) {
     diagnostics.warning({"a.urdf", line, 0},
                         "<c" + std::to_string(line) + "> elements are ignored");
   }
   EXPECT_EQ(
       fold_warnings(diagnostics).to_string(),
       "a.urdf:3: warning: the link `a` weighs 1 kg (and 1 more of this kind, in line 5)\n"
-      "a.urdf:4: warning: <b> elements are ignored (and 6 more of this kind, in lines 10, 11, "
-      "12, 13, 14, ...)\n"
+      "a.urdf:4: warning: <b> elements are ignored\n"
       "a.urdf:6: error: the link `c` weighs -1 kg\n"
-      "b.urdf:7: warning: the link `d` weighs 2 kg\n");
+      "b.urdf:7: warning: the link `d` weighs 2 kg\n"
+      "a.urdf:10: warning: <c10> elements are ignored (and 6 more of this kind, in lines 11, 12, "
+      "13, 14, 15, ...)\n");
+}
+
+TEST(FoldWarnings, ListsEachLineOnce) {
+  Diagnostics diagnostics;
+  for (const int line : {1, 1, 1, 2}) {
+    const std::string name = std::to_string(diagnostics.all().size());
+    diagnostics.warning({"a.urdf", line, 0}, "the link `" + name + "` is light");
+  }
+  EXPECT_EQ(fold_warnings(diagnostics).to_string(),
+            "a.urdf:1: warning: the link `0` is light (and 3 more of this kind, in lines 1, 2)\n");
+}
+
+TEST(FoldWarnings, FoldMoreThanAreShown) {
+  Diagnostics diagnostics(1000);
+  for (int line = 1; line <= 999; ++line) {
+    diagnostics.warning({"a.urdf", line, 0}, "the link `" + std::to_string(line) + "` is light");
+  }
+  EXPECT_EQ(
+      fold_warnings(diagnostics).to_string(),
+      "a.urdf:1: warning: the link `1` is light (and 998 more of this kind, in lines 2, 3, 4, "
+      "5, 6, ...)\n");
 }
 
 TEST(FoldWarnings, KeepsCountOfErrorsThatAreNotShown) {

@@ -73,6 +73,25 @@ TEST(HoverSpeed, IsOfTheRotorsThatLift) {
   }
 }
 
+TEST(HoverSpeed, IsBackwardsWhereReversibleRotorsLiftSo) {
+  // Two rotors up and two down, of which one is reversible; k_f w |w| of three carries the weight.
+  RobotModel model = make_free_body(1.5, diagonal(0.01, 0.01, 0.02));
+  model.rotors = {make_rotor({0, 0, 1}), make_rotor({0.6, 0, -0.8}, -600.0),
+                  make_rotor({0, 0, 1}, -600.0), make_rotor({0, 0, -1})};
+  Scenario scenario = make_scenario(model);
+  scenario.robots[0].rotor_speed = -1.0;  // hover
+  const double speed = std::sqrt(1.5 * 9.81 / (2.8 * kForce));
+  EXPECT_GT(speed, 600.0);
+  const Bench bench(scenario);
+  const double expected[] = {speed, -600.0, speed, 0.0};  // held to the least speed
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(bench.state.rotor_speed[i], expected[i], 1e-9);
+
+  scenario.robots[0].model.rotors.assign(4, make_rotor({0, 0, -1}, -900.0));
+  const Bench inverted(scenario);
+  const double each = -std::sqrt(1.5 * 9.81 / (4.0 * kForce));
+  for (const double w : inverted.state.rotor_speed) EXPECT_NEAR(w, each, 1e-9);
+}
+
 Scenario without_pull(Scenario scenario) {
   scenario.constants[kGravity + 2] = 0.0;
   return scenario;
