@@ -1,10 +1,9 @@
 #include "app/mode_tables.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
+#include "app/rounded.h"
 #include "app/text_table.h"
 #include "core/io/json.h"
 #include "core/io/text.h"
@@ -15,13 +14,6 @@ namespace {
 std::string with_size(int signal, int count) {
   if (signal == SKYBODY_NONE) return signal_name(signal);
   return std::string(signal_name(signal)) + "[" + std::to_string(count) + "]";
-}
-
-/// To four digits: tables are for people, JSON has all.
-std::string rounded(double value) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return text.data();
 }
 
 std::string range_of(double low, double high) {

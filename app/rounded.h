@@ -1,4 +1,4 @@
-// Numbers in messages.
+// Numbers in messages and tables.
 #pragma once
 
 #include <cstdio>

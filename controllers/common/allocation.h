@@ -9,9 +9,8 @@
 //
 // - priority: yaw torque gives way first, then thrust, then roll and pitch torque (priority.h);
 // - pseudo_inverse: each rotor is cut at its own limits, and all four values suffer;
-// - qp: what comes nearest, by weights; the least one gives way first (bounded_least_squares.h).
-// All
-//   rotors take part.
+// - qp: what comes nearest, by weights; the least one gives way first (bounded_least_squares.h);
+//   all rotors take part.
 #pragma once
 
 #include <memory>

@@ -129,8 +129,7 @@ class Priority {
       for (std::size_t k = i + 1; k < rotors_.size(); ++k) {
         const Row& other = rotors_[k];
         if (!other.lifts) continue;
-        // Between the least thrust of one and the full one of that which the yaw torque asks more
-        // of.
+        // Limits: one rotor at its least thrust, the other at full thrust.
         const Real apart = o - offset(other, use, torque);
         const Real growth = yaw - (other.yaw * torque.z) * other.per_thrust;
         limit(select(growth > 0.0, apart - room(r, other), -apart - room(other, r)), abs(growth));

@@ -71,7 +71,7 @@ bool CompiledScenario::draws_bodies() const {
   return false;
 }
 
-/// kBadState, and behind it which of the lane's bodies is none that can be, or else the likely
+/// kBadState, and behind it the index of the body whose inertia is not physical, or else the likely
 /// cause.
 std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane) const {
   std::array<double, kBodyParamCount> values;
@@ -86,7 +86,7 @@ std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane
   return kBadState | cause_bits(*world_, group, lane);
 }
 
-/// What is drawn of a body that no rigid body can be. @param status  which tells of one
+/// The drawn values of the body whose inertia is not physical. @param status  that names one
 std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
   const int number = impossible_body(status);
   const WorldBody& body = world_->bodies[static_cast<std::size_t>(number)];

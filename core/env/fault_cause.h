@@ -1,5 +1,5 @@
-// What is most likely to have ended a physics step that gave up: the first input of it that is no
-// finite number, or what moved fastest; and how an episode's status tells it.
+// The likely cause of a physics step that gave up: its first input that is no finite number, or the
+// link or joint that moved fastest; and how an episode's status tells it.
 #pragma once
 
 #include <cstdint>

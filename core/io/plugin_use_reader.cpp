@@ -77,8 +77,9 @@ const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
 std::string plugin_hint(const std::string& name, const PluginCatalog& catalog) {
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
     const auto of_kind = static_cast<SkybodyKind>(kind);
+    const std::string article = of_kind == SKYBODY_EFFECT ? "an " : "a ";
     if (catalog.find(of_kind, name) != nullptr)
-      return "; `" + name + "` is a " + kind_name(of_kind);
+      return "; `" + name + "` is " + article + kind_name(of_kind);
   }
   return {};
 }

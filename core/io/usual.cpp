@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string_view>
 
 #include "core/base/math.h"
@@ -26,7 +25,6 @@ struct UsualRow {
   std::array<Slip, 3> slips;  ///< how: null where unused
 };
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDegree = kPi / 180.0;
 constexpr double kTurnAMinute = kPi / 30.0;
 constexpr Slip kNoSlip{"", 1.0, 1.0, nullptr};

@@ -26,7 +26,7 @@ enum class Usual {
 struct GivenValue {
   const char* key;
   double value;
-  double factor = 1.0;  ///< of a mistake that the table gives only but for this factor
+  double factor = 1.0;  ///< by which the factor of a mistake in the table is multiplied
 };
 
 /// Whether a value is in its usual range.

@@ -28,7 +28,7 @@ inline std::string fault_reason(std::uint64_t status) {
   return reasons;
 }
 
-/// The world body index of the body that is none that can be; -1: the status tells of none, or of
+/// World body index of the body whose inertia is not physical; -1: the status tells of none, or of
 /// another cause, in bits above the index (core/env/fault_cause.h).
 inline int impossible_body(std::uint64_t status) {
   constexpr int kIndexBits = 10;

@@ -12,7 +12,7 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// On so many places at once a body without rims is taken to rest where the law is made for dt.
+/// The number of places on which a body without rims rests at once, where dt limits the law.
 constexpr double kCarriers = 4.0;
 /// Of all these together, in all directions: the largest (frequency x dt)^2. The trace of a matrix,
 /// about three times its largest eigenvalue; a step is stable below 4 of that.
@@ -156,7 +156,7 @@ double mobility(const ContactScene& scene, const ContactBody& body) {
   return most;
 }
 
-/// What all the places on which a body rests at once give way, together [1/kg]: four, or those of a
+/// The sum of mobility() over all places on which a body rests at once [1/kg]: four, or those of a
 /// rim.
 double gives_of(const ContactScene& scene, const ContactBody& body) {
   return (body.rims.empty() ? kCarriers : double{kRimPoints}) * mobility(scene, body);

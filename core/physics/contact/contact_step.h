@@ -15,11 +15,11 @@
 
 namespace skybody {
 
-/// By which velocities the forces of a part go.
+/// Which velocities the forces of a part are computed from.
 enum class ContactPass {
   kStart,    ///< those of its start; the places are found
   kMean,     ///< mean ones, as the pass before makes them
-  kLimited,  ///< likewise; where these are out of all bounds by limited_force()
+  kLimited,  ///< likewise; where springs are too stiff those of the start, by limited_force()
 };
 
 /// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
@@ -50,8 +50,8 @@ class ContactStep : public ContactSearch<Real, Values> {
   SKYBODY_INLINE MaskOf<Real> is_lossless() const { return dissipation_ <= 0.0; }
 
   /// Where springs lose nothing, cuts the step for all that search() found near, as finely as if it
-  /// began to touch at once: what touches at a step's end or start, and not in its middle, would
-  /// have its spring bent, or straightened, for nothing.
+  /// began to touch at once: a contact at a step's start or end, and not in its middle, where
+  /// forces are evaluated, would gain or lose what its spring holds.
   SKYBODY_INLINE void cut_lossless() {
     const MaskOf<Real> lossless = is_lossless();
     if (none(lossless)) return;
@@ -313,9 +313,9 @@ class ContactStep : public ContactSearch<Real, Values> {
     list(meeting, point, t, force, touches);
   }
 
-  /// Looks whether the shortest part is too long for a spring: its damper, on the mass of the body
-  /// alone, takes the velocity past its end, and within half of the part forces have changed it by
-  /// as much as is left of the way to 1 / d. What is heavier than the body alone rests.
+  /// Finds lanes where the shortest part is too long for a spring: its damper alone would reverse
+  /// the velocity of the body alone, and in half of the part the velocity really changes by more
+  /// than half of what it lacks of 1 / d. A body that carries much more than itself changes less.
   /// @param rate  k x^1.5 / m' [m/s^2]
   SKYBODY_INLINE void find_stiff(const Touch<Real>& t, const Real& rate,
                                  const MaskOf<Real>& touches) {
@@ -361,8 +361,8 @@ class ContactStep : public ContactSearch<Real, Values> {
     return select(is_second, creep(part, place, t, most), force);
   }
 
-  /// Friction without a bristle. Four places stop together what one of them, by what it gives way
-  /// along its own velocity, would stop alone: up to eight never gain energy.
+  /// Friction without a bristle. Its damping is a quarter of what would stop the place within the
+  /// part, by how the place gives way along its own velocity: up to eight never gain energy.
   SKYBODY_INLINE Vec3<Real> creep(const Part& part, const Place<Real>& place, const Touch<Real>& t,
                                   const Real& most) const {
     const Vec3<Real> velocity = across(t.normal, t.velocity);

@@ -1,6 +1,6 @@
-// What contact makes of a physics step. The step is taken without contact first, by whatever takes
-// it. Where something is near enough to touch, it is then gone through again from its start: in
-// parts, each
+// Contact, applied as a correction after the step. The step is taken without contact first, by any
+// integrator. Where something is near enough to touch, it is then gone through again from its
+// start: in parts, each
 //   q moves for half a part at u;  u += h (a + a_c(q, u));  q moves for half a part at u
 // with a the mean acceleration of the step without contact and a_c what the contacts' forces do to
 // the bodies. What is quick is gone through twice, with forces of the mean velocity then. Robots

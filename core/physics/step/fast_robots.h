@@ -17,12 +17,13 @@ struct FastRobot {
   MaskOf<Real> at_start;  ///< lanes where it was when the step began
   bool has_any;           ///< lanes in `mask`
   LockedBody<Real> body;
-  Real base[13];  ///< q and u of its base, on their way
+  Real base[13];  ///< q and u of its base, while they are moved
 };
 
-/// Robots with joints take so many parts of a step at most that they turn by no more than this
-/// [rad] in each: what moves at joints is not torque-free.
+/// Robots with joints take a step in parts that turn them by at most this [rad]: what moves at
+/// joints is not torque-free.
 inline constexpr double kFastPartAngle = 0.1;
+/// No more parts are taken: faster robots turn by more in each.
 inline constexpr int kMostFastParts = 16;
 
 template <class Real>
@@ -37,8 +38,8 @@ class FastRobots {
 
   /// Finds them at the step's start.
   /// @param motion     of all bodies
-  /// @param is_wanted  per robot: others are left out; null: none is
-  /// @param always     lanes where all of the wanted count as fast
+  /// @param is_wanted  per robot: others are left out; null: all count
+  /// @param always     lanes where all that count are fast
   SKYBODY_INLINE void find(const BodyKinematics<Real>* motion, const bool* is_wanted = nullptr,
                            const MaskOf<Real>& always = MaskOf<Real>(false)) {
     has_any_ = false;
@@ -83,8 +84,8 @@ class FastRobots {
     }
   }
 
-  /// Takes from the mean accelerations of a step what drift() does to the velocities, wherever they
-  /// come from. @param from, to  the step's start and end
+  /// Takes from the mean accelerations of a step, by any integrator, what drift() does to the
+  /// velocities. @param from, to  the step's start and end
   template <class Coordinates>
   SKYBODY_INLINE void keep_mean_forces(double dt, const Coordinates& from, const Coordinates& to,
                                        Real* udot) const {
@@ -129,8 +130,8 @@ class FastRobots {
                   SKYBODY_INLINE_LAMBDA { lock_joints(robot, at, fast); });
   }
 
-  /// Moves all for a time at which nothing acts on them.
-  /// @param locks   their joints are locked where they are behind this, for later calls, too
+  /// Moves all robots for a time in which nothing acts on them.
+  /// @param locks   locks their joints where slowly() has moved them, for later calls, too
   /// @param slowly  slowly() moves them as if none was fast
   template <class Coordinates, class Slowly>
   SKYBODY_INLINE void drift(const Real& time, bool locks, const Coordinates& at,

@@ -1,7 +1,7 @@
-// What the stops of joints make of a physics step, whoever takes it. A stop is a spring and a
-// damper that act beyond a limit. They are taken at the end of the step (implicit Euler): with g
-// the way beyond the limits without stops, v its rate there, and M the inertia of all coordinates,
-// the velocities change by
+// Stops of joints, applied as a correction at the end of a physics step of any integrator. A stop
+// is a spring and a damper that act beyond a limit, by implicit Euler: with g the way beyond the
+// limits at the end of the step without stops, v its rate there, and M the inertia of all
+// coordinates, the velocities change by
 //   (M + dt C + dt^2 K) du = -dt (K g + C v)     where K g + C v > 0: a stop never pulls
 // and the coordinates move on by dt du. So at a configuration the energy of motion and springs
 // falls by at least dt v' C v', v' the rate that is left, with every dt, stiffness and damping: the
@@ -39,9 +39,9 @@ class JointStops {
   /// per u of the world.
   /// @param forest     the world's
   /// @param constants  kBodyConstantCount values per body: a pointer, or a view
-  /// @param q          of the inertias
-  /// @param end_q, end_u  at the end of the step without stops; only joints with stops are looked
-  /// at
+  /// @param q          the coordinates at which the inertias are taken
+  /// @param end_q, end_u  at the end of the step without stops; only those of joints with stops are
+  ///                   read
   template <class Real, class Params, class Constants, class F>
   SKYBODY_INLINE void act(const Forest& forest, const Params& params, const Constants& constants,
                           double dt, const MaskOf<Real>& mask, const Real* q, const Real* end_q,

@@ -26,12 +26,12 @@ struct TreeAccelerations {
   }
 };
 
-/// What a step of a tree is compiled for. Rare cases have a kernel of their own: their code beside
-/// the usual one costs a tenth of a step.
+/// Kinds of kernels for trees. Rare cases have a kernel of their own: compiled into the usual one,
+/// their code costs a tenth of a step.
 enum class TreeKind {
   kUsual,  ///< no effect holds anything, no rotor turns backwards, no joint has stops; lanes where
            ///< a body spins fast do not come through
-  kAny
+  kAny     ///< all worlds and lanes
 };
 
 /// @tparam Values         how parameters and what derives from them are read: LaneValues,
@@ -227,9 +227,9 @@ class Mechanics {
   /// Brings the second evaluation's velocities to the mean of the step, where robots with joints
   /// spin fast: with them the rule is the implicit midpoint rule, whose energy does not grow.
   /// @param half  half the part's time
-  /// @returns false if there is no lane left in which they change
+  /// @returns whether they still change in any lane
   SKYBODY_INLINE bool approach_mean(const Real& half) {
-    constexpr double kSmall = 1e-9;  // what is left then is less by the part's angle
+    constexpr double kSmall = 1e-9;  // the remaining error is this times the part's angle
     if (none(is_open_)) return false;
     Real* const point = a_.stages.point.u;
     MaskOf<Real> changes(false);
