@@ -88,8 +88,8 @@ TEST(Codegen, WideKernelsUseWideRegisters) {
 }
 
 /// g++ 12 fuses products with sums and differences side by side, whatever -ffp-contract says: other
-/// bits on v3 and v4 than on v2 (SKYBODY_UNFUSED_OPTION). Networks fuse on purpose, in a library of their
-/// own.
+/// bits on v3 and v4 than on v2 (SKYBODY_UNFUSED_OPTION). Networks fuse on purpose, in a library of
+/// their own.
 TEST(Codegen, NothingInTheStepPathFusesProductsAndSums) {
   std::vector<std::filesystem::path> files = plugin_files();
   files.emplace_back(SKYBODY_BINARY_DIR "/lib/libskybody.so");
