@@ -9,8 +9,7 @@ namespace {
 
 constexpr std::size_t kMoreRows = 61;  // beyond a batch, so that actions of environments change
 
-/// What the hold policy does once it has brought the robots to rest: what it does before would turn
-/// them over where it is kept.
+/// The hold policy's action when the robots have settled: its first action, kept, turns them over.
 std::vector<float> hold_row(const std::shared_ptr<const CompiledScenario>& compiled) {
   constexpr double kSettle = 5.0;  // [s]
   Simulation simulation(compiled, 0, 0);

@@ -29,7 +29,7 @@ constexpr double kLongestWarmUp = 1.0;  // [s]
 constexpr const char* kBenchFooter =
     "Environment steps are counted, resets are not; a physics step is one of the K of a step. "
     "Actions:\n"
-    "hold is what the hold policy does after five seconds, kept; zero the middle of every range;\n"
+    "hold is the hold policy's action after five seconds, kept; zero the middle of every range;\n"
     "random is uniform, drawn beforehand. The share of physics is estimated: what physics steps "
     "cost\n"
     "on one thread alone, over the time of all threads. Rows carry no info values. Nothing else\n"

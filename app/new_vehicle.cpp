@@ -77,7 +77,7 @@ std::string about(const VehicleOptions& options) {
          ", all else by scaling laws.";
 }
 
-/// What files may not give, scaling laws may not either.
+/// Scaling laws keep to the ranges of files.
 void require_possible(const VehicleOptions& options, const VehicleRotors<double>& rotors) {
   for (const ConstantRow& row : kRotorConstants) {
     const double value = rotors.constants[row.place];

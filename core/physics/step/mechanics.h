@@ -166,7 +166,7 @@ class Mechanics {
     }
   }
 
-  /// In parts where robots with joints spin fast; what a lane does behind its last part is undone.
+  /// In parts where robots with joints spin fast; a lane keeps its state behind its last part.
   template <class Rates>
   SKYBODY_INLINE void advance_in_parts(const Rates& rates) {
     const Real parts = fast_.parts(dt());

@@ -1,4 +1,4 @@
-// Without dissipation and friction what bounces keeps its energy.
+// Bodies that bounce keep their energy without dissipation and friction.
 #include <gtest/gtest.h>
 
 #include <cmath>
