@@ -6,9 +6,10 @@
 //             each other, and slips where it would carry more than Coulomb's mu f: P. A. Cundall,
 //             O. D. L. Strack, "A discrete numerical model for granular assemblies", 1979
 //
-// x is the depth, v the rate at which it grows. What multiplies a velocity is at most m / (4 h), m
-// the mass of the bodies and h the step: parts of a step (contact_step.h) are so short that no more
-// is asked for, as long as there are enough of them. Where there are not, limited_force() holds.
+// x is the depth, v the rate at which it grows. What multiplies a velocity is at most m' / h, m'
+// the share of the bodies' mass that the place feels and h the step: parts of a step
+// (contact_step.h) are so short that no more is asked for, as long as there are enough of them.
+// Where there are not, limited_force() holds.
 #pragma once
 
 #include "core/base/math.h"
@@ -25,7 +26,7 @@ struct Touch {
   Vec3<Real> slide;   ///< how far it has gone past it since the step before, along the normal, too
                       ///< [m]
   Real step;          ///< h [s]
-  Real most_damping;  ///< m / (4 h) [N s/m]
+  Real most_damping;  ///< m' / h [N s/m]
 };
 
 /// @param elastic      k x^1.5 [N]

@@ -12,8 +12,8 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// The number of places on which a body without rims rests at once, where dt limits the law.
-constexpr double kCarriers = 4.0;
+/// The least number of places on which a body is taken to rest at once, where dt limits the law.
+constexpr std::ptrdiff_t kLeastCarriers = 4;
 /// Of all these together, in all directions: the largest (frequency x dt)^2. The trace of a matrix,
 /// about three times its largest eigenvalue; a step is stable below 4 of that.
 constexpr double kLargestSquaredPhase = 4.0;
@@ -107,59 +107,99 @@ std::vector<BodyKinematics<double>> upright_bodies(const World& world) {
   return bodies;
 }
 
-/// Heights of all points of a robot that stands upright.
-std::vector<double> point_heights(const ContactScene& scene, int robot) {
+/// Adds the heights of all points of a body.
+void add_heights(const ContactBody& body, const BodyKinematics<double>& m,
+                 std::vector<double>& heights) {
+  for (const GroundPoint& p : body.points) {
+    heights.push_back((m.position + m.axes * p.at).z - p.radius);
+  }
+  for (const GroundRim& rim : body.rims) {
+    each_ground_place(rim, m, [&](const Vec3<double>& place, int) { heights.push_back(place.z); });
+  }
+}
+
+/// How many of the heights are about the lowest.
+std::ptrdiff_t count_lowest(const std::vector<double>& heights) {
+  const double lowest = *std::min_element(heights.begin(), heights.end());
+  return std::count_if(heights.begin(), heights.end(),
+                       [&](double z) { return z <= lowest + kLevel; });
+}
+
+/// Points of a robot that lie lowest where it stands upright.
+std::ptrdiff_t count_carriers(const ContactScene& scene, std::size_t robot) {
   const std::vector<BodyKinematics<double>> motion = upright_bodies(scene.world);
   std::vector<double> heights;
   for (const ContactBody& body : scene.bodies) {
-    if (body.robot != robot) continue;
-    const BodyKinematics<double>& m = motion[static_cast<std::size_t>(body.body)];
-    for (const GroundPoint& p : body.points) {
-      heights.push_back((m.position + m.axes * p.at).z - p.radius);
-    }
-    for (const GroundRim& rim : body.rims) {
-      each_ground_place(rim, m,
-                        [&](const Vec3<double>& place, int) { heights.push_back(place.z); });
-    }
+    if (body.robot != static_cast<int>(robot)) continue;
+    add_heights(body, motion[static_cast<std::size_t>(body.body)], heights);
   }
-  return heights;
+  return heights.empty() ? 1 : count_lowest(heights);
 }
 
-/// Sum over three directions of how a body, were it free, gives way to unit impulses at a place
-/// [1/kg]. @param arm  from its centre of mass, body axes
-double mobility(const MassProperties& mass, const Vec3<double>& arm) {
-  const SymMat3<double> turning = inverse(mass.inertia);
-  return 3.0 / mass.mass + (turning.xx + turning.yy + turning.zz) * dot(arm, arm) -
-         dot(arm, turning * arm);
+/// The most points of a body on which it lies on any of its six sides.
+std::ptrdiff_t count_carriers(const ContactBody& body) {
+  std::ptrdiff_t most = kLeastCarriers;
+  for (int side = 0; side < 6; ++side) {
+    const double turn = side % 2 == 0 ? 0.5 * kPi : -0.5 * kPi;
+    BodyKinematics<double> m{};
+    m.axes = to_mat3(side < 2   ? from_rpy(turn, 0.0, 0.0)
+                     : side < 4 ? from_rpy(0.0, turn, 0.0)
+                                : from_rpy(turn - 0.5 * kPi, 0.0, 0.0));
+    std::vector<double> heights;
+    add_heights(body, m, heights);
+    most = std::max(most, count_lowest(heights));
+  }
+  return most;
 }
 
-/// That of the place that gives way most; nothing for what is driven. A link of a robot with joints
-/// does not turn freely.
-double mobility(const ContactScene& scene, const ContactBody& body) {
-  if (body.is_driven) return 0.0;
-  const MassProperties& mass = scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass;
-  const auto robot = static_cast<std::size_t>(body.robot);
-  if (scene.world.layout.robots[robot].body_count > 1) return 1.0 / (kContactShare * mass.mass);
+/// Sum over three directions of how a body, were it free, gives way to unit impulses at a place by
+/// turning [1/kg]. @param arm  from its centre of mass, body axes
+double turning(const MassProperties& mass, const Vec3<double>& arm) {
+  const SymMat3<double> inverted = inverse(mass.inertia);
+  return (inverted.xx + inverted.yy + inverted.zz) * dot(arm, arm) - dot(arm, inverted * arm);
+}
+
+/// That of the place that gives way most.
+double turning(const MassProperties& mass, const ContactBody& body) {
   double most = 0.0;
   for (const GroundPoint& p : body.points) {
     for (int side = 0; side < 6; ++side) {
       Vec3<double> out{0.0, 0.0, 0.0};
       (side < 2 ? out.x : side < 4 ? out.y : out.z) = side % 2 == 0 ? p.radius : -p.radius;
-      most = max(most, mobility(mass, p.at + out - mass.com));
+      most = max(most, turning(mass, p.at + out - mass.com));
     }
   }
   for (const GroundRim& rim : body.rims) {
     for (const Vec3<double>& spoke : rim.spokes) {
-      most = max(most, mobility(mass, rim.rim.middle + spoke - mass.com));
+      most = max(most, turning(mass, rim.rim.middle + spoke - mass.com));
     }
   }
   return most;
 }
 
-/// The sum of mobility() over all places on which a body rests at once [1/kg]: four, or those of a
-/// rim.
+const MassProperties& mass_of(const ContactScene& scene, const ContactBody& body) {
+  return scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass;
+}
+
+/// The same with what its mass gives way; nothing for what is driven. A link of a robot with joints
+/// does not turn freely.
+double mobility(const ContactScene& scene, const ContactBody& body) {
+  if (body.is_driven) return 0.0;
+  const MassProperties& mass = mass_of(scene, body);
+  const auto robot = static_cast<std::size_t>(body.robot);
+  if (scene.world.layout.robots[robot].body_count > 1) return 1.0 / (kContactShare * mass.mass);
+  return 3.0 / mass.mass + turning(mass, body);
+}
+
+/// How many times more a body's places give way than those of any box that is filled evenly: its
+/// corners turn by 9 / m, whatever its sides.
+double leverage(const MassProperties& mass, const ContactBody& body) {
+  return max(turning(mass, body) * mass.mass / 9.0, 1.0);
+}
+
+/// The sum of mobility() over all places on which a body rests at once [1/kg].
 double gives_of(const ContactScene& scene, const ContactBody& body) {
-  return (body.rims.empty() ? kCarriers : double{kRimPoints}) * mobility(scene, body);
+  return static_cast<double>(count_carriers(body)) * mobility(scene, body);
 }
 
 /// Stiffness of the points of each contact body: resting upright on the n points that lie lowest,
@@ -171,13 +211,7 @@ std::vector<double> stiffnesses(const ContactScene& scene) {
   const double depth = scenario.contact.penetration, dt = scenario.stepping.dt;
   std::vector<double> wanted;
   for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
-    const std::vector<double> heights = point_heights(scene, static_cast<int>(r));
-    double carriers = 1.0;
-    if (!heights.empty()) {
-      const double lowest = *std::min_element(heights.begin(), heights.end());
-      carriers = static_cast<double>(std::count_if(heights.begin(), heights.end(),
-                                                   [&](double z) { return z <= lowest + kLevel; }));
-    }
+    const auto carriers = static_cast<double>(count_carriers(scene, r));
     wanted.push_back(scenario.robots[r].model.total_mass() * contact_gravity(scenario) /
                      (carriers * pow_3_2(depth)));
   }
@@ -209,7 +243,7 @@ double in_series(double a, double b) {
 /// Mass that a bristle feels, nominal; infinite of what stands still.
 double nominal_share(const ContactScene& scene, const ContactBody& body) {
   if (body.is_driven) return kInfinity;
-  return kContactShare * scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
+  return kContactShare * mass_of(scene, body).mass;
 }
 
 /// @param share     mass that a bristle feels
@@ -283,6 +317,7 @@ void add_bodies(ContactScene& scene) {
     body.last_bristle = bristles;
     if (body.first_solid == body.last_solid) continue;
     body.center = 0.5 * (low + high);
+    body.leverage = leverage(model.model->mass, body);
     for (int s = body.first_solid; s < body.last_solid; ++s) {
       const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
       body.radius = max(body.radius, norm(solid.pose.position - body.center) + solid.reach);

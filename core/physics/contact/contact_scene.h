@@ -66,6 +66,7 @@ struct ContactBody {
   std::vector<GroundPoint> points;          ///< of all its solids, without the rims
   std::vector<GroundRim> rims;              ///< of all its cylinders
   bool is_driven = false;                   ///< forces do not move it
+  double leverage = 1.0;  ///< how many times more its places give way than a box's, at least 1
 };
 
 /// Constants of the law between two bodies, or a body and what stands still.

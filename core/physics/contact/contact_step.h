@@ -72,6 +72,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     is_quick_ = MaskOf<Real>(false);
     for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
       w_.is_touched[i] = MaskOf<Real>(false);
+      w_.place_counts[i] = Real(0.0);
     }
   }
 
@@ -92,7 +93,10 @@ class ContactStep : public ContactSearch<Real, Values> {
     }
     each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
     const Part part{motion, mean, step, pass};
-    if (pass == ContactPass::kStart) is_stiff_ = MaskOf<Real>(false);
+    if (pass == ContactPass::kStart) {
+      is_stiff_ = MaskOf<Real>(false);
+      share_masses(part, is_active);
+    }
     if (pass == ContactPass::kLimited) add_up(part, is_active);
     each_place(part, is_active,
                [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA { touch(part, place, list); });
@@ -202,11 +206,27 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// ---- what touches
 
+  /// Finds where things touch, and of which mass each of these places feels what.
+  SKYBODY_INLINE void share_masses(const Part& part, const MaskOf<Real>& is_active) {
+    for (const ContactBody& body : scene_.bodies) w_.place_counts[body.body] = Real(0.0);
+    are_places_kept_ = false;
+    each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
+      const Meeting& meeting = *w_.near[place.pair].meeting;
+      const Real one = select(place.touches, Real(1.0), Real(0.0));
+      w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += one;
+      if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += one;
+    });
+    for (int i = 0; i < near_count_; ++i) {
+      NearPair<Real>& pair = w_.near[i];
+      pair.per_mass = inverse_mass(*pair.meeting);
+      pair.most_damping = 1.0 / max(pair.per_mass * part.step, Real(1e-12));
+    }
+  }
+
   /// Calls f(place) where things touch.
   template <class F>
   SKYBODY_INLINE void each_place(const Part& part, const MaskOf<Real>& is_active, const F& f) {
-    const bool are_known = part.pass != ContactPass::kStart && are_places_kept_;
-    if (!are_known) are_places_kept_ = true;
+    const bool are_known = are_places_kept_;
     int next = are_known ? near_count_ : 0;
     do {
       if (!are_known) next = find_places(part, next, is_active);
@@ -219,7 +239,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// @returns the first pair that is still to be looked at
   SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
     Manifold<Real> found{w_.places};
-    if (next > 0) are_places_kept_ = false;
+    const bool is_first = next == 0;
     for (; next < near_count_ && found.count <= kKeptPlaces; ++next) {
       NearPair<Real>& pair = w_.near[next];
       const auto here = logical_and(is_active, pair.lanes);
@@ -230,12 +250,10 @@ class ContactStep : public ContactSearch<Real, Values> {
       } else {
         meet_solids(pair, part, here, found);
       }
-      if (found.count == first) continue;
-      pair.per_mass = inverse_mass(*pair.meeting);
-      pair.most_damping = 1.0 / max(pair.per_mass * part.step, Real(1e-12));
       for (int i = first; i < found.count; ++i) found.places[i].pair = next;
     }
     place_count_ = found.count;
+    are_places_kept_ = is_first && next == near_count_;
     return next;
   }
 
@@ -362,14 +380,16 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// Friction without a bristle. Its damping is a quarter of what would stop the place within the
-  /// part, by how the place gives way along its own velocity: up to eight never gain energy.
+  /// part, by how the place gives way along its own velocity; of more than four places, each one's
+  /// share of that: together they never gain energy.
   SKYBODY_INLINE Vec3<Real> creep(const Part& part, const Place<Real>& place, const Touch<Real>& t,
                                   const Real& most) const {
     const Vec3<Real> velocity = across(t.normal, t.velocity);
     const Real speed = norm(velocity);
     const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));
-    const Real gives = gives_at(*w_.near[place.pair].meeting, part.motion, place.point, along);
-    const Real damping = min(t.most_damping, kContactShare / max(gives * t.step, Real(1e-300)));
+    const Meeting& meeting = *w_.near[place.pair].meeting;
+    const Real gives = gives_at(meeting, part.motion, place.point, along) * count_places(meeting);
+    const Real damping = min(t.most_damping, 1.0 / max(gives * t.step, Real(1e-300)));
     return creeping_force(velocity, speed, damping, most);
   }
 
@@ -388,11 +408,23 @@ class ContactStep : public ContactSearch<Real, Values> {
     return other < 0 ? of(body) : of(body) - of(other);
   }
 
-  /// Of what a place feels.
+  /// On how many places a body touches anything, at least four.
+  SKYBODY_INLINE Real count_places(const ContactBody& body) const {
+    return max(w_.place_counts[body.body], Real(1.0 / kContactShare));
+  }
+  /// Of two that meet, on the one that touches more.
+  SKYBODY_INLINE Real count_places(const Meeting& meeting) const {
+    const Real mine = count_places(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
+    return meeting.other < 0 ? mine : max(mine, count_places(other_body(meeting)));
+  }
+
+  /// Of what a place feels: each body's mass is shared by its places.
   SKYBODY_INLINE Real inverse_mass(const Meeting& meeting) const {
-    Real sum = inverse_mass(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
-    if (meeting.other >= 0) sum += inverse_mass(other_body(meeting));
-    return sum * (1.0 / kContactShare);
+    const auto of = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
+      return inverse_mass(body) * (count_places(body) * body.leverage);
+    };
+    const Real mine = of(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
+    return meeting.other < 0 ? mine : mine + of(other_body(meeting));
   }
   SKYBODY_INLINE Real inverse_mass(const ContactBody& body) const {
     if (body.is_driven) return Real(0.0);

@@ -48,6 +48,7 @@ struct ContactWork {
   SpatialForce<Real>* forces = nullptr;  ///< per body of the world: of its contacts
   BodyKick<Real>* kicks = nullptr;       ///< likewise
   Real* sums = nullptr;                  ///< likewise: see limited_force()
+  Real* place_counts = nullptr;          ///< likewise: on how many places it touches anything
   Vec3<Real>* bristles = nullptr;        ///< all of the world
   Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
   MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part

@@ -54,6 +54,7 @@ struct CorrectionArrays {
     arena.take(contact.forces, count);
     arena.take(contact.kicks, count);
     arena.take(contact.sums, count);
+    arena.take(contact.place_counts, count);
     arena.take(contact.bristles, bristles);
     arena.take(contact.bent, bristles);
     arena.take(forest.body, count);

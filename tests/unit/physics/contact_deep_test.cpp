@@ -95,6 +95,82 @@ TEST_P(Deep, RobotsThatOverlapDoNotFlyApart) {
   }
 }
 
+/// A body of 1 kg on shapes in a ring about it.
+struct Ring {
+  const char* name;
+  int count;
+  double radius;  // of the ring [m]
+  Shape shape;
+  double height;   // from the body's centre to its lowest point [m]
+  double inertia;  // about x and y, twice of it about z [kg m^2]
+};
+
+const Ring kRings[] = {
+    {"legs", 4, 0.1, make_cylinder(0.01, 0.1), 0.05, 0.0031},
+    {"rotor discs", 8, 0.2, make_cylinder(0.05, 0.02), 0.01, 0.0031},
+    {"spheres", 32, 0.2, make_sphere(0.02), 0.02, 0.02},
+    {"feet far from a small body", 4, 0.2, make_sphere(0.01), 0.01, 2e-4},
+};
+
+/// A small body on far feet has softer springs at 4 ms: it sinks in by 12 mm [m].
+constexpr double kSunk = 0.02;
+
+Scenario world_with(const Ring& ring, double dt) {
+  RobotModel model = make_free_body(1.0, diagonal(ring.inertia, ring.inertia, 2.0 * ring.inertia));
+  for (int i = 0; i < ring.count; ++i) {
+    const SinCos<double> angle = sincos(0.1 + i * (kTwoPi / ring.count));
+    model.bodies[0].collisions.push_back(ring.shape);
+    model.bodies[0].collisions.back().pose.position = {ring.radius * angle.cos,
+                                                       ring.radius * angle.sin, 0.0};
+  }
+  return world_of(std::move(model), dt);
+}
+
+/// Springs of many places act together: dampers and parts of the step are made for their sum.
+TEST_P(Deep, BodiesOfManyPlacesLeaveTheGroundAtTheLawsSpeed) {
+  for (const Ring& ring : kRings) {
+    for (const double depth : {0.02, 0.3}) {
+      for (const double tilt : {0.0, 0.1}) {
+        Bench bench(world_with(ring, GetParam()));
+        bench.state.q[2] = ring.height - depth;
+        store(from_rpy(tilt, 0.3 * tilt, 0.0), bench.state.q.data() + 3);
+        double most = 0.0, top = -1.0;
+        for (int i = 0; i * GetParam() < 4.0; ++i) {
+          ASSERT_TRUE(bench.run(1)) << ring.name;
+          most = std::fmax(most, bench.state.u[2]);
+          top = std::fmax(top, bench.state.q[2]);
+        }
+        EXPECT_LT(most, 1.05 / kDamping) << ring.name << ", " << depth << " m, tilt " << tilt;
+        EXPECT_GT(top, ring.height - kSunk) << ring.name << " is out";
+      }
+    }
+  }
+}
+
+TEST_P(Deep, BodiesOfManyPlacesThatFallGainNoEnergyAndStayAboveTheGround) {
+  for (const Ring& ring : kRings) {
+    for (const double speed : {0.5, 3.0, 12.0}) {
+      for (const double tilt : {0.0, 0.1, 0.5}) {
+        Bench bench(world_with(ring, GetParam()));
+        bench.state.q[2] = ring.height + 0.25 + 0.37 * speed * GetParam();
+        bench.state.u[2] = -speed;
+        store(from_rpy(tilt, 0.3 * tilt, 0.0), bench.state.q.data() + 3);
+        ASSERT_TRUE(bench.run(1));
+        const double start = energy(bench);
+        double most = start;
+        for (int i = 0; i * GetParam() < 2.0; ++i) {
+          ASSERT_TRUE(bench.run(1)) << ring.name;
+          most = std::fmax(most, energy(bench));
+        }
+        const auto name = std::string(ring.name) + ", " + std::to_string(speed) + " m/s, tilt " +
+                          std::to_string(tilt);
+        EXPECT_LT(most, 1.001 * start) << name;
+        EXPECT_GT(bench.state.q[2], ring.height - kSunk) << name;
+      }
+    }
+  }
+}
+
 LaneState thrown(Random<double>& random, LaneState state) {
   state.q[2] = random.uniform(0.4, 0.8);
   store(random.quaternion(), state.q.data() + 3);
