@@ -209,13 +209,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// Finds where things touch, and of which mass each of these places feels what.
   SKYBODY_INLINE void share_masses(const Part& part, const MaskOf<Real>& is_active) {
     for (const ContactBody& body : scene_.bodies) w_.place_counts[body.body] = Real(0.0);
-    are_places_kept_ = false;
-    each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
-      const Meeting& meeting = *w_.near[place.pair].meeting;
-      const Real one = select(place.touches, Real(1.0), Real(0.0));
-      w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += one;
-      if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += one;
-    });
+    for (int next = 0; next < near_count_;) next = find_places(part, next, is_active, true);
     for (int i = 0; i < near_count_; ++i) {
       NearPair<Real>& pair = w_.near[i];
       pair.per_mass = inverse_mass(*pair.meeting);
@@ -229,15 +223,17 @@ class ContactStep : public ContactSearch<Real, Values> {
     const bool are_known = are_places_kept_;
     int next = are_known ? near_count_ : 0;
     do {
-      if (!are_known) next = find_places(part, next, is_active);
+      if (!are_known) next = find_places(part, next, is_active, false);
 #pragma GCC unroll 1
       for (int i = 0; i < place_count_; ++i) f(w_.places[i]);
     } while (next < near_count_);
   }
 
   /// Places of the pairs from `next` on, as many as are kept.
+  /// @param counts  counts them
   /// @returns the first pair that is still to be looked at
-  SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
+  SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active,
+                                 bool counts) {
     Manifold<Real> found{w_.places};
     const bool is_first = next == 0;
     for (; next < near_count_ && found.count <= kKeptPlaces; ++next) {
@@ -250,7 +246,15 @@ class ContactStep : public ContactSearch<Real, Values> {
       } else {
         meet_solids(pair, part, here, found);
       }
-      for (int i = first; i < found.count; ++i) found.places[i].pair = next;
+      Real count(0.0);
+      for (int i = first; i < found.count; ++i) {
+        found.places[i].pair = next;
+        count += select(found.places[i].touches, Real(1.0), Real(0.0));
+      }
+      if (!counts) continue;
+      const Meeting& meeting = *pair.meeting;
+      w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += count;
+      if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += count;
     }
     place_count_ = found.count;
     are_places_kept_ = is_first && next == near_count_;

@@ -20,11 +20,12 @@ struct FastRobot {
   Real base[13];  ///< q and u of its base, while they are moved
 };
 
-/// Robots with joints take a step in parts that turn them by at most this [rad]: what moves at
-/// joints is not torque-free.
-inline constexpr double kFastPartAngle = 0.1;
+/// Robots with joints that spin at kFastPartSpin or more take a step in parts that turn them by at
+/// most kFastPartAngle, slower ones in fewer: what moves at joints is not torque-free.
+inline constexpr double kFastPartAngle = 0.015;  // [rad]
+inline constexpr double kFastPartSpin = 100.0;   // [rad/s]
 /// No more parts are taken: faster robots turn by more in each.
-inline constexpr int kMostFastParts = 16;
+inline constexpr int kMostFastParts = 128;
 
 template <class Real>
 class FastRobots {
@@ -109,7 +110,9 @@ class FastRobots {
   SKYBODY_INLINE MaskOf<Real> iterates() const { return jointed_square_ > plan_.fast_square; }
   /// The parts that a step is cut into for these; elsewhere 1.
   SKYBODY_INLINE Real parts(double dt) const {
-    const Real parts = floor(sqrt(jointed_square_) * (dt / kFastPartAngle)) + 1.0;
+    const Real spin = sqrt(jointed_square_);
+    const Real share = min(spin * (1.0 / kFastPartSpin), Real(1.0));
+    const Real parts = floor(spin * share * (dt / kFastPartAngle)) + 1.0;
     return select(iterates(), clamp(parts, 1.0, double{kMostFastParts}), Real(1.0));
   }
 

@@ -29,8 +29,8 @@ struct TreeAccelerations {
 /// Kinds of kernels for trees. Rare cases have a kernel of their own: compiled into the usual one,
 /// their code costs a tenth of a step.
 enum class TreeKind {
-  kUsual,  ///< no effect holds anything, no rotor turns backwards, no joint has stops; lanes where
-           ///< a body spins fast do not come through
+  kUsual,  ///< no effect holds anything, no rotor turns backwards, no joint has stops; packs in
+           ///< which a body spins fast do not come through
   kAny     ///< all worlds and lanes
 };
 
@@ -88,7 +88,7 @@ class Mechanics {
     const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
     begin_step();
     MaskOf<Real> taken = mask;
-    if (rule.is_split()) taken = logical_and(taken, find_fast());
+    if (rule.is_split()) taken = logical_and(taken, find_fast(mask));
     if (none(taken)) return taken;
     run_rotors(rule);
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
@@ -203,8 +203,9 @@ class Mechanics {
     }
   }
 
-  /// Robots that spin fast at the step's start. @returns the lanes whose step this kind takes
-  SKYBODY_INLINE MaskOf<Real> find_fast() {
+  /// Robots that spin fast at the step's start. @returns the lanes whose step this kind takes: the
+  /// usual one none where any of `mask` is fast, for the other kind goes through the pack anyhow
+  SKYBODY_INLINE MaskOf<Real> find_fast(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
       fast_.find(a_.motion);
       fast_.each_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
@@ -220,7 +221,8 @@ class Mechanics {
     } else {
       Real square(0.0);
       for (int i = 0; i < body_count(); ++i) square = max(square, squared_norm(a_.motion[i].spin));
-      return logical_not(square > plan_.fast_square);
+      const bool has_fast = any(logical_and(mask, square > plan_.fast_square));
+      return MaskOf<Real>(!has_fast);
     }
   }
 
