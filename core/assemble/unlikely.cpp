@@ -69,9 +69,11 @@ class RobotCheck {
     Vec3<double> sum{0.0, 0.0, 0.0};
     double up = 0.0;
     for (const Rotor& rotor : model().rotors) {
-      const double speed = rotor.constants[kMaxSpeed];
+      const Vec3<double> axis = in_base(rotor.body, rotor.axis);
+      const bool lifts_backwards = rotor.is_reversible() && axis.z < 0.0;
+      const double speed = lifts_backwards ? rotor.min_speed : rotor.constants[kMaxSpeed];
       const Vec3<double> thrust =
-          in_base(rotor.body, rotor.axis) * (rotor.constants[kThrustConstant] * speed * speed);
+          axis * (rotor.constants[kThrustConstant] * speed * std::abs(speed));
       sum += thrust;
       up += std::max(thrust.z, 0.0);  // rotors that push all ways carry with some of them
     }

@@ -29,7 +29,7 @@ defaults:
   moment_constant: {moment}
   max_speed: {speed}
   tau_up: {tau_up}
-  tau_down: {tau_down}
+  tau_down: {tau_down}{more}
 rotors:
   - {{name: a, direction: ccw, position: [{arm}, {arm}, 0]}}
   - {{name: b, direction: cw, position: [-{arm}, {arm}, 0]}}
@@ -57,6 +57,7 @@ USUAL = {
     "speed": 1100,
     "tau_up": 0.0125,
     "tau_down": 0.025,
+    "more": "",
     "arm": 0.177,
     "gravity": "[0, 0, -9.81]",
     "rpy": "[0, 0, 0]",
@@ -90,6 +91,10 @@ MISTAKES = {
     ),
     "too_weak": (
         {"speed": 700},
+        "thrust to weight of the robot `quad` is 0.8491; usual is 1.1 to 20",
+    ),
+    "too_weak_backwards": (
+        {"more": "\n  axis: [0, 0, -1]\n  min_speed: -700"},
         "thrust to weight of the robot `quad` is 0.8491; usual is 1.1 to 20",
     ),
     "ms_for_s": (
