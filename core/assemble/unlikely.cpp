@@ -68,17 +68,23 @@ class RobotCheck {
     if (model().rotors.empty() || model().fixed_base || !(weight > 0.0)) return;
     Vec3<double> sum{0.0, 0.0, 0.0};
     double up = 0.0;
+    const auto lifts_backwards = [&](const Rotor& rotor) {
+      return rotor.is_reversible() && in_base(rotor.body, rotor.axis).z < 0.0;
+    };
+    const auto lifting_speed = [&](const Rotor& rotor) {
+      return lifts_backwards(rotor) ? rotor.min_speed : rotor.constants[kMaxSpeed];
+    };
     for (const Rotor& rotor : model().rotors) {
-      const Vec3<double> axis = in_base(rotor.body, rotor.axis);
-      const bool lifts_backwards = rotor.is_reversible() && axis.z < 0.0;
-      const double speed = lifts_backwards ? rotor.min_speed : rotor.constants[kMaxSpeed];
-      const Vec3<double> thrust =
-          axis * (rotor.constants[kThrustConstant] * speed * std::abs(speed));
+      const double speed = lifting_speed(rotor);
+      const Vec3<double> thrust = in_base(rotor.body, rotor.axis) *
+                                  (rotor.constants[kThrustConstant] * speed * std::abs(speed));
       sum += thrust;
       up += std::max(thrust.z, 0.0);  // rotors that push all ways carry with some of them
     }
+    const Rotor& first = model().rotors[0];
     warn(Usual::kThrustToWeight, std::max(norm(sum), up) / weight, "thrust to weight",
-         {{"max_speed", model().rotors[0].constants[kMaxSpeed]}, {"mass", model().total_mass()}});
+         {{lifts_backwards(first) ? "min_speed" : "max_speed", lifting_speed(first)},
+          {"mass", model().total_mass()}});
   }
 
   /// Looks for the rotor whose value is farthest from usual.

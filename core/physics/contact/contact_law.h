@@ -40,8 +40,9 @@ SKYBODY_INLINE Real normal_force(const Touch<Real>& touch, const Real& elastic,
 }
 
 /// The same for a step that is too long for the spring. Velocities approach 1 / d, at which the law
-/// has no force, from below: with s the sum over a body's contacts of h k x^1.5 d / m', m' the mass
-/// that each meets along its normal, all of them together take no more than s / (1 + s) of the way.
+/// has no force, from below: with s the sum over a body's contacts of h k x^1.5 d / m_n, m_n the
+/// mass that each meets along its normal, all of them together take no more than s / (1 + s) of the
+/// way.
 /// @param sum  s; of two bodies the larger one
 template <class Real>
 SKYBODY_INLINE Real limited_force(const Touch<Real>& touch, const Real& elastic,

@@ -12,8 +12,6 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// The least number of places on which a body is taken to rest at once, where dt limits the law.
-constexpr std::ptrdiff_t kLeastCarriers = 4;
 /// Of all these together, in all directions: the largest (frequency x dt)^2. The trace of a matrix,
 /// about three times its largest eigenvalue; a step is stable below 4 of that.
 constexpr double kLargestSquaredPhase = 4.0;
@@ -125,8 +123,8 @@ std::ptrdiff_t count_lowest(const std::vector<double>& heights) {
                        [&](double z) { return z <= lowest + kLevel; });
 }
 
-/// Points of a robot that lie lowest where it stands upright.
-std::ptrdiff_t count_carriers(const ContactScene& scene, std::size_t robot) {
+/// Number of points of a robot that lie lowest where it stands upright.
+std::ptrdiff_t count_upright_places(const ContactScene& scene, std::size_t robot) {
   const std::vector<BodyKinematics<double>> motion = upright_bodies(scene.world);
   std::vector<double> heights;
   for (const ContactBody& body : scene.bodies) {
@@ -136,9 +134,10 @@ std::ptrdiff_t count_carriers(const ContactScene& scene, std::size_t robot) {
   return heights.empty() ? 1 : count_lowest(heights);
 }
 
-/// The most points of a body on which it lies on any of its six sides.
-std::ptrdiff_t count_carriers(const ContactBody& body) {
-  std::ptrdiff_t most = kLeastCarriers;
+/// The largest number of points on which a body lies on any of its six sides; at least
+/// kLeastPlaces.
+std::ptrdiff_t most_resting_places(const ContactBody& body) {
+  std::ptrdiff_t most = kLeastPlaces;
   for (int side = 0; side < 6; ++side) {
     const double turn = side % 2 == 0 ? 0.5 * kPi : -0.5 * kPi;
     BodyKinematics<double> m{};
@@ -154,24 +153,24 @@ std::ptrdiff_t count_carriers(const ContactBody& body) {
 
 /// Sum over three directions of how a body, were it free, gives way to unit impulses at a place by
 /// turning [1/kg]. @param arm  from its centre of mass, body axes
-double turning(const MassProperties& mass, const Vec3<double>& arm) {
+double turning_at(const MassProperties& mass, const Vec3<double>& arm) {
   const SymMat3<double> inverted = inverse(mass.inertia);
   return (inverted.xx + inverted.yy + inverted.zz) * dot(arm, arm) - dot(arm, inverted * arm);
 }
 
 /// That of the place that gives way most.
-double turning(const MassProperties& mass, const ContactBody& body) {
+double most_turning(const MassProperties& mass, const ContactBody& body) {
   double most = 0.0;
   for (const GroundPoint& p : body.points) {
     for (int side = 0; side < 6; ++side) {
       Vec3<double> out{0.0, 0.0, 0.0};
       (side < 2 ? out.x : side < 4 ? out.y : out.z) = side % 2 == 0 ? p.radius : -p.radius;
-      most = max(most, turning(mass, p.at + out - mass.com));
+      most = max(most, turning_at(mass, p.at + out - mass.com));
     }
   }
   for (const GroundRim& rim : body.rims) {
     for (const Vec3<double>& spoke : rim.spokes) {
-      most = max(most, turning(mass, rim.rim.middle + spoke - mass.com));
+      most = max(most, turning_at(mass, rim.rim.middle + spoke - mass.com));
     }
   }
   return most;
@@ -181,37 +180,41 @@ const MassProperties& mass_of(const ContactScene& scene, const ContactBody& body
   return scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass;
 }
 
-/// The same with what its mass gives way; nothing for what is driven. A link of a robot with joints
-/// does not turn freely.
+/// Of the loosest place, turning and mass together [1/kg]; 0 of driven bodies. A link of a robot
+/// with joints does not turn freely.
 double mobility(const ContactScene& scene, const ContactBody& body) {
   if (body.is_driven) return 0.0;
   const MassProperties& mass = mass_of(scene, body);
   const auto robot = static_cast<std::size_t>(body.robot);
-  if (scene.world.layout.robots[robot].body_count > 1) return 1.0 / (kContactShare * mass.mass);
-  return 3.0 / mass.mass + turning(mass, body);
+  if (scene.world.layout.robots[robot].body_count > 1) return kLeastPlaces / mass.mass;
+  return 3.0 / mass.mass + most_turning(mass, body);
 }
 
-/// How many times more a body's places give way than those of any box that is filled evenly: its
-/// corners turn by 9 / m, whatever its sides.
-double leverage(const MassProperties& mass, const ContactBody& body) {
-  return max(turning(mass, body) * mass.mass / 9.0, 1.0);
+/// See ContactBody. A corner of a box that is filled evenly turns by 9 / m, whatever its sides.
+/// Links of a robot with joints count as free: that asks for more parts than they need, never for
+/// fewer.
+double leverage(const ContactScene& scene, const ContactBody& body) {
+  const MassProperties& mass = mass_of(scene, body);
+  if (body.is_driven || !(mass.mass > 0.0)) return 1.0;
+  return max(most_turning(mass, body) * mass.mass / 9.0, 1.0);
 }
 
 /// The sum of mobility() over all places on which a body rests at once [1/kg].
 double gives_of(const ContactScene& scene, const ContactBody& body) {
-  return static_cast<double>(count_carriers(body)) * mobility(scene, body);
+  return static_cast<double>(most_resting_places(body)) * mobility(scene, body);
 }
 
 /// Stiffness of the points of each contact body: resting upright on the n points that lie lowest,
 /// the robot sinks in by ContactSettings::penetration x0,
 ///   k = m |g| / (n x0^1.5),
-/// but no more than lets dt follow the oscillation of the body itself on several of them.
+/// but no more than lets dt follow the oscillation of the body itself on as many places as it may
+/// lie on (gives_of).
 std::vector<double> stiffnesses(const ContactScene& scene) {
   const Scenario& scenario = scene.world.scenario;
   const double depth = scenario.contact.penetration, dt = scenario.stepping.dt;
   std::vector<double> wanted;
   for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
-    const auto carriers = static_cast<double>(count_carriers(scene, r));
+    const auto carriers = static_cast<double>(count_upright_places(scene, r));
     wanted.push_back(scenario.robots[r].model.total_mass() * contact_gravity(scenario) /
                      (carriers * pow_3_2(depth)));
   }
@@ -243,7 +246,7 @@ double in_series(double a, double b) {
 /// Mass that a bristle feels, nominal; infinite of what stands still.
 double nominal_share(const ContactScene& scene, const ContactBody& body) {
   if (body.is_driven) return kInfinity;
-  return kContactShare * mass_of(scene, body).mass;
+  return mass_of(scene, body).mass / kLeastPlaces;
 }
 
 /// @param share     mass that a bristle feels
@@ -317,7 +320,7 @@ void add_bodies(ContactScene& scene) {
     body.last_bristle = bristles;
     if (body.first_solid == body.last_solid) continue;
     body.center = 0.5 * (low + high);
-    body.leverage = leverage(model.model->mass, body);
+    body.leverage = leverage(scene, body);
     for (int s = body.first_solid; s < body.last_solid; ++s) {
       const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
       body.radius = max(body.radius, norm(solid.pose.position - body.center) + solid.reach);
@@ -329,9 +332,11 @@ void add_bodies(ContactScene& scene) {
 void add_meetings(ContactScene& scene) {
   const Scenario& scenario = scene.world.scenario;
   const std::vector<double> stiffness = stiffnesses(scene);
+  std::vector<double> all_give;
+  for (const ContactBody& body : scene.bodies) all_give.push_back(gives_of(scene, body));
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const double share = nominal_share(scene, scene.bodies[i]);
-    const double gives = gives_of(scene, scene.bodies[i]);
+    const double gives = all_give[i];
     const ContactLaw law = make_law(scenario, stiffness[i], share, gives);
     const int body = static_cast<int>(i);
     const bool moves = !scene.bodies[i].is_driven;
@@ -345,10 +350,9 @@ void add_meetings(ContactScene& scene) {
       const double other = nominal_share(scene, scene.bodies[k]);
       const double both = 1.0 / (1.0 / share + 1.0 / other);
       const double softer = in_series(stiffness[i], stiffness[k]);
-      scene.meetings.push_back(
-          {body, static_cast<int>(k),
-           make_law(scenario, softer, both, gives + gives_of(scene, scene.bodies[k])),
-           moves || !scene.bodies[k].is_driven, false});
+      scene.meetings.push_back({body, static_cast<int>(k),
+                                make_law(scenario, softer, both, gives + all_give[k]),
+                                moves || !scene.bodies[k].is_driven, false});
     }
   }
 }

@@ -21,8 +21,9 @@ struct ContactForm {
   bool is_round = false;                  ///< its edge is as thick as its first half size
 };
 
-/// Of a body's mass, what a place at its rim feels: the rest gives way by turning.
-inline constexpr double kContactShare = 0.25;
+/// A body's mass is shared by the places on which it touches anything, by at least so many: the
+/// corner of a box, which also turns, gives way as a quarter of its mass would.
+inline constexpr int kLeastPlaces = 4;
 
 /// The most places that a form has.
 inline constexpr int kMostPlaces = 18;
@@ -66,7 +67,8 @@ struct ContactBody {
   std::vector<GroundPoint> points;          ///< of all its solids, without the rims
   std::vector<GroundRim> rims;              ///< of all its cylinders
   bool is_driven = false;                   ///< forces do not move it
-  double leverage = 1.0;  ///< how many times more its places give way than a box's, at least 1
+  double leverage = 1.0;  ///< how far its loosest place gives way by turning, as a multiple of the
+                          ///< corner of a filled box; at least 1, by the nominal constants
 };
 
 /// Constants of the law between two bodies, or a body and what stands still.

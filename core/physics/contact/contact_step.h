@@ -50,8 +50,8 @@ class ContactStep : public ContactSearch<Real, Values> {
   SKYBODY_INLINE MaskOf<Real> is_lossless() const { return dissipation_ <= 0.0; }
 
   /// Where springs lose nothing, cuts the step for all that search() found near, as finely as if it
-  /// began to touch at once: a contact at a step's start or end, and not in its middle, where
-  /// forces are evaluated, would gain or lose what its spring holds.
+  /// began to touch with four places at once: a contact at a step's start or end, and not in its
+  /// middle, where forces are evaluated, would gain or lose what its spring holds.
   SKYBODY_INLINE void cut_lossless() {
     const MaskOf<Real> lossless = is_lossless();
     if (none(lossless)) return;
@@ -195,10 +195,10 @@ class ContactStep : public ContactSearch<Real, Values> {
     const Real most = select(lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
     Real parts = max(phase * most, dt() * (damping * pair.per_mass));
     if (!pair.meeting->is_endless) {
-      // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
+      // Where one spring alone does not hold the whole body: 0.4 k x^2.5 < m v^2 / 2.
       const Real& give = pair.give;
-      const Real held = (0.8 * kContactShare * stiffness) * ((give * give) * sqrt(give));
-      const auto is_stopped = speed * speed > held * pair.per_mass;
+      const Real held = (0.8 * stiffness) * ((give * give) * sqrt(give));
+      const auto is_stopped = speed * speed > held * whole_inverse_mass(*pair.meeting);
       parts = select(is_stopped, max(parts, way * kStoppedParts / give), parts);
     }
     ask_for(parts, is_quick);
@@ -206,9 +206,12 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// ---- what touches
 
-  /// Finds where things touch, and of which mass each of these places feels what.
+  /// Counts the places of each body; from them the mass that each place feels, and its largest
+  /// damping.
   SKYBODY_INLINE void share_masses(const Part& part, const MaskOf<Real>& is_active) {
     for (const ContactBody& body : scene_.bodies) w_.place_counts[body.body] = Real(0.0);
+    place_count_ = 0;
+    are_places_kept_ = near_count_ == 0;
     for (int next = 0; next < near_count_;) next = find_places(part, next, is_active, true);
     for (int i = 0; i < near_count_; ++i) {
       NearPair<Real>& pair = w_.near[i];
@@ -246,19 +249,23 @@ class ContactStep : public ContactSearch<Real, Values> {
       } else {
         meet_solids(pair, part, here, found);
       }
-      Real count(0.0);
-      for (int i = first; i < found.count; ++i) {
-        found.places[i].pair = next;
-        count += select(found.places[i].touches, Real(1.0), Real(0.0));
-      }
-      if (!counts) continue;
-      const Meeting& meeting = *pair.meeting;
-      w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += count;
-      if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += count;
+      for (int i = first; i < found.count; ++i) found.places[i].pair = next;
+      if (counts) add_counts(*pair.meeting, found, first);
     }
     place_count_ = found.count;
     are_places_kept_ = is_first && next == near_count_;
     return next;
+  }
+
+  /// Adds the places from `first` on to the counts of the bodies that meet.
+  SKYBODY_INLINE void add_counts(const Meeting& meeting, const Manifold<Real>& found,
+                                 int first) const {
+    Real count(0.0);
+    for (int i = first; i < found.count; ++i) {
+      count += select(found.places[i].touches, Real(1.0), Real(0.0));
+    }
+    w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += count;
+    if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += count;
   }
 
   SKYBODY_INLINE void meet_ground(const Meeting& meeting, const Part& part,
@@ -383,16 +390,20 @@ class ContactStep : public ContactSearch<Real, Values> {
     return select(is_second, creep(part, place, t, most), force);
   }
 
-  /// Friction without a bristle. Its damping is a quarter of what would stop the place within the
-  /// part, by how the place gives way along its own velocity; of more than four places, each one's
-  /// share of that: together they never gain energy.
+  /// Friction without a bristle. Its damping is 1 / n of what would stop the place within the part,
+  /// by how the place gives way along its own velocity, n the number of places on which the body
+  /// touches anything (at least four): all of them together gain no energy.
   SKYBODY_INLINE Vec3<Real> creep(const Part& part, const Place<Real>& place, const Touch<Real>& t,
                                   const Real& most) const {
     const Vec3<Real> velocity = across(t.normal, t.velocity);
     const Real speed = norm(velocity);
     const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));
     const Meeting& meeting = *w_.near[place.pair].meeting;
-    const Real gives = gives_at(meeting, part.motion, place.point, along) * count_places(meeting);
+    const auto shared = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
+      return gives_at(body, part.motion, place.point, along) * places_of(body);
+    };
+    Real gives = shared(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
+    if (meeting.other >= 0) gives += shared(other_body(meeting));
     const Real damping = min(t.most_damping, 1.0 / max(gives * t.step, Real(1e-300)));
     return creeping_force(velocity, speed, damping, most);
   }
@@ -412,23 +423,23 @@ class ContactStep : public ContactSearch<Real, Values> {
     return other < 0 ? of(body) : of(body) - of(other);
   }
 
-  /// On how many places a body touches anything, at least four.
-  SKYBODY_INLINE Real count_places(const ContactBody& body) const {
-    return max(w_.place_counts[body.body], Real(1.0 / kContactShare));
-  }
-  /// Of two that meet, on the one that touches more.
-  SKYBODY_INLINE Real count_places(const Meeting& meeting) const {
-    const Real mine = count_places(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
-    return meeting.other < 0 ? mine : max(mine, count_places(other_body(meeting)));
+  /// On how many places a body touches anything, at least kLeastPlaces.
+  SKYBODY_INLINE Real places_of(const ContactBody& body) const {
+    return max(w_.place_counts[body.body], Real(kLeastPlaces));
   }
 
   /// Of what a place feels: each body's mass is shared by its places.
   SKYBODY_INLINE Real inverse_mass(const Meeting& meeting) const {
     const auto of = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
-      return inverse_mass(body) * (count_places(body) * body.leverage);
+      return inverse_mass(body) * (places_of(body) * body.leverage);
     };
     const Real mine = of(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
     return meeting.other < 0 ? mine : mine + of(other_body(meeting));
+  }
+  /// Of both bodies that meet, each whole.
+  SKYBODY_INLINE Real whole_inverse_mass(const Meeting& meeting) const {
+    const Real mine = inverse_mass(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
+    return meeting.other < 0 ? mine : mine + inverse_mass(other_body(meeting));
   }
   SKYBODY_INLINE Real inverse_mass(const ContactBody& body) const {
     if (body.is_driven) return Real(0.0);

@@ -32,7 +32,7 @@ struct Manifold {
   }
 };
 
-/// With more places than so many, those of a part are found again for its second pass.
+/// With more places than so many, each pass of a part finds them again, after they were counted.
 inline constexpr int kKeptPlaces = 256;
 
 /// What to find the places of.

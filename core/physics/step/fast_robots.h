@@ -20,8 +20,9 @@ struct FastRobot {
   Real base[13];  ///< q and u of its base, while they are moved
 };
 
-/// Robots with joints that spin at kFastPartSpin or more take a step in parts that turn them by at
-/// most kFastPartAngle, slower ones in fewer: what moves at joints is not torque-free.
+/// Robots with joints that spin faster than fast_spin_square take a step in parts: of at most this
+/// angle from kFastPartSpin on, below that parts grow as 1 / spin (0.05 rad at 30 rad/s). What
+/// moves at joints is not torque-free.
 inline constexpr double kFastPartAngle = 0.015;  // [rad]
 inline constexpr double kFastPartSpin = 100.0;   // [rad/s]
 /// No more parts are taken: faster robots turn by more in each.

@@ -98,7 +98,7 @@ class Mechanics {
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
     if (rule.integrator == IntegratorChoice::kMidpoint) {
-      advance_by_midpoint(rates);
+      advance_by_midpoint(taken, rates);
       return end_step(taken);
     }
     step_by_stages(rule, dt(), rates, a_.now, a_.stages);
@@ -154,10 +154,10 @@ class Mechanics {
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
 
   template <class Rates>
-  SKYBODY_INLINE void advance_by_midpoint(const Rates& rates) {
+  SKYBODY_INLINE void advance_by_midpoint(const MaskOf<Real>& mask, const Rates& rates) {
     stays_ = true;
     if constexpr (kIsAny) {
-      advance_in_parts(rates);
+      advance_in_parts(mask, rates);
     } else {
       has_motion_ = false;
       const auto drift = [&](bool) SKYBODY_INLINE_LAMBDA { a_.now.drift(0.5 * dt()); };
@@ -168,12 +168,12 @@ class Mechanics {
 
   /// In parts where robots with joints spin fast; a lane keeps its state behind its last part.
   template <class Rates>
-  SKYBODY_INLINE void advance_in_parts(const Rates& rates) {
+  SKYBODY_INLINE void advance_in_parts(const MaskOf<Real>& mask, const Rates& rates) {
     const Real parts = fast_.parts(dt());
     const Coordinates<Real>& before = a_.stages.outer;
 #pragma GCC unroll 1
     for (int p = 0; p < kMostFastParts; ++p) {
-      const auto is_active = parts > static_cast<double>(p);
+      const auto is_active = logical_and(mask, parts > static_cast<double>(p));
       if (none(is_active)) break;
       const Real step = Real(dt()) / parts, half = 0.5 * step;
       const auto move = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
@@ -204,7 +204,8 @@ class Mechanics {
   }
 
   /// Robots that spin fast at the step's start. @returns the lanes whose step this kind takes: the
-  /// usual one none where any of `mask` is fast, for the other kind goes through the pack anyhow
+  /// usual kind none of a pack in which a wanted lane is fast, for kAny computes the whole pack in
+  /// any case, and slow lanes have the same bits there
   SKYBODY_INLINE MaskOf<Real> find_fast(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
       fast_.find(a_.motion);
