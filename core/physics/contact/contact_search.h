@@ -84,6 +84,7 @@ class ContactSearch {
     bound(motion);
     MaskOf<Real> is_near(false);
     near_count_ = 0;
+    may_stop_ = false;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = MaskOf<Real>(false);
     parts_ = Real(1.0);
     int m = -1;
@@ -284,7 +285,8 @@ class ContactSearch {
 
   SKYBODY_INLINE void add_pair(const Meeting& meeting, int solid, int other,
                                const MaskOf<Real>& here, const Real& give) {
-    w_.near[near_count_++] = {&meeting, solid, other, here, give, Real(0.0), Real(0.0)};
+    w_.near[near_count_++] = {&meeting, solid, other, here, give, Real(0.0), Real(0.0), false};
+    may_stop_ |= !meeting.is_endless;
   }
 
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
@@ -346,6 +348,7 @@ class ContactSearch {
   Values obstacles_;
   ContactWork<Real> w_;
   int near_count_ = 0;
+  bool may_stop_ = false;  ///< what is near is stopped where it gets in too deep
   Real parts_{1.0};
 };
 

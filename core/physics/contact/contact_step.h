@@ -89,17 +89,29 @@ class ContactStep : public ContactSearch<Real, Values> {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
       w_.forces[i] = {zero, zero};
-      w_.kicks[i] = {zero, zero};
+      if (may_stop_) w_.kicks[i] = {zero, zero};
     }
     each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
     const Part part{motion, mean, step, pass};
     if (pass == ContactPass::kStart) {
       is_stiff_ = MaskOf<Real>(false);
-      share_masses(part, is_active);
+      are_places_kept_ = false;
     }
-    if (pass == ContactPass::kLimited) add_up(part, is_active);
-    each_place(part, is_active,
-               [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA { touch(part, place, list); });
+    begin_sums(pass);
+#pragma GCC unroll 1
+    for (const Visit visit : {Visit::kSum, Visit::kTouch}) {
+      if (visit == Visit::kSum && pass == ContactPass::kMean) continue;
+      each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
+        if (visit == Visit::kTouch) {
+          touch(part, place, list);
+        } else if (pass == ContactPass::kStart) {
+          count(place);
+        } else {
+          add_up(part, place);
+        }
+      });
+      if (visit == Visit::kSum && pass == ContactPass::kStart) share_masses(step);
+    }
   }
 
   /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
@@ -152,6 +164,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Search::ask_for;
   using Search::dt;
   using Search::is_close;
+  using Search::may_stop_;
   using Search::near_count_;
   using Search::other_body;
   using Search::other_solid;
@@ -159,6 +172,12 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Search::scene_;
   using Search::solid_of;
   using Search::w_;
+
+  /// What each place is visited for.
+  enum class Visit {
+    kSum,    ///< what its bodies' places come to
+    kTouch,  ///< what it does
+  };
 
   /// What holds for all contacts of a part.
   struct Part {
@@ -206,17 +225,28 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// ---- what touches
 
-  /// Counts the places of each body; from them the mass that each place feels, and its largest
-  /// damping.
-  SKYBODY_INLINE void share_masses(const Part& part, const MaskOf<Real>& is_active) {
-    for (const ContactBody& body : scene_.bodies) w_.place_counts[body.body] = Real(0.0);
-    place_count_ = 0;
-    are_places_kept_ = near_count_ == 0;
-    for (int next = 0; next < near_count_;) next = find_places(part, next, is_active, true);
+  /// Bodies of which nothing has been summed up.
+  SKYBODY_INLINE void begin_sums(ContactPass pass) const {
+    if (pass == ContactPass::kMean) return;
+    Real* const sums = pass == ContactPass::kStart ? w_.place_counts : w_.sums;
+    for (const ContactBody& body : scene_.bodies) sums[body.body] = Real(0.0);
+  }
+
+  SKYBODY_INLINE void count(const Place<Real>& place) const {
+    if (are_places_kept_ && place_count_ <= kLeastPlaces) return;  // no body has more
+    const Meeting& meeting = *w_.near[place.pair].meeting;
+    const Real one = select(place.touches, Real(1.0), Real(0.0));
+    w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += one;
+    if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += one;
+  }
+
+  /// From the counts, the mass that the places of each pair feel, and their largest damping.
+  SKYBODY_INLINE void share_masses(const Real& step) const {
     for (int i = 0; i < near_count_; ++i) {
       NearPair<Real>& pair = w_.near[i];
+      if (!pair.touches) continue;
       pair.per_mass = inverse_mass(*pair.meeting);
-      pair.most_damping = 1.0 / max(pair.per_mass * part.step, Real(1e-12));
+      pair.most_damping = 1.0 / max(pair.per_mass * step, Real(1e-12));
     }
   }
 
@@ -226,22 +256,21 @@ class ContactStep : public ContactSearch<Real, Values> {
     const bool are_known = are_places_kept_;
     int next = are_known ? near_count_ : 0;
     do {
-      if (!are_known) next = find_places(part, next, is_active, false);
+      if (!are_known) next = find_places(part, next, is_active);
 #pragma GCC unroll 1
       for (int i = 0; i < place_count_; ++i) f(w_.places[i]);
     } while (next < near_count_);
   }
 
   /// Places of the pairs from `next` on, as many as are kept.
-  /// @param counts  counts them
   /// @returns the first pair that is still to be looked at
-  SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active,
-                                 bool counts) {
+  SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
     Manifold<Real> found{w_.places};
     const bool is_first = next == 0;
     for (; next < near_count_ && found.count <= kKeptPlaces; ++next) {
       NearPair<Real>& pair = w_.near[next];
       const auto here = logical_and(is_active, pair.lanes);
+      pair.touches = false;
       if (none(here)) continue;
       const int first = found.count;
       if (pair.meeting->other == kGround) {
@@ -250,22 +279,11 @@ class ContactStep : public ContactSearch<Real, Values> {
         meet_solids(pair, part, here, found);
       }
       for (int i = first; i < found.count; ++i) found.places[i].pair = next;
-      if (counts) add_counts(*pair.meeting, found, first);
+      pair.touches = found.count > first;
     }
     place_count_ = found.count;
     are_places_kept_ = is_first && next == near_count_;
     return next;
-  }
-
-  /// Adds the places from `first` on to the counts of the bodies that meet.
-  SKYBODY_INLINE void add_counts(const Meeting& meeting, const Manifold<Real>& found,
-                                 int first) const {
-    Real count(0.0);
-    for (int i = first; i < found.count; ++i) {
-      count += select(found.places[i].touches, Real(1.0), Real(0.0));
-    }
-    w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += count;
-    if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += count;
   }
 
   SKYBODY_INLINE void meet_ground(const Meeting& meeting, const Part& part,
@@ -358,18 +376,15 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// Adds up, for each body, what limited_force() needs.
-  SKYBODY_INLINE void add_up(const Part& part, const MaskOf<Real>& is_active) {
-    for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) w_.sums[i] = Real(0.0);
-    each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
-      const Meeting& meeting = *w_.near[place.pair].meeting;
-      const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
-      const Real gives = gives_at(meeting, part.motion, place.point, place.out);
-      const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
-      const Real sum = (1.5 * dissipation_) * (part.step * elastic * gives);
-      const Real more = select(place.touches, sum, Real(0.0));
-      w_.sums[body.body] += more;
-      if (meeting.other >= 0) w_.sums[other_body(meeting).body] += more;
-    });
+  SKYBODY_INLINE void add_up(const Part& part, const Place<Real>& place) const {
+    const Meeting& meeting = *w_.near[place.pair].meeting;
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+    const Real gives = gives_at(meeting, part.motion, place.point, place.out);
+    const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
+    const Real sum = (1.5 * dissipation_) * (part.step * elastic * gives);
+    const Real more = select(place.touches, sum, Real(0.0));
+    w_.sums[body.body] += more;
+    if (meeting.other >= 0) w_.sums[other_body(meeting).body] += more;
   }
 
   SKYBODY_INLINE Vec3<Real> friction(const Part& part, const Place<Real>& place,

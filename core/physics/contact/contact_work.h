@@ -39,6 +39,7 @@ struct NearPair {
   Real give;           ///< how deep they get into each other at most [m]
   Real per_mass;       ///< inverse of the mass that a place feels [1/kg]
   Real most_damping;   ///< see Touch; of the present part
+  bool touches;        ///< in any lane, in the present part: the two above are known
 };
 
 /// Arrays of a step in contact, in a thread's scratch memory.

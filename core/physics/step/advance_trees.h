@@ -11,14 +11,15 @@ struct AdvanceTrees {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
+    StepArrays<Real> arrays(*call.plan, call.scratch);
     return for_packs<W, kKind == TreeKind::kAny>(
         call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              return bits_from_mask(Mechanics<Real, Values, kKind>(call, first, params, derived)
-                                        .advance(mask_from_bits<Real>(bits)));
-            });
+        [&](int first, std::uint32_t bits, const auto& params,
+            const auto& derived) SKYBODY_INLINE_LAMBDA {
+          using Values = std::decay_t<decltype(params)>;
+          return bits_from_mask(Mechanics<Real, Values, kKind>(call, first, params, derived, arrays)
+                                    .advance(mask_from_bits<Real>(bits)));
+        });
   }
 };
 

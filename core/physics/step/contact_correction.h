@@ -28,9 +28,11 @@ namespace skybody {
 template <class Real, class Values, class Response = TreeResponse, class Lanes = LanePlace<Real>>
 class ContactCorrection {
  public:
-  /// @param lanes  that Real holds
+  /// @param lanes   that Real holds
+  /// @param arrays  of the call's scratch memory
   SKYBODY_INLINE ContactCorrection(const StepCall& call, const Lanes& lanes, const Values& params,
-                                   const Values& derived, const Response& response = {})
+                                   const Values& derived, CorrectionArrays<Real>& arrays,
+                                   const Response& response = {})
       : plan_(*call.plan),
         group_(*call.group),
         start_(call.start),
@@ -40,7 +42,7 @@ class ContactCorrection {
         lanes_(lanes),
         bodies_(derived + call.plan->derived.bodies),
         response_(response),
-        a_(*call.plan, call.scratch),
+        a_(arrays),
         params_(params),
         couplings_(plan_.couplings, plan_.forest, a_.couplings),
         fast_(plan_, a_.fast, a_.bodies, a_.mean),
@@ -239,14 +241,14 @@ class ContactCorrection {
   SKYBODY_INLINE bool push(const Real& step, const Real& parts, const MaskOf<Real>& is_active) {
     const BodyKinematics<Real>* mean = a_.motion;
 #pragma GCC unroll 1
-    for (const auto pass : {ContactPass::kStart, ContactPass::kMean}) {
+    for (const auto pass : {ContactPass::kStart, ContactPass::kMean, ContactPass::kLimited}) {
       const bool is_again = pass != ContactPass::kStart;
       contact_.act(a_.motion, mean, step, is_active, pass);
-      if (is_again && any(logical_and(is_active, contact_.is_stiff()))) {
-        contact_.act(a_.motion, mean, step, is_active, ContactPass::kLimited);
-      }
+      const bool is_limited =
+          pass == ContactPass::kMean && any(logical_and(is_active, contact_.is_stiff()));
+      if (is_limited) continue;
       if (any(contact_.parts() > parts)) return false;
-      response_(plan_, a_);
+      response_(plan_, a_, is_again);
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
           a_.rates[i] = a_.smooth[i] + a_.rates[i];
@@ -453,7 +455,7 @@ class ContactCorrection {
   Lanes lanes_;
   Values bodies_;
   Response response_;
-  CorrectionArrays<Real> a_;
+  CorrectionArrays<Real>& a_;
   Values params_;
   Couplings<Real> couplings_;
   FastRobots<Real> fast_;

@@ -57,28 +57,29 @@ struct FindNear {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
+    CorrectionArrays<Real> arrays(*call.plan, call.scratch);
     std::uint32_t unclear = 0;
     const std::uint32_t near = for_packs<W, false>(
         call, lanes,
         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
             SKYBODY_INLINE_LAMBDA {
               using Values = std::decay_t<decltype(params)>;
-              ContactCorrection<Real, Values> correction(call, first, params, derived);
+              ContactCorrection<Real, Values> correction(call, first, params, derived, arrays);
               MaskOf<Real> is_unclear;
               const auto is_near = correction.find_near(mask_from_bits<Real>(bits), is_unclear);
               unclear |= (bits_from_mask(is_unclear) & bits) << first;
               return bits_from_mask(is_near) & bits;
             });
     if (unclear == 0) return near;
-    return near |
-           for_lists<W>(call, unclear,
-                        [&](const LaneList<Real>& list, std::uint32_t bits, const auto& params,
-                            const auto& derived) SKYBODY_INLINE_LAMBDA {
-                          using Values = std::decay_t<decltype(params)>;
-                          ListCorrection<Real, Values> correction(call, list, params, derived);
-                          const auto mask = mask_from_bits<Real>(bits);
-                          return bits_from_mask(correction.measure(mask)) & bits;
-                        });
+    return near | for_lists<W>(call, unclear,
+                               [&](const LaneList<Real>& list, std::uint32_t bits,
+                                   const auto& params, const auto& derived) SKYBODY_INLINE_LAMBDA {
+                                 using Values = std::decay_t<decltype(params)>;
+                                 ListCorrection<Real, Values> correction(call, list, params,
+                                                                         derived, arrays);
+                                 const auto mask = mask_from_bits<Real>(bits);
+                                 return bits_from_mask(correction.measure(mask)) & bits;
+                               });
   }
 };
 
@@ -86,12 +87,13 @@ struct Correct {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
+    CorrectionArrays<Real> arrays(*call.plan, call.scratch);
     return for_lists<W>(
         call, lanes,
         [&](const LaneList<Real>& list, std::uint32_t bits, const auto& params, const auto& derived)
             SKYBODY_INLINE_LAMBDA {
               using Values = std::decay_t<decltype(params)>;
-              ListCorrection<Real, Values> correction(call, list, params, derived);
+              ListCorrection<Real, Values> correction(call, list, params, derived, arrays);
               return bits_from_mask(correction.correct(mask_from_bits<Real>(bits))) & bits;
             });
   }

@@ -78,8 +78,14 @@ struct CorrectionArrays {
 
 /// What forces on the bodies do to their accelerations, by the tree's algorithms.
 struct TreeResponse {
+  /// @param is_again  forces alone are other ones than at the last call
   template <class Real>
-  SKYBODY_INLINE void operator()(const StepPlan& plan, const CorrectionArrays<Real>& a) const {
+  SKYBODY_INLINE void operator()(const StepPlan& plan, const CorrectionArrays<Real>& a,
+                                 bool is_again) const {
+    if (is_again) {
+      return plan.forest.accelerations_again(a.at_rest, a.bodies, a.contact.forces, a.no_forces,
+                                             a.forest, a.rates, a.is_robot_near);
+    }
     plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, a.bodies, a.contact.forces,
                               a.no_forces, a.forest, a.rates, a.is_robot_near);
   }

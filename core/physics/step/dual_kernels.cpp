@@ -14,9 +14,10 @@ using DualMechanics = Mechanics<Real, ConstantValues<Real>, TreeKind::kAny>;
 template <int W, class F>
 SKYBODY_INLINE void each_dual_pack(const StepCall& call, std::uint32_t lanes, const F& f) {
   using Real = Dual<RealOf<W>>;
+  StepArrays<Real> arrays(*call.plan, call.scratch);
   each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
     DualMechanics<Real> mechanics(call, first, ConstantValues<Real>(call.group->params + first),
-                                  ConstantValues<Real>(call.derived + first));
+                                  ConstantValues<Real>(call.derived + first), arrays);
     f(mechanics, mask_from_bits<Real>(bits));
     return bits;
   });

@@ -44,7 +44,7 @@ class FastRobots {
   /// @param always     lanes where all that count are fast
   SKYBODY_INLINE void find(const BodyKinematics<Real>* motion, const bool* is_wanted = nullptr,
                            const MaskOf<Real>& always = MaskOf<Real>(false)) {
-    has_any_ = false;
+    has_any_ = has_more_ = false;
     jointed_square_ = Real(0.0);
     int r = 0;
     for (const RobotLayout& robot : plan_.world.layout.robots) {
@@ -64,25 +64,34 @@ class FastRobots {
   }
 
   /// Adds those whose bases have become fast within the step.
-  /// @param is_first   the step begins, maybe again: those at its start alone
+  /// @param is_first   the step begins, maybe again: those that find() found alone
   /// @param is_wanted  per robot: others are left out
   template <class Coordinates>
   SKYBODY_INLINE void find_more(bool is_first, const Coordinates& at, const bool* is_wanted) {
+    if (is_first) return forget_more();
     int r = -1;
     for (const RobotLayout& robot : plan_.world.layout.robots) {
       if (!is_wanted[++r] || !plan_.forest.floats(r)) continue;
       FastRobot<Real>& fast = robots_[r];
-      if (is_first) fast.mask = fast.at_start;
       const auto is_fast = squared_norm(load_vec3(at.u + (robot.first_u + 3))) > plan_.fast_square;
       const auto is_new = logical_and(is_fast, logical_not(fast.mask));
-      if (!none(is_new)) {
-        const LockedBody<Real> before = fast.body;
-        lock_joints(robot, at, fast);
-        fast.body = select(is_new, fast.body, before);
-        fast.mask |= is_new;
-        has_any_ = true;
-      }
-      fast.has_any = any(fast.mask);
+      if (none(is_new)) continue;
+      const LockedBody<Real> before = fast.body;
+      lock_joints(robot, at, fast);
+      fast.body = select(is_new, fast.body, before);
+      fast.mask |= is_new;
+      fast.has_any = has_any_ = has_more_ = true;
+    }
+  }
+
+  /// The step begins again, with those that find() found.
+  SKYBODY_INLINE void forget_more() {
+    if (!has_more_) return;
+    has_any_ = has_more_ = false;
+    for (std::size_t r = 0; r < plan_.world.layout.robots.size(); ++r) {
+      robots_[r].mask = robots_[r].at_start;
+      robots_[r].has_any = any(robots_[r].mask);
+      has_any_ |= robots_[r].has_any;
     }
   }
 
@@ -218,6 +227,7 @@ class FastRobots {
   BodyKinematics<Real>* motion_;
   Real jointed_square_ = Real(0.0);  ///< largest spin of the robots with joints, squared
   bool has_any_ = false;
+  bool has_more_ = false;  ///< some that have become so within the step
 };
 
 }  // namespace skybody

@@ -38,32 +38,45 @@ struct ChosenAccelerations {
   }
 };
 
-/// In the form for any world: where none of its cases is, with the bits of the usual form.
-using LaneMechanics = Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>;
-
-/// What forces do to accelerations, likewise.
+/// What forces do to accelerations: by the tree's algorithms or Simbody.
 struct ChosenResponse {
   Dynamics* simbody;
 
-  void operator()(const StepPlan& plan, const CorrectionArrays<double>& a) const {
+  void operator()(const StepPlan& plan, const CorrectionArrays<double>& a, bool is_again) const {
     if (simbody != nullptr) {
       simbody->accelerations(a.now.q, a.no_forces, a.contact.forces, a.no_forces, a.rates);
     } else {
-      TreeResponse()(plan, a);
+      TreeResponse()(plan, a, is_again);
     }
   }
 };
 
-using LaneContact = ContactCorrection<double, LaneValues<double>, ChosenResponse>;
+/// A part of a step of one lane, with the arrays that it works on.
+template <class Part, class Arrays>
+class LanePart {
+ public:
+  LanePart(const StepCall& lane, AlignedArray<std::byte>& scratch, Dynamics* simbody)
+      : arrays_(*lane.plan, scratch.data()),
+        part_(lane, 0, LaneValues<double>(lane.group->params),
+              LaneValues<double>(lane.derived != nullptr ? lane.derived
+                                                         : lane.plan->nominal_derived.data()),
+              arrays_, {simbody}) {}
+  LanePart(const LanePart&) = delete;
+  LanePart& operator=(const LanePart&) = delete;
 
-/// @tparam Part  LaneMechanics or LaneContact
-template <class Part>
-Part part_of(StepCall lane, AlignedArray<std::byte>& scratch, Dynamics* simbody) {
-  const double* derived =
-      lane.derived != nullptr ? lane.derived : lane.plan->nominal_derived.data();
-  lane.scratch = scratch.data();
-  return {lane, 0, LaneValues<double>(lane.group->params), LaneValues<double>(derived), {simbody}};
-}
+  Part* operator->() { return &part_; }
+
+ private:
+  Arrays arrays_;
+  Part part_;
+};
+
+/// In the form for any world: where none of its cases is, with the bits of the usual form.
+using LaneMechanics =
+    LanePart<Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>,
+             StepArrays<double>>;
+using LaneContact = LanePart<ContactCorrection<double, LaneValues<double>, ChosenResponse>,
+                             CorrectionArrays<double>>;
 
 }  // namespace
 
@@ -90,14 +103,14 @@ Dynamics* LaneStepper::dynamics(const StepCall& lane) {
 /// no such thing and pass.
 bool LaneStepper::advance(const StepCall& lane) {
   try {
-    auto mechanics = part_of<LaneMechanics>(lane, scratch_, dynamics(lane));
+    LaneMechanics mechanics(lane, scratch_, dynamics(lane));
     if (integrator_ != nullptr) {
       const auto advance = [&](auto& rates, double* q, double* u) {
         integrator_->advance(std::ref(rates), q, u);
       };
-      return mechanics.advance_by(advance, true);
+      return mechanics->advance_by(advance, true);
     }
-    return mechanics.advance(true);
+    return mechanics->advance(true);
   } catch (const std::runtime_error&) {
     return false;
   }
@@ -105,37 +118,37 @@ bool LaneStepper::advance(const StepCall& lane) {
 
 bool LaneStepper::correct(const StepCall& lane) {
   try {
-    return part_of<LaneContact>(lane, contact_scratch_, dynamics(lane)).correct(true);
+    return LaneContact(lane, contact_scratch_, dynamics(lane))->correct(true);
   } catch (const std::runtime_error&) {
     return false;
   }
 }
 
 void LaneStepper::accelerations(const StepCall& lane, double* udot) {
-  auto contact = part_of<LaneContact>(lane, contact_scratch_, nullptr);
-  contact.each_contact(NoContactList());
-  part_of<LaneMechanics>(lane, scratch_, dynamics(lane)).accelerations(contact.forces(), udot);
+  LaneContact contact(lane, contact_scratch_, nullptr);
+  contact->each_contact(NoContactList());
+  LaneMechanics(lane, scratch_, dynamics(lane))->accelerations(contact->forces(), udot);
 }
 
 void LaneStepper::joint_reactions(const StepCall& lane, SpatialForce<double>* out) {
   const World& world = plan_.world;
   udot_.resize(static_cast<std::size_t>(world.layout.u.size));
   accelerations_.resize(world.bodies.size());
-  auto contact = part_of<LaneContact>(lane, contact_scratch_, nullptr);
-  contact.each_contact(NoContactList());
-  auto mechanics = part_of<LaneMechanics>(lane, scratch_, dynamics(lane));
-  mechanics.accelerations(contact.forces(), udot_.data());
+  LaneContact contact(lane, contact_scratch_, nullptr);
+  contact->each_contact(NoContactList());
+  LaneMechanics mechanics(lane, scratch_, dynamics(lane));
+  mechanics->accelerations(contact->forces(), udot_.data());
   body_accelerations(plan_.forest.bodies(), lane.group->q, lane.group->u, udot_.data(),
-                     mechanics.motion(), accelerations_.data());
-  skybody::joint_reactions(world, lane.group->params, mechanics.motion(), accelerations_.data(),
-                           mechanics.forces(), out);
+                     mechanics->motion(), accelerations_.data());
+  skybody::joint_reactions(world, lane.group->params, mechanics->motion(), accelerations_.data(),
+                           mechanics->forces(), out);
 }
 
 void LaneStepper::add_contacts(const StepCall& lane, std::vector<Contact>& out) {
   const ContactScene& scene = plan_.contact;
-  part_of<LaneContact>(lane, contact_scratch_, nullptr)
-      .each_contact([&](const Meeting& meeting, const Vec3<double>& point,
-                        const Touch<double>& touch, const Vec3<double>& force, bool touches) {
+  LaneContact(lane, contact_scratch_, nullptr)
+      ->each_contact([&](const Meeting& meeting, const Vec3<double>& point,
+                         const Touch<double>& touch, const Vec3<double>& force, bool touches) {
         if (!touches) return;
         const auto body_of = [&](int i) { return scene.bodies[static_cast<std::size_t>(i)].body; };
         const int other =

@@ -40,9 +40,11 @@ enum class TreeKind {
 template <class Real, class Values, TreeKind kKind, class Accelerations = TreeAccelerations>
 class Mechanics {
  public:
-  /// @param first  of the lanes that Real holds
+  /// @param first   of the lanes that Real holds
+  /// @param arrays  of the call's scratch memory
   SKYBODY_INLINE Mechanics(const StepCall& call, int first, const Values& params,
-                           const Values& derived, const Accelerations& accelerations = {})
+                           const Values& derived, StepArrays<Real>& arrays,
+                           const Accelerations& accelerations = {})
       : plan_(*call.plan),
         group_(*call.group),
         spins_(call.spins),
@@ -51,7 +53,7 @@ class Mechanics {
         params_(params),
         derived_(derived),
         accelerations_(accelerations),
-        a_(*call.plan, call.scratch),
+        a_(arrays),
         couplings_(plan_.couplings, plan_.forest, a_.couplings),
         fast_(plan_, a_.fast, a_.fast_bodies, a_.motion) {}
 
@@ -532,7 +534,7 @@ class Mechanics {
   HeldLanes<Real> held_;
   Values params_, derived_;
   Accelerations accelerations_;
-  StepArrays<Real> a_;
+  StepArrays<Real>& a_;
   const SpatialForce<Real>* contact_ = nullptr;
   Couplings<Real> couplings_;
   FastRobots<Real> fast_;

@@ -7,17 +7,18 @@ namespace {
 
 /// For what asks for no parameters.
 template <class Real>
-SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, TreeKind::kUsual> motion_of(const StepCall& call,
-                                                                               int first) {
+SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, TreeKind::kUsual> motion_of(
+    const StepCall& call, int first, StepArrays<Real>& arrays) {
   const SharedValues<Real> none(nullptr);
-  return {call, first, none, none};
+  return {call, first, none, none, arrays};
 }
 
 struct Refresh {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    StepArrays<RealOf<W>> arrays(*call.plan, call.scratch);
     return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-      motion_of<RealOf<W>>(call, first).refresh(mask_from_bits<RealOf<W>>(bits));
+      motion_of(call, first, arrays).refresh(mask_from_bits<RealOf<W>>(bits));
       return bits;
     });
   }
@@ -27,14 +28,15 @@ struct CloseGaps {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
+    StepArrays<Real> arrays(*call.plan, call.scratch);
     return for_packs<W, false>(
         call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              Mechanics<Real, Values, TreeKind::kUsual> mechanics(call, first, params, derived);
-              return bits_from_mask(mechanics.close_gaps(mask_from_bits<Real>(bits))) & bits;
-            });
+        [&](int first, std::uint32_t bits, const auto& params,
+            const auto& derived) SKYBODY_INLINE_LAMBDA {
+          using Values = std::decay_t<decltype(params)>;
+          Mechanics<Real, Values, TreeKind::kUsual> mechanics(call, first, params, derived, arrays);
+          return bits_from_mask(mechanics.close_gaps(mask_from_bits<Real>(bits))) & bits;
+        });
   }
 };
 

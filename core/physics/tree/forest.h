@@ -54,6 +54,27 @@ class Forest {
     }
   }
 
+  /// accelerations() of bodies at rest once more, with other forces on them: all else, what is in
+  /// `work`, too, is as the call before had or left it.
+  /// @param nothing  zeros: velocities and joint forces, one per u
+  template <class Real, class Constants>
+  SKYBODY_INLINE void accelerations_again(const BodyKinematics<Real>* at_rest,
+                                          const Constants& constants,
+                                          const SpatialForce<Real>* forces, const Real* nothing,
+                                          const Work<Real>& work, Real* udot,
+                                          const bool* is_wanted) const {
+    for (const Tree& tree : trees_) {
+      if (!is_wanted[tree.robot]) continue;
+      const int i = tree.begin, u = bodies_[static_cast<std::size_t>(i)].u;
+      if (tree.is_free_body) {
+        accelerate_free_body(at_rest[i], constants + kBodyConstantCount * i, forces[i], nothing,
+                             udot + u);
+      } else {
+        respond(tree, at_rest, nothing, forces, work, udot);
+      }
+    }
+  }
+
   /// Makes ready for respond(): all that depends on where a robot's bodies are, and not on forces.
   /// @param robot    its bodies' arrays are those of the world
   /// @param at_rest  motion of all bodies, without velocities
@@ -84,11 +105,7 @@ class Forest {
       work.acceleration[i] = {at_rest[i].axes * load_vec3(udot + (u + 3)), load_vec3(udot + u)};
       return;
     }
-    for (int i = tree.begin; i < tree.end; ++i) {
-      work.body[i].bias = {-forces[i].moment, -forces[i].force};
-    }
-    regather(tree, at_rest, nothing, work);
-    spread(tree, at_rest, nothing, work, udot);
+    respond(tree, at_rest, nothing, forces, work, udot);
   }
 
   /// What forces in the joints of one robot do to its accelerations.
@@ -217,6 +234,18 @@ class Forest {
       if (body.parent >= 0)
         load_parent(shifted(inertia, w.arm), bias, w.arm, work.body[body.parent]);
     }
+  }
+
+  /// See the other one; of a robot that is more than a free body.
+  template <class Real>
+  SKYBODY_INLINE void respond(const Tree& tree, const BodyKinematics<Real>* at_rest,
+                              const Real* nothing, const SpatialForce<Real>* forces,
+                              const Work<Real>& work, Real* udot) const {
+    for (int i = tree.begin; i < tree.end; ++i) {
+      work.body[i].bias = {-forces[i].moment, -forces[i].force};
+    }
+    regather(tree, at_rest, nothing, work);
+    spread(tree, at_rest, nothing, work, udot);
   }
 
   /// gather() for other forces on bodies that are at rest.
