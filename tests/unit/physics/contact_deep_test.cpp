@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/physics/contact/manifold.h"
 #include "tests/unit/physics/contact_worlds.h"
 
 namespace skybody::test {
@@ -168,6 +169,56 @@ TEST_P(Deep, BodiesOfManyPlacesThatFallGainNoEnergyAndStayAboveTheGround) {
         EXPECT_GT(bench.state.q[2], ring.height - kSunk) << name;
       }
     }
+  }
+}
+
+/// A ring that is in the top of a wide box: one that stands still, or another robot.
+/// @param box  mass; 0: it stands still [kg]
+Scenario ring_in_a_box(const Ring& ring, double box, double depth, double dt) {
+  const Pose pose{{0, 0, -0.15}, {1, 0, 0, 0}};
+  const Vec3<double> size{0.8, 0.8, 0.3};
+  Scenario scenario = world_with(ring, dt);
+  switch_off_gravity_and_ground(scenario);
+  scenario.robots[0].pose.position = {0, 0, ring.height - depth};
+  if (box > 0.0) {
+    add_robot(scenario, "box", solid(box, make_box(size.x, size.y, size.z)), pose);
+  } else {
+    add_box(scenario, "box", size, pose);
+  }
+  return scenario;
+}
+
+TEST_P(Deep, BodiesOfManyPlacesLeaveBoxesAndRobotsAtTheLawsSpeed) {
+  for (const Ring& ring : kRings) {
+    for (const double box : {0.0, 0.5, 5.0}) {
+      for (const double depth : {0.003, 0.015}) {
+        Bench bench(ring_in_a_box(ring, box, depth, GetParam()));
+        double most = 0.0;
+        for (int i = 0; i * GetParam() < 1.0; ++i) {
+          ASSERT_TRUE(bench.run(1)) << ring.name;
+          const double other = box > 0.0 ? bench.state.u[8] : 0.0;
+          most = std::fmax(most, bench.state.u[2] - other);
+        }
+        EXPECT_LT(most, 1.05 / kDamping) << ring.name << ", " << box << " kg, " << depth << " m";
+        EXPECT_GT(most, 0.02) << ring.name << " leaves";
+      }
+    }
+  }
+}
+
+/// Of so many places not all are kept from one pass of a part to the next.
+TEST_P(Deep, ABodyOfMorePlacesThanAreKeptLeavesAtTheLawsSpeed) {
+  const Ring ring{"small spheres", kKeptPlaces + 60, 0.2, make_sphere(0.004), 0.004, 0.02};
+  for (const double depth : {0.001, 0.01}) {
+    Bench bench(world_with(ring, GetParam()));
+    bench.state.q[2] = ring.height - depth;
+    double most = 0.0;
+    for (int i = 0; i * GetParam() < 0.2; ++i) {
+      ASSERT_TRUE(bench.run(1));
+      most = std::fmax(most, bench.state.u[2]);
+    }
+    EXPECT_LT(most, 1.05 / kDamping) << depth << " m";
+    EXPECT_GT(bench.state.q[2], ring.height - 0.003) << "it is out";
   }
 }
 
