@@ -74,6 +74,8 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "experiments/flight_tables.py": Call("--quick --markdown {out}/flights.md"),
     "experiments/gradient_choices.py": Call("--quick --out {out}", program="bench_gradient"),
     "experiments/ground_flights.py": Call("--quick --docs {out}"),
+    "experiments/hard_cases.py": Call("--quick"),
+    "experiments/hard_physics.py": QUICK,
     "experiments/hash_run.py": Call("hover --envs 2 --steps 10"),
     "experiments/hover_training.py": QUICK,
     "experiments/integrator_audit.py": Call("--quick --only hover"),
