@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/check_light_links.h"
+#include "app/check_stiff_joints.h"
 #include "app/rounded.h"
 #include "core/base/math.h"
 #include "core/base/random.h"
@@ -274,6 +275,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
   }
   warn_of_light_links(*compiled, diagnostics);
+  warn_of_stiff_joints(*compiled, diagnostics);
   try_starts(compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;

@@ -69,7 +69,7 @@ class RobotCheck {
     Vec3<double> sum{0.0, 0.0, 0.0};
     double up = 0.0;
     const auto lifts_backwards = [&](const Rotor& rotor) {
-      return rotor.is_reversible() && in_base(rotor.body, rotor.axis).z < 0.0;
+      return rotor.is_reversible() && in_base(rotor.body, rotor.axis).z < -1e-6;
     };
     const auto lifting_speed = [&](const Rotor& rotor) {
       return lifts_backwards(rotor) ? rotor.min_speed : rotor.constants[kMaxSpeed];
@@ -82,7 +82,8 @@ class RobotCheck {
       up += std::max(thrust.z, 0.0);  // rotors that push all ways carry with some of them
     }
     const Rotor& first = model().rotors[0];
-    warn(Usual::kThrustToWeight, std::max(norm(sum), up) / weight, "thrust to weight",
+    const double lifted = sum.z < 0.0 ? up : std::max(norm(sum), up);
+    warn(Usual::kThrustToWeight, lifted / weight, "thrust to weight",
          {{lifts_backwards(first) ? "min_speed" : "max_speed", lifting_speed(first)},
           {"mass", model().total_mass()}});
   }

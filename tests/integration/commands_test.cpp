@@ -105,25 +105,27 @@ TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   EXPECT_EQ(fine.err, "");
 }
 
+/// A link with its centre of mass at a height.
+std::string urdf_link(const std::string& name, const std::string& z, const std::string& kg,
+                      const std::string& inertia) {
+  return "<link name='" + name + "'><inertial><origin xyz='0 0 " + z + "'/><mass value='" + kg +
+         "'/><inertia ixx='" + inertia + "' iyy='" + inertia + "' izz='" + inertia +
+         "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+}
+
 /// A base of 1 kg with eight rods below one another, of 0.1 m each and so many kilograms, and 0.5
 /// kg on the last.
 std::string chain_urdf(const std::string& mass, const std::string& inertia_of_rod) {
-  const auto link = [](const std::string& name, const std::string& z, const std::string& kg,
-                       const std::string& inertia) {
-    return "<link name='" + name + "'><inertial><origin xyz='0 0 " + z + "'/><mass value='" + kg +
-           "'/><inertia ixx='" + inertia + "' iyy='" + inertia + "' izz='" + inertia +
-           "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
-  };
-  std::string text = "<robot name='chain'>" + link("base", "0", "1", "0.01");
+  std::string text = "<robot name='chain'>" + urdf_link("base", "0", "1", "0.01");
   std::string parent = "base";
   for (int i = 0; i < 8; ++i) {
     const std::string name = "link" + std::to_string(i);
-    text += link(name, "-0.05", mass, inertia_of_rod) + "<joint name='" + name + "_joint' " +
+    text += urdf_link(name, "-0.05", mass, inertia_of_rod) + "<joint name='" + name + "_joint' " +
             "type='continuous'><origin xyz='0 0 " + (i == 0 ? "0" : "-0.1") + "'/><parent link='" +
             parent + "'/><child link='" + name + "'/><axis xyz='0 1 0'/></joint>";
     parent = name;
   }
-  return text + link("load", "0", "0.5", "2e-4") +
+  return text + urdf_link("load", "0", "0.5", "2e-4") +
          "<joint name='weld' type='fixed'><origin xyz='0 0 -0.1'/><parent link='link7'/>"
          "<child link='load'/></joint></robot>";
 }
@@ -146,6 +148,38 @@ TEST(Check, WarnsOfLinksThatAreTooLightForTheStep) {
                             "s gain energy or end in a fault; give such links 0.01[0-9]+ kg, or "
                             "take a `dt` of 1.[0-9]+e-05 s, which held in all that was measured"));
   EXPECT_EQ(check("0.02", "1.66e-5").err, "");
+}
+
+/// A finger of 5 g on a hinge with a damper, a spring, or neither.
+std::string finger_urdf(const std::string& dynamics) {
+  return "<robot name='finger'>" + urdf_link("base_link", "0", "1", "0.01") +
+         urdf_link("finger", "0", "0.005", "1.5e-6") +
+         "<joint name='hinge' type='continuous'><parent link='base_link'/><child link='finger'/>"
+         "<axis xyz='1 0 0'/><dynamics " +
+         dynamics + "/></joint></robot>";
+}
+
+// The rate of the damper by hand: d (1 / 1.5e-6 + 1 / 0.01), of the spring the root of k times it.
+TEST(Check, WarnsOfJointsThatAreTooStiffForTheStep) {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& dynamics, const std::string& stepping) {
+    std::ofstream(folder.path() / "finger.urdf") << finger_urdf(dynamics);
+    std::ofstream(folder.path() / "finger.yaml")
+        << "stepping: " << stepping
+        << "\nrobots:\n  - name: hand\n    model: finger.urdf\n    rotors: none\n"
+           "    pose: {position: [0, 0, 2]}\n    controllers: []\n"
+           "task: {plugin: watch, parameters: {link: base_link}}\n";
+    return run_skybody({"check", (folder.path() / "finger.yaml").string()}).err;
+  };
+  EXPECT_THAT(
+      check("damping='0.01'", "{dt: 0.001}"),
+      HasSubstr("finger.yaml:3:5: warning: joint `hinge` of robot `hand` has a damping that "
+                "moves its light links within 0.00015 s: steps of 0.001 s do not follow, "
+                "and from 0.0003 s on they end in a fault; take a `dt` of at most 0.00015 "
+                "s, a smaller damping, heavier links, or `integrator: cvode`"));
+  EXPECT_EQ(check("damping='0.01'", "{dt: 0.0001}"), "");
+  EXPECT_EQ(check("damping='0.01'", "{dt: 0.001, integrator: cvode}"), "");
+  EXPECT_EQ(check("damping='0.001'", "{dt: 0.001}"), "");
 }
 
 TEST(Hash, IsTheSameLineInTwoProcesses) {

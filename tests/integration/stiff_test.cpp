@@ -29,8 +29,7 @@ void fly(Simulation& simulation, double seconds) {
   }
 }
 
-/// Most end in a fault. With midpoint fast spins stay bounded, and their parts hold the spring
-/// longer: the vehicle fails its task after 0.38 s, on Simbody after 0.72 s.
+/// In a fault, or because the vehicle has failed its task.
 TEST(Boom, FixedStepsOfAMillisecondLoseItWithinASecond) {
   for (const std::string integrator : {"semi_implicit_euler", "midpoint", "rk4"}) {
     for (const std::string dynamics : {"tree", "simbody"}) {

@@ -12,8 +12,9 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// Of all these together, in all directions: the largest (frequency x dt)^2. The trace of a matrix,
-/// about three times its largest eigenvalue; a step is stable below 4 of that.
+/// Of all places on which a body rests, in all directions together: the largest
+/// (frequency x dt)^2. The trace of a matrix, about three times its largest eigenvalue; a step is
+/// stable below 4 of that.
 constexpr double kLargestSquaredPhase = 4.0;
 /// Likewise, of bristles: the largest damping x dt / mass; stable below 2 of the eigenvalue.
 constexpr double kLargestDamping = 3.0;
@@ -191,8 +192,8 @@ double mobility(const ContactScene& scene, const ContactBody& body) {
 }
 
 /// See ContactBody. A corner of a box that is filled evenly turns by 9 / m, whatever its sides.
-/// Links of a robot with joints count as free: that asks for more parts than they need, never for
-/// fewer.
+/// Links of a robot with joints count as free: they get more parts than they need, and less damping
+/// where no more parts can be had, never the other way.
 double leverage(const ContactScene& scene, const ContactBody& body) {
   const MassProperties& mass = mass_of(scene, body);
   if (body.is_driven || !(mass.mass > 0.0)) return 1.0;

@@ -105,7 +105,7 @@ class ContactStep : public ContactSearch<Real, Values> {
         if (visit == Visit::kTouch) {
           touch(part, place, list);
         } else if (pass == ContactPass::kStart) {
-          count(place);
+          count_place(place);
         } else {
           add_up(part, place);
         }
@@ -173,10 +173,10 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Search::solid_of;
   using Search::w_;
 
-  /// What each place is visited for.
+  /// Purpose of a loop over the places.
   enum class Visit {
-    kSum,    ///< what its bodies' places come to
-    kTouch,  ///< what it does
+    kSum,    ///< sums over the places of each body
+    kTouch,  ///< forces
   };
 
   /// What holds for all contacts of a part.
@@ -225,14 +225,14 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// ---- what touches
 
-  /// Bodies of which nothing has been summed up.
+  /// Clears the sums of a pass.
   SKYBODY_INLINE void begin_sums(ContactPass pass) const {
     if (pass == ContactPass::kMean) return;
     Real* const sums = pass == ContactPass::kStart ? w_.place_counts : w_.sums;
     for (const ContactBody& body : scene_.bodies) sums[body.body] = Real(0.0);
   }
 
-  SKYBODY_INLINE void count(const Place<Real>& place) const {
+  SKYBODY_INLINE void count_place(const Place<Real>& place) const {
     if (are_places_kept_ && place_count_ <= kLeastPlaces) return;  // no body has more
     const Meeting& meeting = *w_.near[place.pair].meeting;
     const Real one = select(place.touches, Real(1.0), Real(0.0));
@@ -361,8 +361,9 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// Finds lanes where the shortest part is too long for a spring: its damper alone would reverse
-  /// the velocity of the body alone, and in half of the part the velocity really changes by more
-  /// than half of what it lacks of 1 / d. A body that carries much more than itself changes less.
+  /// the velocity of the share of mass that the place feels, and in half of the part the velocity
+  /// really changes by more than half of what it lacks of 1 / d. A body that carries much more than
+  /// itself changes less.
   /// @param rate  k x^1.5 / m' [m/s^2]
   SKYBODY_INLINE void find_stiff(const Touch<Real>& t, const Real& rate,
                                  const MaskOf<Real>& touches) {
@@ -535,7 +536,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   Real friction_, dissipation_;
   MaskOf<Real> is_quick_{false}, is_stiff_{false};
   int place_count_ = 0;           ///< of ContactWork::places
-  bool are_places_kept_ = false;  ///< they are all that the last act() found
+  bool are_places_kept_ = false;  ///< they are all places of the present part
 };
 
 }  // namespace skybody

@@ -32,7 +32,8 @@ struct Manifold {
   }
 };
 
-/// With more places than so many, each pass of a part finds them again, after they were counted.
+/// If pairs are left to be looked at after so many places, every loop over the places of a part
+/// finds them again.
 inline constexpr int kKeptPlaces = 256;
 
 /// What to find the places of.

@@ -244,9 +244,9 @@ class ContactCorrection {
     for (const auto pass : {ContactPass::kStart, ContactPass::kMean, ContactPass::kLimited}) {
       const bool is_again = pass != ContactPass::kStart;
       contact_.act(a_.motion, mean, step, is_active, pass);
-      const bool is_limited =
+      const bool needs_limit =
           pass == ContactPass::kMean && any(logical_and(is_active, contact_.is_stiff()));
-      if (is_limited) continue;
+      if (needs_limit) continue;  // the next pass replaces these forces
       if (any(contact_.parts() > parts)) return false;
       response_(plan_, a_, is_again);
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {

@@ -78,7 +78,7 @@ struct CorrectionArrays {
 
 /// What forces on the bodies do to their accelerations, by the tree's algorithms.
 struct TreeResponse {
-  /// @param is_again  forces alone are other ones than at the last call
+  /// @param is_again  only the forces have changed since the last call
   template <class Real>
   SKYBODY_INLINE void operator()(const StepPlan& plan, const CorrectionArrays<Real>& a,
                                  bool is_again) const {

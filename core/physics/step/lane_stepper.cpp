@@ -51,32 +51,32 @@ struct ChosenResponse {
   }
 };
 
-/// A part of a step of one lane, with the arrays that it works on.
-template <class Part, class Arrays>
-class LanePart {
+/// What works on one lane by itself, with its arrays.
+template <class Work, class Arrays>
+class OneLane {
  public:
-  LanePart(const StepCall& lane, AlignedArray<std::byte>& scratch, Dynamics* simbody)
+  OneLane(const StepCall& lane, AlignedArray<std::byte>& scratch, Dynamics* simbody)
       : arrays_(*lane.plan, scratch.data()),
-        part_(lane, 0, LaneValues<double>(lane.group->params),
+        work_(lane, 0, LaneValues<double>(lane.group->params),
               LaneValues<double>(lane.derived != nullptr ? lane.derived
                                                          : lane.plan->nominal_derived.data()),
               arrays_, {simbody}) {}
-  LanePart(const LanePart&) = delete;
-  LanePart& operator=(const LanePart&) = delete;
+  OneLane(const OneLane&) = delete;
+  OneLane& operator=(const OneLane&) = delete;
 
-  Part* operator->() { return &part_; }
+  Work* operator->() { return &work_; }
 
  private:
   Arrays arrays_;
-  Part part_;
+  Work work_;
 };
 
 /// In the form for any world: where none of its cases is, with the bits of the usual form.
 using LaneMechanics =
-    LanePart<Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>,
-             StepArrays<double>>;
-using LaneContact = LanePart<ContactCorrection<double, LaneValues<double>, ChosenResponse>,
-                             CorrectionArrays<double>>;
+    OneLane<Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>,
+            StepArrays<double>>;
+using LaneContact = OneLane<ContactCorrection<double, LaneValues<double>, ChosenResponse>,
+                            CorrectionArrays<double>>;
 
 }  // namespace
 

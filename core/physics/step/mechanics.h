@@ -205,9 +205,10 @@ class Mechanics {
     }
   }
 
-  /// Robots that spin fast at the step's start. @returns the lanes whose step this kind takes: the
-  /// usual kind none of a pack in which a wanted lane is fast, for kAny computes the whole pack in
-  /// any case, and slow lanes have the same bits there
+  /// Finds robots that spin fast at the step's start.
+  /// @returns the lanes whose step this kind takes. kUsual leaves the whole pack if a lane of
+  /// `mask`
+  ///          is fast: kAny computes all of its lanes anyway, with the same bits for slow ones
   SKYBODY_INLINE MaskOf<Real> find_fast(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
       fast_.find(a_.motion);

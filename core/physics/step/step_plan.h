@@ -94,7 +94,8 @@ struct StepKernels {
   StepKernel* refresh = nullptr;
   /// One physics step; the lanes that came through: the others are as they were.
   StepKernel* advance = nullptr;
-  /// The same for the lanes that `advance` leaves because a robot spins fast; null: it leaves none.
+  /// The same for the lanes that `advance` leaves: of free robots those in which one spins fast, of
+  /// trees all lanes of a pack with such a one. Null: it leaves none.
   StepKernel* advance_fast = nullptr;
   /// The lanes where something may touch within the step that begins.
   StepKernel* find_near = nullptr;

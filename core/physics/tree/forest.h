@@ -42,10 +42,8 @@ class Forest {
                                     const bool* is_wanted = nullptr) const {
     for (const Tree& tree : trees_) {
       if (is_wanted != nullptr && !is_wanted[tree.robot]) continue;
-      const TreeBody& base = bodies_[static_cast<std::size_t>(tree.begin)];
       if (tree.is_free_body) {
-        accelerate_free_body(motion[tree.begin], constants + kBodyConstantCount * tree.begin,
-                             forces[tree.begin], joint_forces + base.u, udot + base.u);
+        accelerate_free_body(tree, motion, constants, forces, joint_forces, udot);
         continue;
       }
       open(tree, q, u, motion, constants, forces, work);
@@ -54,8 +52,8 @@ class Forest {
     }
   }
 
-  /// accelerations() of bodies at rest once more, with other forces on them: all else, what is in
-  /// `work`, too, is as the call before had or left it.
+  /// Repeats accelerations() for new forces on bodies at rest. Positions, constants and `work` are
+  /// those of that call.
   /// @param nothing  zeros: velocities and joint forces, one per u
   template <class Real, class Constants>
   SKYBODY_INLINE void accelerations_again(const BodyKinematics<Real>* at_rest,
@@ -65,10 +63,8 @@ class Forest {
                                           const bool* is_wanted) const {
     for (const Tree& tree : trees_) {
       if (!is_wanted[tree.robot]) continue;
-      const int i = tree.begin, u = bodies_[static_cast<std::size_t>(i)].u;
       if (tree.is_free_body) {
-        accelerate_free_body(at_rest[i], constants + kBodyConstantCount * i, forces[i], nothing,
-                             udot + u);
+        accelerate_free_body(tree, at_rest, constants, forces, nothing, udot);
       } else {
         respond(tree, at_rest, nothing, forces, work, udot);
       }
@@ -100,8 +96,7 @@ class Forest {
     const Tree& tree = tree_of(robot);
     if (tree.is_free_body) {
       const int i = tree.begin, u = bodies_[static_cast<std::size_t>(i)].u;
-      accelerate_free_body(at_rest[i], constants + kBodyConstantCount * i, forces[i], nothing,
-                           udot + u);
+      accelerate_free_body(tree, at_rest, constants, forces, nothing, udot);
       work.acceleration[i] = {at_rest[i].axes * load_vec3(udot + (u + 3)), load_vec3(udot + u)};
       return;
     }
@@ -126,20 +121,6 @@ class Forest {
   }
 
  private:
-  template <class Real, class Constants>
-  static SKYBODY_INLINE void accelerate_free_body(const BodyKinematics<Real>& body,
-                                                  const Constants& constants,
-                                                  const SpatialForce<Real>& force,
-                                                  const Real* joint_force, Real* udot) {
-    const SpatialForce<Real> none = SpatialForce<Real>::zero();
-    FreeLoad<Real, Constants> load(body, constants, {}, none.force, none);
-    load.add_about_origin({force.moment, force.force + load_vec3(joint_force)});
-    load.add_moment(load_vec3(joint_force + 3), Axes::kBody);
-    const FreeAcceleration<Real> a = load.acceleration();
-    store(a.velocity, udot);
-    store(a.spin, udot + 3);
-  }
-
   /// Consecutive bodies of one robot.
   struct Tree {
     int robot = 0;
@@ -148,6 +129,23 @@ class Forest {
     bool is_driven = false;  ///< the base's coordinates are prescribed, with no acceleration
     bool floats = false;     ///< the base moves freely, its joint's frames being W's and its own
   };
+
+  /// Of a robot that is one free body; arrays as accelerations() has them.
+  template <class Real, class Constants>
+  SKYBODY_INLINE void accelerate_free_body(const Tree& tree, const BodyKinematics<Real>* motion,
+                                           const Constants& constants,
+                                           const SpatialForce<Real>* forces,
+                                           const Real* joint_forces, Real* udot) const {
+    const int i = tree.begin, u = bodies_[static_cast<std::size_t>(i)].u;
+    const Constants own = constants + kBodyConstantCount * i;
+    const SpatialForce<Real>&force = forces[i], none = SpatialForce<Real>::zero();
+    FreeLoad<Real, Constants> load(motion[i], own, {}, none.force, none);
+    load.add_about_origin({force.moment, force.force + load_vec3(joint_forces + u)});
+    load.add_moment(load_vec3(joint_forces + (u + 3)), Axes::kBody);
+    const FreeAcceleration<Real> a = load.acceleration();
+    store(a.velocity, udot + u);
+    store(a.spin, udot + (u + 3));
+  }
 
   /// Calls f with the JointColumns of a joint that is neither ball nor weld.
   template <class F>
@@ -236,7 +234,7 @@ class Forest {
     }
   }
 
-  /// See the other one; of a robot that is more than a free body.
+  /// Responds to forces on a robot that is more than one free body.
   template <class Real>
   SKYBODY_INLINE void respond(const Tree& tree, const BodyKinematics<Real>* at_rest,
                               const Real* nothing, const SpatialForce<Real>* forces,

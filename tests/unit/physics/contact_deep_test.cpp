@@ -113,8 +113,11 @@ const Ring kRings[] = {
     {"feet far from a small body", 4, 0.2, make_sphere(0.01), 0.01, 2e-4},
 };
 
-/// A small body on far feet has softer springs at 4 ms: it sinks in by 12 mm [m].
-constexpr double kSunk = 0.02;
+/// How far a ring may lie in the ground [m]. A small body on far feet has softer springs at 4 ms:
+/// it sinks in by 12 mm.
+double sunk(const Ring& ring, double dt) {
+  return ring.inertia < 1e-3 && dt > 3e-3 ? 0.015 : 0.003;
+}
 
 Scenario world_with(const Ring& ring, double dt) {
   RobotModel model = make_free_body(1.0, diagonal(ring.inertia, ring.inertia, 2.0 * ring.inertia));
@@ -142,7 +145,7 @@ TEST_P(Deep, BodiesOfManyPlacesLeaveTheGroundAtTheLawsSpeed) {
           top = std::fmax(top, bench.state.q[2]);
         }
         EXPECT_LT(most, 1.05 / kDamping) << ring.name << ", " << depth << " m, tilt " << tilt;
-        EXPECT_GT(top, ring.height - kSunk) << ring.name << " is out";
+        EXPECT_GT(top, ring.height - sunk(ring, GetParam())) << ring.name << " is out";
       }
     }
   }
@@ -166,7 +169,7 @@ TEST_P(Deep, BodiesOfManyPlacesThatFallGainNoEnergyAndStayAboveTheGround) {
         const auto name = std::string(ring.name) + ", " + std::to_string(speed) + " m/s, tilt " +
                           std::to_string(tilt);
         EXPECT_LT(most, 1.001 * start) << name;
-        EXPECT_GT(bench.state.q[2], ring.height - kSunk) << name;
+        EXPECT_GT(bench.state.q[2], ring.height - sunk(ring, GetParam())) << name;
       }
     }
   }
@@ -206,19 +209,18 @@ TEST_P(Deep, BodiesOfManyPlacesLeaveBoxesAndRobotsAtTheLawsSpeed) {
   }
 }
 
-/// Of so many places not all are kept from one pass of a part to the next.
+/// Of so many places not all are kept: the pairs of balls and box are more than two lists of them.
 TEST_P(Deep, ABodyOfMorePlacesThanAreKeptLeavesAtTheLawsSpeed) {
-  const Ring ring{"small spheres", kKeptPlaces + 60, 0.2, make_sphere(0.004), 0.004, 0.02};
-  for (const double depth : {0.001, 0.01}) {
-    Bench bench(world_with(ring, GetParam()));
-    bench.state.q[2] = ring.height - depth;
+  const Ring ring{"small balls", kKeptPlaces + 60, 0.2, make_sphere(0.004), 0.004, 0.02};
+  for (const double depth : {0.001, 0.006}) {
+    Bench bench(ring_in_a_box(ring, 0.0, depth, GetParam()));
     double most = 0.0;
     for (int i = 0; i * GetParam() < 0.2; ++i) {
       ASSERT_TRUE(bench.run(1));
       most = std::fmax(most, bench.state.u[2]);
     }
     EXPECT_LT(most, 1.05 / kDamping) << depth << " m";
-    EXPECT_GT(bench.state.q[2], ring.height - 0.003) << "it is out";
+    EXPECT_GT(bench.state.q[2], ring.height) << "it is out";
   }
 }
 
