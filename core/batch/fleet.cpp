@@ -259,6 +259,7 @@ bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_rese
 
 void Fleet::observation(int env, float* out) const {
   last_values(env, 0, compiled_->observation_size(), out);
+  copy_repeats(compiled_->observation_row(), out);
 }
 
 void Fleet::privileged(int env, float* out) const {

@@ -216,6 +216,48 @@ void check_observation(const PluginInstance& p) {
   if (!sees) refuse(p, "declares no observation for a policy");
 }
 
+/// For each value of the observation, whether it is one that a policy sees.
+std::vector<bool> values_of_policy(const PluginInstance& p) {
+  std::vector<bool> values;
+  for (const Channel& c : p.channels) {
+    if (!c.is_image())
+      values.insert(values.end(), static_cast<std::size_t>(c.count), !c.privileged);
+  }
+  return values;
+}
+
+void check_repeats(const PluginInstance& p) {
+  if (p.repeats.empty()) return;
+  if (p.kind != SKYBODY_TASK) refuse(p, "repeats values of an observation, which tasks alone have");
+  const std::vector<bool> is_of_policy = values_of_policy(p);
+  const int size = static_cast<int>(is_of_policy.size());
+  std::vector<bool> is_copy(is_of_policy.size(), false);
+  const auto each_value = [size](int first, int count, const auto& f) {
+    const bool is_inside = first >= 0 && count >= 1 && first <= size - count;
+    for (int k = first; is_inside && k < first + count; ++k) {
+      if (!f(static_cast<std::size_t>(k))) return false;
+    }
+    return is_inside;
+  };
+  const auto refuse_copy = [&p](const ValueCopy& copy, const std::string& why) {
+    refuse(p, "repeats " + std::to_string(copy.count) + " values from " +
+                  std::to_string(copy.from) + " on at " + std::to_string(copy.to) + ", " + why);
+  };
+  for (const ValueCopy& copy : p.repeats) {
+    const bool is_new = each_value(copy.to, copy.count, [&](std::size_t k) {
+      const bool may = is_of_policy[k] && !is_copy[k];
+      is_copy[k] = true;
+      return may;
+    });
+    if (!is_new) refuse_copy(copy, "which are no values that a policy sees, or repeat others");
+  }
+  for (const ValueCopy& copy : p.repeats) {
+    const bool is_source = each_value(
+        copy.from, copy.count, [&](std::size_t k) { return is_of_policy[k] && !is_copy[k]; });
+    if (!is_source) refuse_copy(copy, "of which some repeat others, or no policy sees them");
+  }
+}
+
 }  // namespace
 
 void check_declarations(const Topology& topology, const Layout& layout, const PluginInstance& p) {
@@ -273,6 +315,7 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   for (const Channel& c : p.infos) check_channel(p, c, robots);
   check_names(p, p.channels);
   check_names(p, p.infos);
+  check_repeats(p);
   if (p.kind == SKYBODY_SENSOR && p.channels.empty()) refuse(p, "declares no output");
   if (p.kind == SKYBODY_TASK) check_observation(p);
 }

@@ -82,6 +82,8 @@ class CompiledScenario {
   const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
   /// Values of a row of observations, which a policy sees.
   int observation_size() const { return plan_.observation_size; }
+  /// Which of them are kept in the state, at Layout::last_observation, and which repeat others.
+  const RowParts& observation_row() const { return plan_.row; }
   /// Values of a privileged row, which only a critic sees.
   int privileged_size() const { return plan_.privileged_size; }
   /// The images of the observation, in the order of their columns.
@@ -198,6 +200,8 @@ class CompiledScenario {
   std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;
   void write_images(const StateGroup&, std::uint32_t mask, const Rows&) const;
   void write_last_observation(const StateGroup&, std::uint32_t mask, const Rows&) const;
+  std::uint32_t write_row(std::uint32_t mask, int lanes, const double* values, float* rows) const;
+  void keep_observation(StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void gather_observation(const StateGroup&, GroupWork&) const;
   void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
   void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;

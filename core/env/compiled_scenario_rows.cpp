@@ -37,8 +37,7 @@ void CompiledScenario::conclude(StateGroup& group, GroupWork& work, std::uint32_
     work.clear_verdict();
     kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
   }
-  keep(group, finite, plan_.size(), work.observation.data(),
-       group.writable(layout().last_observation, finite));
+  keep_observation(group, work, finite);
   kernels.end(mask, work.end.data(), group.bits(kStep),
               static_cast<std::uint64_t>(scenario().stepping.horizon), group.writable(kStatus),
               rows.status);
@@ -49,13 +48,36 @@ void CompiledScenario::conclude(StateGroup& group, GroupWork& work, std::uint32_
   if (rows.agent_reward != nullptr) write_agent_rewards(work, mask, rows);
 }
 
+/// Into the state; of values that repeat others nothing is kept.
+void CompiledScenario::keep_observation(StateGroup& group, const GroupWork& work,
+                                        std::uint32_t mask) const {
+  const double* from = work.observation.data();
+  double* to = group.writable(layout().last_observation, mask);
+  if (plan_.row.copies.empty()) return keep(group, mask, plan_.size(), from, to);
+  const auto keep_run = [&](int first, int count) {
+    const int at = first * group.lanes();
+    if (count > 0) keep(group, mask, count, from + at, to + at);
+  };
+  for (const ValueRun& run : plan_.row.written) keep_run(run.first, run.count);
+  keep_run(observation_size(), privileged_size());
+}
+
+/// Rows of observations from their values in lanes. @returns the lanes whose values are finite
+std::uint32_t CompiledScenario::write_row(std::uint32_t mask, int lanes, const double* values,
+                                          float* rows) const {
+  const RowKernels& kernels = row_kernels();
+  if (plan_.row.copies.empty()) {
+    return kernels.write(mask, lanes, values, observation_size(), rows);
+  }
+  return kernels.write_parts(mask, lanes, values, plan_.row, rows);
+}
+
 /// @returns the lanes whose values are finite, the privileged ones included
 std::uint32_t CompiledScenario::write_observation(GroupWork& work, std::uint32_t mask,
                                                   const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
   const int lanes = work.lanes, size = observation_size();
-  const std::uint32_t finite =
-      kernels.write(mask, lanes, work.observation.data(), size, rows.observation);
+  const std::uint32_t finite = write_row(mask, lanes, work.observation.data(), rows.observation);
   if (privileged_size() == 0) return finite;
   const double* privileged = work.observation.data() + size * lanes;
   if (rows.privileged == nullptr) {
@@ -83,7 +105,7 @@ void CompiledScenario::write_last_observation(const StateGroup& group, std::uint
                                               const Rows& rows) const {
   const int lanes = group.lanes();
   const double* values = group.reals(layout().last_observation);
-  row_kernels().write(mask, lanes, values, observation_size(), rows.observation);
+  write_row(mask, lanes, values, rows.observation);
   if (rows.privileged == nullptr || privileged_size() == 0) return;
   row_kernels().write(mask, lanes, values + observation_size() * lanes, privileged_size(),
                       rows.privileged);

@@ -312,6 +312,10 @@ void CompiledScenario::write_reports(const StateGroup& group, GroupWork& work) c
 /// Puts the observation together where the task has not written all of it to its place.
 void CompiledScenario::gather_observation(const StateGroup& group, GroupWork& work) const {
   const int lanes = group.lanes();
+  for (const ValueCopy& copy : plan_.task_copies) {
+    double* const values = work.task_values.data();
+    std::copy_n(values + copy.from * lanes, copy.count * lanes, values + copy.to * lanes);
+  }
   for (const ObservationPart& part : plan_.parts) {
     const double* values =
         part.is_of_task ? work.task_values.data() : group.reals(layout().sensors);
@@ -355,8 +359,10 @@ void CompiledScenario::hash(const StateGroup& group, int lane, const Rows& rows,
                             HashChain& chain) const {
   const auto lanes = static_cast<std::size_t>(group.lanes());
   const std::uint64_t* words = group.bits(0) + lane;
+  const int first_observed = layout().last_observation.offset;
   for (int k = 0; k < layout().words; ++k) {
-    chain.update(one_nan(words[static_cast<std::size_t>(k) * lanes]));
+    const int word = first_observed + plan_.row.source_of(k - first_observed);
+    chain.update(one_nan(words[static_cast<std::size_t>(word) * lanes]));
   }
   const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * observation_size();
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));

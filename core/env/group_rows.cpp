@@ -314,12 +314,14 @@ struct AreFinite {
   }
 };
 
+/// Writes a run of the values of an octet to its rows, and adds them to `sum`.
 template <int W>
-SKYBODY_INLINE bool write_octet(const double* values, int count, float* rows) {
-  Floats<W> sum{};
+SKYBODY_INLINE void write_run(const double* values, int size, const ValueRun& run, float* rows,
+                              Floats<W>& sum) {
+  const int last = run.first + run.count;
   for (int first = 0; first < kOctet; first += W) {
     const double* in = values + first;
-    float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
+    float* row = rows + static_cast<std::ptrdiff_t>(first) * size;
     const auto write_four = [&](int k) SKYBODY_INLINE_LAMBDA {
       Floats<W> v[4];
       for (int i = 0; i < 4; ++i) {
@@ -327,26 +329,54 @@ SKYBODY_INLINE bool write_octet(const double* values, int count, float* rows) {
         sum += v[i];
       }
       transpose(v);
-      for (int i = 0; i < 4; ++i) store_rows(row + i * count + k, count, v[i]);
+      for (int i = 0; i < 4; ++i) store_rows(row + i * size + k, size, v[i]);
     };
-    int k = 0;
-    for (; k + 4 <= count; k += 4) write_four(k);
-    if (k < count && count >= 4) {
-      write_four(count - 4);  // some of them once more
+    int k = run.first;
+    for (; k + 4 <= last; k += 4) write_four(k);
+    if (k < last && run.count >= 4) {
+      write_four(last - 4);  // some of them once more
       continue;
     }
-    for (; k < count; ++k) {
+    for (; k < last; ++k) {
       Floats<W> v;
       to_floats(in + k * kGroupLanes, v);
       sum += v;
-      if (count == 1) {
+      if (size == 1) {
         store(row, v);
       } else {
-        for (int i = 0; i < W; ++i) row[i * count + k] = v[i];
+        for (int i = 0; i < W; ++i) row[i * size + k] = v[i];
       }
     }
   }
-  return is_finite(sum);
+}
+
+/// Copies N floats.
+template <int N>
+SKYBODY_INLINE void copy_floats(const float* from, float* to) {
+  Floats<N> v;
+  load(from, v);
+  store(to, v);
+}
+/// Copies N floats or more; the last ones may be copied twice.
+template <int N>
+SKYBODY_INLINE void copy_by(const float* from, int count, float* to) {
+  for (int k = 0; k + N < count; k += N) copy_floats<N>(from + k, to + k);
+  copy_floats<N>(from + count - N, to + count - N);
+}
+
+/// Copies within one row.
+SKYBODY_INLINE void copy_parts(const RowParts& parts, float* row) {
+  for (const ValueCopy& copy : parts.copies) {
+    const float* const from = row + copy.from;
+    float* const to = row + copy.to;
+    if (copy.count >= 8) {
+      copy_by<8>(from, copy.count, to);
+    } else if (copy.count >= 4) {
+      copy_by<4>(from, copy.count, to);
+    } else {
+      for (int k = 0; k < copy.count; ++k) to[k] = from[k];
+    }
+  }
 }
 
 struct Write {
@@ -354,13 +384,42 @@ struct Write {
   static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const double* values,
                                           int count, float* rows) {
     const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
+      Floats<kPiece<W>> sum{};
       float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
-      return write_octet<kPiece<W>>(values + first, count, row);
+      write_run<kPiece<W>>(values + first, count, {0, count}, row, sum);
+      return is_finite(sum);
     };
     const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
       float* row = rows + static_cast<std::ptrdiff_t>(l) * count;
       for (int k = 0; k < count; ++k) row[k] = static_cast<float>(values[k * lanes + l]);
       return is_row_finite(row, count);
+    };
+    return lanes_where(mask, octet, lane);
+  }
+};
+
+struct WriteParts {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const double* values,
+                                          const RowParts& parts, float* rows) {
+    const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
+      Floats<kPiece<W>> sum{};
+      float* row = rows + static_cast<std::ptrdiff_t>(first) * parts.size;
+      for (const ValueRun& run : parts.written) {
+        write_run<kPiece<W>>(values + first, parts.size, run, row, sum);
+      }
+      for (int l = 0; l < kOctet; ++l, row += parts.size) copy_parts(parts, row);
+      return is_finite(sum);
+    };
+    const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
+      float* row = rows + static_cast<std::ptrdiff_t>(l) * parts.size;
+      for (const ValueRun& run : parts.written) {
+        for (int k = run.first; k < run.first + run.count; ++k) {
+          row[k] = static_cast<float>(values[k * lanes + l]);
+        }
+      }
+      copy_parts(parts, row);
+      return is_row_finite(row, parts.size);
     };
     return lanes_where(mask, octet, lane);
   }
@@ -386,10 +445,12 @@ struct End {
 
 }  // namespace
 
+void copy_repeats(const RowParts& parts, float* row) { copy_parts(parts, row); }
+
 RowKernels row_kernels(Isa isa) {
-  return {kernel<ReadClipped>(isa), kernel<Scale>(isa),     kernel<Copy>(isa),
-          kernel<Fill>(isa),        kernel<Multiples>(isa), kernel<Count>(isa),
-          kernel<AreFinite>(isa),   kernel<Write>(isa),     kernel<End>(isa)};
+  return {kernel<ReadClipped>(isa), kernel<Scale>(isa), kernel<Copy>(isa),      kernel<Fill>(isa),
+          kernel<Multiples>(isa),   kernel<Count>(isa), kernel<AreFinite>(isa), kernel<Write>(isa),
+          kernel<WriteParts>(isa),  kernel<End>(isa)};
 }
 
 const RowKernels& row_kernels() {

@@ -2,12 +2,43 @@
 // of double: the rules by which actions are read and the results of a transition are written.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <vector>
 
 #include "core/base/isa.h"
 
 namespace skybody {
+
+/// Consecutive values of a row.
+struct ValueRun {
+  int first = 0, count = 0;
+};
+/// Consecutive values of a row that are others of it once more.
+struct ValueCopy {
+  int from = 0, to = 0, count = 0;
+};
+
+/// Where the values of a row come from: some are written, the others copied from these.
+struct RowParts {
+  int size = 0;                   ///< of a row
+  std::vector<ValueRun> written;  ///< in order
+  std::vector<ValueCopy> copies;  ///< likewise
+
+  /// The value that value k is a copy of; k where it is none, or lies beyond the row.
+  int source_of(int k) const {
+    const auto after = std::upper_bound(copies.begin(), copies.end(), k,
+                                        [](int value, const ValueCopy& c) { return value < c.to; });
+    if (after == copies.begin()) return k;
+    const ValueCopy& copy = *std::prev(after);
+    return k < copy.to + copy.count ? copy.from + (k - copy.to) : k;
+  }
+};
+
+/// Fills in the copies of one row.
+void copy_repeats(const RowParts& parts, float* row);
 
 /// The functions of one instruction set; all give the same bits. They serve any lanes of a group of
 /// 1 or kGroupLanes: rows and words of the other lanes are neither read nor written, except by
@@ -50,6 +81,10 @@ struct RowKernels {
   /// @returns as are_finite
   std::uint32_t (*write)(std::uint32_t mask, int lanes, const double* values, int count,
                          float* rows);
+
+  /// The same of rows of which only some values lie in lanes, at their places.
+  std::uint32_t (*write_parts)(std::uint32_t mask, int lanes, const double* values,
+                               const RowParts& parts, float* rows);
 
   /// Whether task or horizon end the episode.
   /// @param by_task  bits by the task, 1 word per lane: those of kTerminated and kTruncated count

@@ -72,9 +72,40 @@ class Planner {
     }
   }
 
+  /// Where a row of observations is written, and where copied.
+  void place_repeats() {
+    std::vector<ValueCopy> copies = task_.repeats;
+    std::sort(copies.begin(), copies.end(),
+              [](const ValueCopy& a, const ValueCopy& b) { return a.to < b.to; });
+    plan.row.size = plan.observation_size;
+    if (!plan.is_task_in_place) {
+      plan.task_copies = std::move(copies);
+      copies.clear();
+    }
+    int next = 0;
+    for (const ValueCopy& copy : copies) {
+      if (copy.to > next) plan.row.written.push_back({next, copy.to - next});
+      next = copy.to + copy.count;
+      add_copy(copy);
+    }
+    if (next < plan.row.size) plan.row.written.push_back({next, plan.row.size - next});
+  }
+
   ObservationPlan plan;
 
  private:
+  /// Those that follow one another are one.
+  void add_copy(const ValueCopy& copy) {
+    if (!plan.row.copies.empty()) {
+      ValueCopy& last = plan.row.copies.back();
+      if (last.from + last.count == copy.from && last.to + last.count == copy.to) {
+        last.count += copy.count;
+        return;
+      }
+    }
+    plan.row.copies.push_back(copy);
+  }
+
   const Channel& channel_of(ColumnSource source) const {
     const PluginInstance& owner =
         source.sensor < 0 ? task_ : sensors_[static_cast<std::size_t>(source.sensor)];
@@ -169,6 +200,7 @@ ObservationPlan plan_observation(const PluginInstance& task,
   Planner planner(task, sensors);
   for (const ObservedChannel& observed : observe) planner.add(observed);
   planner.place();
+  planner.place_repeats();
   return std::move(planner.plan);
 }
 

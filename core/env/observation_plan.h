@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/env/group_rows.h"
 #include "core/env/observation_column.h"
 #include "core/env/plugin_instance.h"
 #include "core/model/scenario.h"
@@ -34,8 +35,11 @@ struct ObservationPlan {
   std::vector<ObservationPart> parts;
   std::vector<ObservedImage> images;
   bool is_task_in_place = true;  ///< the task's values are the first of the observation
-  int observation_size = 0;      ///< values of a row of observations
-  int privileged_size = 0;       ///< values of a privileged row
+  /// Of a row of observations: repeats of a task in place are copied from row to row's end alone.
+  RowParts row;
+  std::vector<ValueCopy> task_copies;  ///< else they are copied within the task's values, in lanes
+  int observation_size = 0;            ///< values of a row of observations
+  int privileged_size = 0;             ///< values of a privileged row
 
   int size() const { return observation_size + privileged_size; }
 };

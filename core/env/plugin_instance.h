@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/env/column_type.h"
+#include "core/env/group_rows.h"
 #include "core/model/parameter_spec.h"
 #include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
@@ -100,7 +101,8 @@ struct PluginInstance {
   std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< effects: what apply() fills
   bool is_steady = false;                        ///< effects: it follows from EnvParams alone
   std::vector<Channel> channels;
-  std::vector<Channel> infos;  ///< tasks: values beside the observation
+  std::vector<ValueCopy> repeats;  ///< tasks: values of the observation that are copies
+  std::vector<Channel> infos;      ///< tasks: values beside the observation
   std::vector<Goal> goals;
   bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
   std::vector<int> writes;     ///< EnvParams that a randomizer or the task writes

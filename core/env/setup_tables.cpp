@@ -347,6 +347,9 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   d.info = [](void* host, const SkybodyChannel* c) {
     instance_of(host).infos.push_back(to_channel(*c));
   };
+  d.repeat = [](void* host, int32_t to, int32_t from, int32_t count) {
+    instance_of(host).repeats.push_back({from, to, count});
+  };
   return d;
 }
 

@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 6u
+#define SKYBODY_ABI_VERSION 7u
 #define SKYBODY_GROUP_LANES 32u   /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_CONTACT_VALUES 7  /* per body in SkybodyLanes::contacts */
 #define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
@@ -365,6 +365,9 @@ typedef struct SkybodyDeclare {
   void (*robot_rewards)(void* host);
   /* Tasks: values beside the observation, for people and evaluations, in order. */
   void (*info)(void* host, const SkybodyChannel* channel);
+  /* Tasks: `count` values of the observation from `to` on are those from `from` on. Packs of lanes
+   * may leave them unwritten; one lane and dual numbers write them. */
+  void (*repeat)(void* host, int32_t to, int32_t from, int32_t count);
 } SkybodyDeclare;
 
 /* In checked mode, on groups of one lane: how many values a call may touch, and the first that it

@@ -150,6 +150,11 @@ class Setup {
   /// The same for a critic only: an observed value that the policy does not see.
   void privileged_channel(const std::string& name, const std::string& unit, int count, double low,
                           double high, int robot = -1, const std::string& doc = "") const;
+  /// Tasks: `count` values of the observation from `to` on are those from `from` on, none of them
+  /// privileged or a repeat itself. Where kLeavesRepeats<Real> a task need not write them.
+  void repeat(int to, int from, int count) const {
+    declare_.repeat(declare_.host, to, from, count);
+  }
   /// Sensors: an image, which is written through EnvView::pixels(). It is no value of
   /// EnvView::sensor().
   /// @tparam T     std::uint8_t, std::uint16_t or float

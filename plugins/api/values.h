@@ -79,6 +79,10 @@ class ConstValues : private Bounds<Real> {
   std::size_t stride_;
 };
 
+/// Whether values that Setup::repeat() names need not be written.
+template <class Real>
+inline constexpr bool kLeavesRepeats = kLanesOf<Real> > 1 && !kIsDual<Real>;
+
 /// Values that plugin code may write; lanes that are not being served keep theirs.
 template <class Real>
 class Values : private Bounds<Real> {

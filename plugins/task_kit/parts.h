@@ -38,29 +38,38 @@ class Part {
   /// row by row.
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Real& value, int k = 0) const {
-    own(row).set(k, value);
+    if (!is_left(row)) own(row).set(k, value);
   }
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Vec3<Real>& value, int k = 0) const {
-    own(row).set(k, value);
+    if (!is_left(row)) own(row).set(k, value);
   }
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Quat<Real>& value, int k = 0) const {
-    own(row).set(k, value);
+    if (!is_left(row)) own(row).set(k, value);
   }
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Mat3<Real>& value, int k = 0) const {
+    if (is_left(row)) return;
     for (int i = 0; i < 3; ++i)
       own(row).set(k + 3 * i, Vec3<Real>{value(i, 0), value(i, 1), value(i, 2)});
   }
 
  private:
+  friend class ObservationParts;
+
+  /// Rows copy it.
+  template <class Real>
+  SKYBODY_INLINE bool is_left(const Values<Real>&) const {
+    return kLeavesRepeats<Real> && repeats_;
+  }
   template <class Real>
   SKYBODY_INLINE Values<Real> own(const Values<Real>& row) const {
     return row.part(first_, count_, name_);
   }
 
   int first_ = 0, count_ = 0;
+  bool repeats_ = false;  ///< another part
   const char* name_ = "undeclared part";
 };
 
@@ -78,6 +87,11 @@ class ObservationParts {
     const Part part(size_, spec.count, names_.emplace_back(spec.name).c_str());
     size_ += spec.count;
     return part;
+  }
+  /// Says that a part always has the values of another one: packs then leave it to the rows.
+  static void repeat(const Setup& setup, Part& part, const Part& of) {
+    setup.repeat(part.first(), of.first(), part.count());
+    part.repeats_ = true;
   }
   int size() const { return size_; }  ///< values so far
 

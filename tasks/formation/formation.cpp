@@ -24,6 +24,7 @@ class Formation : public Task {
     tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
     farthest_ = distance_max_.value() > 0.0 ? distance_max_.value() : kInfinity;
     for (int i = 0; i < count(); ++i) declare_observation(setup, i);
+    repeat_motion(setup);
     for (const Robot& robot : robots_) setup.goal(robot.index, robot.body);
     setup.robot_rewards();
     error_info_ =
@@ -201,6 +202,19 @@ class Formation : public Task {
     robot.obstacles = obstacles_.declare(setup, observation_, robot.name + ".", robot.index);
   }
 
+  /// All others see the same of a robot's motion.
+  void repeat_motion(const Setup& setup) {
+    for (int i = 0; i < count(); ++i) {
+      for (int j = 0; j < count(); ++j) {
+        if (i == j) continue;
+        Sight& to = robots_[static_cast<std::size_t>(i)]
+                        .others[static_cast<std::size_t>(j < i ? j : j - 1)];
+        ObservationParts::repeat(setup, to.velocity, at(j).velocity);
+        ObservationParts::repeat(setup, to.rotation, at(j).rotation);
+      }
+    }
+  }
+
   template <class Real>
   SKYBODY_INLINE BodyMotion<Real> motion(const EnvView<Real>& env, int i) const {
     return env.body(at(i).body);
@@ -214,7 +228,7 @@ class Formation : public Task {
 
   template <class Real>
   void observe(const EnvView<Real>& env, const Vec3<Real>& target, Values<Real> row) const {
-    for (int j = 0; j < count(); ++j) {  // what all others see of it is the same
+    for (int j = 0; j < count(); ++j) {
       const BodyMotion<Real> seen = motion(env, j);
       const Mat3<Real> rotation = to_mat3(seen.rotation);
       at(j).target_error.set(row, target - seen.position);
@@ -226,14 +240,23 @@ class Formation : public Task {
       }
       for (int i = 0; i < count(); ++i) {
         if (i == j) continue;
-        const Sight& to = sight(i, j);
-        const Vec3<Real> offset = seen.position - motion(env, i).position;
-        to.offset.set(row, offset);
-        to.distance.set(row, norm(offset));
-        to.velocity.set(row, seen.velocity);
-        to.rotation.set(row, rotation);
+        sight(i, j).velocity.set(row, seen.velocity);
+        sight(i, j).rotation.set(row, rotation);
       }
+      for (int i = 0; i < j; ++i) observe_pair(env, i, j, seen.position, row);
     }
+  }
+
+  /// Where two robots see each other.
+  template <class Real>
+  SKYBODY_INLINE void observe_pair(const EnvView<Real>& env, int i, int j, const Vec3<Real>& there,
+                                   const Values<Real>& row) const {
+    const Vec3<Real> here = motion(env, i).position, offset = there - here;
+    const Real distance = norm(offset);
+    sight(i, j).offset.set(row, offset);
+    sight(i, j).distance.set(row, distance);
+    sight(j, i).offset.set(row, here - there);
+    sight(j, i).distance.set(row, distance);
   }
 
   /// x of the body's x axis: 1 facing along W's x, level.

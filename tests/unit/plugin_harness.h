@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/isa.h"
+#include "core/base/octets.h"
 #include "core/env/setup_tables.h"
 #include "core/io/parameter_reader.h"
 #include "core/model/held_inputs.h"
@@ -210,6 +211,17 @@ class Instance {
     kApply
   };
   /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
+  /// What rows do with values that packs may leave.
+  void copy_repeats(Group& g, std::uint32_t mask) const {
+    for (const ValueCopy& copy : declared.repeats) {
+      for (int k = 0; k < copy.count; ++k) {
+        each_lane(mask, [&](int l) {
+          g.at(g.observation, copy.to + k, l) = g.at(g.observation, copy.from + k, l);
+        });
+      }
+    }
+  }
+
   void call(Call what, Group& g, std::uint32_t mask = 1, int set = 0,
             SkybodyNumber number = SKYBODY_NUMBER_REAL) const {
     const SkybodyKernels& k = plugin_->kernels[number][set];
@@ -250,6 +262,7 @@ class Instance {
         break;
       case Call::kEvaluate:
         k.evaluate(self_, &v, state, buffer, &out);
+        if (number == SKYBODY_NUMBER_REAL) copy_repeats(g, mask);
         break;
       case Call::kApply:
         k.apply(self_, &v, state, buffer, &held);

@@ -49,6 +49,11 @@ std::unique_ptr<CompiledScenario> make(const Options& options) {
   factory.add<test::Blind>("blind");
   factory.add<test::Gauge>("gauge");
   factory.add<test::Twice>("twice");
+  factory.add<test::Mirror<4, 1>>("mirror");
+  factory.add<test::Mirror<5, 1, true>>("mirror_apart");
+  factory.add<test::Mirror<5, 1>>("mirror_critic");
+  factory.add<test::Mirror<6, 1>>("mirror_beyond");
+  factory.add<test::Mirror<4, 3>>("mirror_itself");
   Scenario s;
   s.name = "test";
   s.contact.ground = false;
@@ -263,6 +268,44 @@ TEST(ObservationErrors, BoundsMustNotCrossTheSensors) {
   EXPECT_EQ(message_of({.observe = {crossed}}),
             "test.yaml:7: the bounds of `gauge.height` are 200 to 100; give `low` and `high` that "
             "fit (the sensor declares 0 to 100)");
+}
+
+/// Rows, and the last observation of the state, of a task that says that values repeat others.
+void expect_velocity_twice(const std::string& task) {
+  const auto env = make({.task = task, .observe = {observed("gauge.height")}});
+  ASSERT_EQ(env->observation_size(), 8);
+  CriticFlight many(*env, kGroupLanes), one(*env, 1);
+  many.reset();
+  one.reset();
+  for (int step = 0; step < 3; ++step) {
+    many.step(0.1f);
+    one.step(0.1f);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      const float* row = many.observation.data() + 8 * lane;
+      for (int k = 1; k <= 3; ++k) EXPECT_EQ(row[k], row[3 + k]) << task << ", lane " << lane;
+    }
+    for (int k = 0; k < 8; ++k) {
+      EXPECT_EQ(many.observation[static_cast<std::size_t>(k)],
+                one.observation[static_cast<std::size_t>(k)])
+          << task << ", value " << k;
+    }
+    EXPECT_EQ(many.hash(), one.hash()) << task << ": packs and lanes alone";
+  }
+}
+
+TEST(Observation, ValuesThatRepeatOthersAreCopiedToRows) {
+  expect_velocity_twice("mirror");
+  expect_velocity_twice("mirror_apart");
+}
+
+TEST(ObservationErrors, RepeatsAreValuesOfThePolicyThatRepeatNoOthers) {
+  EXPECT_THAT(message_of({.task = "mirror_critic"}),
+              HasSubstr("repeats 3 values from 1 on at 5, which are no values that a policy sees, "
+                        "or repeat others"));
+  EXPECT_THAT(message_of({.task = "mirror_beyond"}), HasSubstr("repeats 3 values from 1 on at 6"));
+  EXPECT_THAT(message_of({.task = "mirror_itself"}),
+              HasSubstr("repeats 3 values from 3 on at 4, of which some repeat others, or no "
+                        "policy sees them"));
 }
 
 TEST(ObservationErrors, ATaskMustShowAPolicySomething) {

@@ -56,6 +56,30 @@ class Blind : public Task {
   void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
 };
 
+/// Shows a velocity twice, behind a height; packs leave the copy.
+/// @tparam kTo, kFrom  where the copy is declared to lie, and its source
+/// @tparam kMiddle     the critic's value lies between them, else behind them
+template <int kTo, int kFrom, bool kMiddle = false>
+class Mirror : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    setup.channel("height", "m", 1, -kInfinity, kInfinity);
+    setup.channel("velocity", "m/s", 3, -kInfinity, kInfinity);
+    if (kMiddle) setup.privileged_channel("one", "", 1, 1, 1);
+    setup.channel("again", "m/s", 3, -kInfinity, kInfinity);
+    if (!kMiddle) setup.privileged_channel("one", "", 1, 1, 1);
+    setup.repeat(kTo, kFrom, 3);
+  }
+  template <class Real>
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+    constexpr int kAgain = kMiddle ? 5 : 4;
+    out.observation.set(0, env.body(0).position.z);
+    out.observation.set(1, env.body(0).velocity);
+    out.observation.set(kMiddle ? 4 : 7, Real(1.0));
+    if constexpr (!kLeavesRepeats<Real>) out.observation.set(kAgain, env.body(0).velocity);
+  }
+};
+
 /// Has one name twice.
 class Twice : public Sensor {
  public:

@@ -46,6 +46,43 @@ void for_all(Check&& check) {
   }
 }
 
+// A row of 30 values: some lie in lanes, the others are these once more.
+TEST(RowKernels, WriteRowsOfWhichPartsAreCopies) {
+  const RowParts parts{
+      30, {{0, 9}, {12, 1}, {14, 4}}, {{0, 9, 3}, {4, 13, 1}, {0, 18, 12 - 4}, {3, 26, 4}}};
+  for (const Isa isa : kIsas) {
+    if (!machine_has(isa)) continue;
+    for (const int lanes : {1, kGroupLanes}) {
+      for (const std::uint32_t mask : kMasks) {
+        if (lanes == 1 && mask > 1) continue;
+        SCOPED_TRACE(std::string(name(isa)) + ", " + std::to_string(mask));
+        std::vector<double> values(static_cast<std::size_t>(30 * lanes), kNone);
+        std::vector<float> rows(values.size(), static_cast<float>(kGuard));
+        for (const ValueRun& run : parts.written) {
+          for (int k = run.first; k < run.first + run.count; ++k) {
+            for (int l = 0; l < lanes; ++l) {
+              values[static_cast<std::size_t>(k * lanes + l)] = static_cast<double>(value(l, k));
+            }
+          }
+        }
+        if (lanes > 1) values[static_cast<std::size_t>(16 * lanes + 9)] = kNone;
+        const std::uint32_t finite =
+            row_kernels(isa).write_parts(mask, lanes, values.data(), parts, rows.data());
+        EXPECT_EQ(finite, lanes > 1 ? mask & ~(1u << 9) : mask);
+        for (int l = 0; l < lanes; ++l) {
+          for (int k = 0; k < 30; ++k) {
+            const float got = rows[static_cast<std::size_t>(l * 30 + k)];
+            const float want =
+                holds(mask, l) ? value(l, parts.source_of(k)) : static_cast<float>(kGuard);
+            if (lanes > 1 && l == 9 && k == 16 && holds(mask, l)) continue;
+            EXPECT_EQ(got, want) << "lane " << l << ", value " << k;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(RowKernels, ReadFiniteRowsOfTheMaskAlone) {
   for_all([](const RowKernels& kernels, int lanes, std::uint32_t mask, int count) {
     constexpr int kStride = kWidest + 2;

@@ -62,6 +62,10 @@ SkybodyDeclare Declared::table() {
   d.info = [](void* h, const SkybodyChannel* c) {
     note(h, "info " + std::string(c->name) + " x " + std::to_string(c->count));
   };
+  d.repeat = [](void* h, int32_t to, int32_t from, int32_t count) {
+    note(h,
+         "repeat " + std::to_string(to) + " " + std::to_string(from) + " " + std::to_string(count));
+  };
   return d;
 }
 
