@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import skybody
 from numpy.typing import NDArray
+from skybody.program import run_program
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81  # [m/s^2]
@@ -369,5 +370,11 @@ def cases(quick: bool) -> list[Case]:
     ]
 
 
-if __name__ == "__main__":
+def main() -> int:
+    """Prints the figures of all cases."""
     print(json.dumps(measured("--quick" in sys.argv[1:])))
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
