@@ -39,7 +39,8 @@ std::vector<limit::LoopKind> in_lanes(const std::vector<limit::LoopKind>& loops)
 class Goals {
  public:
   explicit Goals(const Effort& effort) : effort_(effort), loops_(limit::all_loops()) {
-    loops_ = {in_lanes(loops_.hover), in_lanes(loops_.payload), in_lanes(loops_.pin_rod)};
+    loops_ = {in_lanes(loops_.hover), in_lanes(loops_.payload), in_lanes(loops_.pin_rod),
+              in_lanes(loops_.team_of_2), in_lanes(loops_.team_of_20)};
   }
 
   void all() {
@@ -49,6 +50,8 @@ class Goals {
     plain_payload();
     tree("rod on a pin", {SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml", {}, {}}, loops_.pin_rod,
          hover_with_rod());
+    team("formation of 2", "formation_2", loops_.team_of_2);
+    team("formation of 20", "formation_20", loops_.team_of_20);
     scaling();
     footprint();
   }
@@ -148,6 +151,19 @@ class Goals {
     c.loops = loops_.payload;
     contest("payload, K=1, no IMU, nominal", c, 0.5);
     figures_.back().sense.clear();
+  }
+
+  /// With the joint observation, as shipped.
+  void team(const std::string& name, const char* scenario,
+            const std::vector<limit::LoopKind>& loops) {
+    for (const int threads : {1, 2}) {
+      Contest c;
+      c.scenario = {scenario, {"stepping.horizon=1000"}, {}};
+      c.loops = loops;
+      c.envs = 32;
+      c.threads = threads;
+      contest(name + ", 32 environments", c, 0.5);
+    }
   }
 
   /// Ratio to the limit by number of environments, and what a second thread brings.

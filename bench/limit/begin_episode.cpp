@@ -3,6 +3,7 @@
 #include "bench/limit/hover_task.h"
 #include "bench/limit/payload_task.h"
 #include "bench/limit/pin_rod_task.h"
+#include "bench/limit/team_step.h"
 
 namespace skybody::bench::limit {
 namespace {
@@ -80,6 +81,25 @@ class Values {
   v.place(draw, 1.5, 0.0, kMass + kPinRod.mass);
   v[kPinAngle] = v[kPinRate] = 0.0;
   v[kSwingerValues] = 0.0;
+}
+
+[[gnu::noinline]] void begin_team(double* values, int stride, int robots, std::uint64_t env,
+                                  std::uint64_t episode) {
+  Draws draw(env, episode);
+  const double x = draw.uniform(-10.0, 10.0), y = draw.uniform(-10.0, 10.0);
+  const double z = draw.uniform(1.5, 11.5);
+  for (int i = 0; i < robots; ++i) {
+    const Values v(values + i * kFlyerValues * stride, stride);
+    v.place(draw, z, 0.0, kMass);
+    v[kPosition] = x + 0.7 * i;
+    v[kPosition + 1] = y + 0.7 * i;
+    v[kPosition + 2] = z;
+  }
+  const Values rest(values + robots * kFlyerValues * stride, stride);
+  rest[0] = x + draw.uniform(-2.0, 2.0);
+  rest[1] = y + draw.uniform(-2.0, 2.0);
+  rest[2] = z + draw.uniform(-2.0, -0.5);
+  rest[3] = 0.0;
 }
 
 }  // namespace skybody::bench::limit

@@ -10,8 +10,6 @@
 
 namespace skybody::bench::limit {
 
-constexpr int kActions = 4;
-
 /// What a task says about where its vehicles are.
 template <class Real>
 struct Outcome {
@@ -28,6 +26,7 @@ class BlockStep {
   static constexpr int W = LaneLoads<Real>::kCount;
   /// Values of an environment: the state, what the task keeps, steps of the episode.
   static constexpr int kStep = Task::kValues, kValues = kStep + 1;
+  static constexpr int kObservation = Task::kObservation, kActions = 4;
   using Memory = Block<W, kValues>;
 
   SKYBODY_INLINE explicit BlockStep(Memory& block) : block_(block) {}
@@ -68,7 +67,7 @@ class BlockStep {
       action_[k] = 1.0f < a ? 1.0f : a;
     }
     Real column[4];
-    read_columns(rows, column);
+    read_columns(rows, column, kActions);
     for (int i = 0; i < 4; ++i) {
       const Real clipped = smaller(larger(column[i], Real(-1.0)), Real(1.0));
       command[i] = smaller(clipped * Task::kSpeedScale + Task::kSpeedScale, Real(kMaxRotorSpeed));

@@ -34,6 +34,15 @@ class Actions {
   std::uint64_t seed_ = 1;
 };
 
+/// With nominal constants.
+LoadOptions team_of(const char* scenario, const std::string& repeat) {
+  return {scenario,
+          {repeat,
+           "randomization=[{plugin: start, parameters: {relative: true, together: true, "
+           "position_min: [-10, -10, -10], position_max: [10, 10, 10], min_height: 1.5}}]"},
+          {}};
+}
+
 LoadOptions scenario_of(CheckedTask task, int repeats) {
   const std::string repeat = "stepping.action_repeat=" + std::to_string(repeats);
   switch (task) {
@@ -45,6 +54,10 @@ LoadOptions scenario_of(CheckedTask task, int repeats) {
               {}};
     case CheckedTask::kPinRod:
       return {SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml", {repeat}, {}};
+    case CheckedTask::kTeamOf2:
+      return team_of("formation_2", repeat);
+    case CheckedTask::kTeamOf20:
+      return team_of("formation_20", repeat);
     case CheckedTask::kHover:
       break;
   }
@@ -65,7 +78,7 @@ class Engine {
     compiled_->reset(group_, *work_, kAll, rows());
   }
   void step(const std::vector<float>& actions) {
-    compiled_->step(group_, *work_, kAll, actions.data(), kActions, rows());
+    compiled_->step(group_, *work_, kAll, actions.data(), compiled_->action_size(), rows());
   }
   double q(int lane, int k) { return value(compiled_->layout().q.offset + k, lane); }
   double u(int lane, int k) { return value(compiled_->layout().u.offset + k, lane); }
@@ -99,11 +112,24 @@ class Engine {
   std::uint64_t status_[kGroup] = {};
 };
 
-/// The engine's base comes first in both.
-void copy_base(Engine& engine, EnvironmentArray& array, int env) {
-  for (int k = 0; k < kVelocity; ++k) array.value(env, k) = engine.q(env, k);
-  for (int k = 0; k < 6; ++k) array.value(env, kVelocity + k) = engine.u(env, k);
-  for (int k = 0; k < 4; ++k) array.value(env, kRotor + k) = engine.rotor(env, k);
+/// The engine's bases come first in both.
+void copy_base(Engine& engine, EnvironmentArray& array, int env, int robot = 0) {
+  const int to = robot * kFlyerValues;
+  for (int k = 0; k < 7; ++k) array.value(env, to + k) = engine.q(env, 7 * robot + k);
+  for (int k = 0; k < 6; ++k) array.value(env, to + kVelocity + k) = engine.u(env, 6 * robot + k);
+  for (int k = 0; k < 4; ++k) array.value(env, to + kRotor + k) = engine.rotor(env, 4 * robot + k);
+}
+
+/// @param first  where the target's values lie
+void copy_target(Engine& engine, EnvironmentArray& array, int env, int first, int count) {
+  for (int k = 0; k < count; ++k) {
+    array.value(env, first + k) = engine.param(env, "task.target[" + std::to_string(k) + "]");
+  }
+}
+
+void copy_team(Engine& engine, EnvironmentArray& array, int env, int robots) {
+  for (int i = 0; i < robots; ++i) copy_base(engine, array, env, i);
+  copy_target(engine, array, env, robots * kFlyerValues, 3);
 }
 
 /// Coordinates of ball joints are those of the loop.
@@ -119,11 +145,11 @@ void copy_state(CheckedTask task, Engine& engine, EnvironmentArray& array, int e
   copy_base(engine, array, env);
   switch (task) {
     case CheckedTask::kHover:
-      for (int k = 0; k < 4; ++k) {
-        const std::string path = "task.target[" + std::to_string(k) + "]";
-        array.value(env, kTarget + k) = engine.param(env, path);
-      }
-      return;
+      return copy_target(engine, array, env, kTarget, 4);
+    case CheckedTask::kTeamOf2:
+      return copy_team(engine, array, env, 2);
+    case CheckedTask::kTeamOf20:
+      return copy_team(engine, array, env, 20);
     case CheckedTask::kPayload:
       copy_bodies(engine, array, env);
       return;
@@ -144,8 +170,9 @@ Difference compare_with_engine(CheckedTask task, const LoopKind& loop, int repea
   Engine engine(task, repeats);
   EnvironmentArray array(loop, kGroup, repeats);
   // About hover, so that no episode ends; a little more where something hangs below.
-  Actions actions(task == CheckedTask::kHover ? 0.21f : 0.3f, 0.05f);
-  std::vector<float> rows(kGroup * kActions);
+  const bool carries = task == CheckedTask::kPayload || task == CheckedTask::kPinRod;
+  Actions actions(carries ? 0.3f : 0.21f, 0.05f);
+  std::vector<float> rows(static_cast<std::size_t>(kGroup * loop.actions));
   actions.fill(rows);
   array.step(rows.data());  // begins the episodes; then the engine's starts take their place
   std::vector<float> start;
@@ -175,7 +202,7 @@ bool give_same_rows(const LoopKind& a, const LoopKind& b, int repeats, int round
   EnvironmentArray first(a, kEnvs, repeats), second(b, kEnvs, repeats);
   const auto bytes = static_cast<std::size_t>(a.observation) * sizeof(float);
   Actions actions(0.2f, 1.0f);
-  std::vector<float> rows(kEnvs * kActions);
+  std::vector<float> rows(static_cast<std::size_t>(kEnvs * a.actions));
   for (int n = 0; n < rounds; ++n) {
     actions.fill(rows);
     first.step(rows.data());

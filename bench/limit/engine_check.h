@@ -15,7 +15,7 @@ struct Difference {
 };
 
 /// What is flown, and how the engine's state becomes the loop's.
-enum class CheckedTask { kHover, kPayload, kPinRod };
+enum class CheckedTask { kHover, kPayload, kPinRod, kTeamOf2, kTeamOf20 };
 
 /// Flies the engine and a loop from the same starts with the same random actions about hover for
 /// some steps, in the air throughout.

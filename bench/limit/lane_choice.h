@@ -49,6 +49,15 @@ SKYBODY_INLINE Real wrapped(const Real& x) {
 }
 
 template <class Real>
+SKYBODY_INLINE Real root(const Real& x) {
+  return sqrt(x);
+}
+template <class Real>
+SKYBODY_INLINE Real exponential(const Real& x) {
+  return exp(x);
+}
+
+template <class Real>
 SKYBODY_INLINE SinCos<Real> sincos_of(const Real& x) {
   return sincos(x);
 }

@@ -37,6 +37,7 @@ struct LoopKind {
   int width = 1;          ///< environments side by side
   std::size_t block_bytes = 0;
   int observation = 0;  ///< floats a row
+  int actions = 0;      ///< likewise
   Loop run = nullptr;
 };
 

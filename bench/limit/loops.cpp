@@ -13,6 +13,8 @@ void append(Loops& to, const Loops& more) {
   append(to.hover, more.hover);
   append(to.payload, more.payload);
   append(to.pin_rod, more.pin_rod);
+  append(to.team_of_2, more.team_of_2);
+  append(to.team_of_20, more.team_of_20);
 }
 
 }  // namespace

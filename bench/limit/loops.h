@@ -9,7 +9,7 @@ namespace skybody::bench::limit {
 
 /// By task, one by one first.
 struct Loops {
-  std::vector<LoopKind> hover, payload, pin_rod;
+  std::vector<LoopKind> hover, payload, pin_rod, team_of_2, team_of_20;
 };
 
 /// Those of one instruction set.

@@ -6,53 +6,65 @@
 #include "bench/limit/loops.h"
 #include "bench/limit/payload_task.h"
 #include "bench/limit/pin_rod_task.h"
+#include "bench/limit/team_step.h"
 
 namespace skybody::bench::limit {
 namespace {
 
-template <class Task>
+template <class Step>
 SKYBODY_INLINE void run_blocks(const LoopCall& call, int repeats) {
-  using Step = BlockStep<Task>;
   auto* blocks = static_cast<typename Step::Memory*>(call.blocks);
   for (int b = call.first; b < call.last; ++b) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(b) * Step::W;
-    const Rows rows{call.rows.action + at * kActions,
-                    call.rows.observation + at * Task::kObservation, call.rows.reward + at,
+    const Rows rows{call.rows.action + at * Step::kActions,
+                    call.rows.observation + at * Step::kObservation, call.rows.reward + at,
                     call.rows.ended + at};
     Step(blocks[b]).run(static_cast<std::uint64_t>(at), rows, repeats);
   }
 }
 
 // Not one for both: a loop of one physics step is none.
-template <class Task>
+template <class Step>
 void run_once(const LoopCall& call) {
-  run_blocks<Task>(call, 1);
+  run_blocks<Step>(call, 1);
 }
-template <class Task>
+template <class Step>
 void run_often(const LoopCall& call) {
-  run_blocks<Task>(call, call.repeats);
+  run_blocks<Step>(call, call.repeats);
 }
-template <class Task>
+template <class Step>
 void run(const LoopCall& call) {
-  (call.repeats == 1 ? run_once<Task> : run_often<Task>)(call);
+  (call.repeats == 1 ? run_once<Step> : run_often<Step>)(call);
 }
 
-template <class Task>
+template <class Step>
 LoopKind kind(const char* name) {
-  using Step = BlockStep<Task>;
-  return {name, Step::W, sizeof(typename Step::Memory), Task::kObservation, &run<Task>};
+  return {name,           Step::W,   sizeof(typename Step::Memory), Step::kObservation,
+          Step::kActions, &run<Step>};
 }
 
 template <template <class> class Task>
+struct StepOf {
+  template <class Real>
+  using Type = BlockStep<Task<Real>>;
+};
+template <int N>
+struct TeamOf {
+  template <class Real>
+  using Type = TeamStep<Real, N>;
+};
+
+/// @tparam Steps  Type<Real>: the step of environments in a Real
+template <class Steps>
 std::vector<LoopKind> kinds() {
 #ifdef __AVX512F__
-  return {kind<Task<double>>("one by one, v4"), kind<Task<Pack<8>>>("8 lanes, v4"),
-          kind<Task<Twin<Pack<8>>>>("2 x 8 lanes, v4")};
+  return {kind<typename Steps::template Type<double>>("one by one, v4"), kind<typename Steps::template Type<Pack<8>>>("8 lanes, v4"),
+          kind<typename Steps::template Type<Twin<Pack<8>>>>("2 x 8 lanes, v4")};
 #elif defined(__AVX2__)
-  return {kind<Task<double>>("one by one, v3"), kind<Task<Pack<4>>>("4 lanes, v3"),
-          kind<Task<Twin<Pack<4>>>>("2 x 4 lanes, v3")};
+  return {kind<typename Steps::template Type<double>>("one by one, v3"), kind<typename Steps::template Type<Pack<4>>>("4 lanes, v3"),
+          kind<typename Steps::template Type<Twin<Pack<4>>>>("2 x 4 lanes, v3")};
 #else
-  return {kind<Task<double>>("one by one, v2")};
+  return {kind<typename Steps::template Type<double>>("one by one, v2")};
 #endif
 }
 
@@ -62,7 +74,8 @@ std::vector<LoopKind> kinds() {
 #define SKYBODY_LIMIT_NAME(isa) SKYBODY_LIMIT_JOIN(loops_, isa)
 
 Loops SKYBODY_LIMIT_NAME(SKYBODY_LIMIT_ISA)() {
-  return {kinds<HoverTask>(), kinds<PayloadTask>(), kinds<PinRodTask>()};
+  return {kinds<StepOf<HoverTask>>(), kinds<StepOf<PayloadTask>>(), kinds<StepOf<PinRodTask>>(),
+          kinds<TeamOf<2>>(), kinds<TeamOf<20>>()};
 }
 
 }  // namespace skybody::bench::limit

@@ -3,6 +3,7 @@
 // environments, one thread and two spinning ones. Checks first that the loops do what the engine
 // does; exit code 1 if they do not.
 #include <cstdio>
+#include <span>
 #include <vector>
 
 #include "app/machine.h"
@@ -16,12 +17,13 @@ namespace {
 constexpr int kTrials = 40;
 constexpr double kSeconds = 0.002;  // a trial; short ones find quiet moments of the machine
 constexpr int kSizes[] = {64, 256, 1024, 4096, 16384};
+constexpr int kTeamSizes[] = {32, 128, 512};
 
 /// All loops take turns, so that a slow moment of the machine hits them alike.
 /// @returns steps a second, loop by loop
 std::vector<double> best_rates(const std::vector<LoopKind>& loops, int envs, int repeats,
                                int threads) {
-  const std::vector<float> actions(static_cast<std::size_t>(envs) * 4, 0.21f);
+  const std::vector<float> actions(static_cast<std::size_t>(envs * loops.front().actions), 0.21f);
   std::vector<EnvironmentArray> arrays;
   for (const LoopKind& loop : loops) arrays.emplace_back(loop, envs, repeats);
   std::vector<double> best(loops.size());
@@ -33,10 +35,11 @@ std::vector<double> best_rates(const std::vector<LoopKind>& loops, int envs, int
   return best;
 }
 
-void measure(const char* task, const std::vector<LoopKind>& loops, int repeats, int threads) {
+void measure(const char* task, const std::vector<LoopKind>& loops, int repeats, int threads,
+             std::span<const int> sizes = kSizes) {
   std::printf("%s, K=%d, %d thread%s\n", task, repeats, threads, threads > 1 ? "s" : "");
   std::vector<std::vector<double>> columns;
-  for (const int envs : kSizes) columns.push_back(best_rates(loops, envs, repeats, threads));
+  for (const int envs : sizes) columns.push_back(best_rates(loops, envs, repeats, threads));
   for (std::size_t k = 0; k < loops.size(); ++k) {
     std::printf("  %-16s", loops[k].name);
     for (const std::vector<double>& column : columns) std::printf(" %7.2f", 1e-6 * column[k]);
@@ -57,6 +60,8 @@ int run() {
       measure("hover", loops.hover, repeats, threads);
       measure("payload", loops.payload, repeats, threads);
       measure("rod on a pin", loops.pin_rod, repeats, threads);
+      measure("team of 2, of 32, 128, 512", loops.team_of_2, repeats, threads, kTeamSizes);
+      measure("team of 20, of 32, 128, 512", loops.team_of_20, repeats, threads, kTeamSizes);
     }
   }
   return 0;

@@ -58,24 +58,24 @@ SKYBODY_INLINE Floats<4> upper(const Floats<8>& v) {
   return __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
 
-/// Four columns from rows of four floats each.
-SKYBODY_INLINE void read_columns(const float* rows, double (&column)[4]) {
+/// Four columns from the first four floats of rows that lie `stride` floats apart.
+SKYBODY_INLINE void read_columns(const float* rows, double (&column)[4], int) {
   for (int i = 0; i < 4; ++i) column[i] = rows[i];
 }
-SKYBODY_INLINE void read_columns(const float* rows, Pack<4> (&column)[4]) {
+SKYBODY_INLINE void read_columns(const float* rows, Pack<4> (&column)[4], int stride) {
   Floats<4> v[4];
-  std::memcpy(v, rows, sizeof(v));
+  for (int i = 0; i < 4; ++i) std::memcpy(&v[i], rows + i * stride, sizeof(v[i]));
   transpose4(v);
   for (int i = 0; i < 4; ++i) {
     column[i] = Pack<4>(__builtin_convertvector(v[i], lanes::Reals4));
   }
 }
-SKYBODY_INLINE void read_columns(const float* rows, Pack<8> (&column)[4]) {
+SKYBODY_INLINE void read_columns(const float* rows, Pack<8> (&column)[4], int stride) {
   Floats<8> v[4];
   for (int i = 0; i < 4; ++i) {
     Floats<4> low, high;
-    std::memcpy(&low, rows + 4 * i, sizeof(low));
-    std::memcpy(&high, rows + 16 + 4 * i, sizeof(high));
+    std::memcpy(&low, rows + i * stride, sizeof(low));
+    std::memcpy(&high, rows + (i + 4) * stride, sizeof(high));
     v[i] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
   }
   transpose4(v);
@@ -84,10 +84,10 @@ SKYBODY_INLINE void read_columns(const float* rows, Pack<8> (&column)[4]) {
   }
 }
 template <class R>
-SKYBODY_INLINE void read_columns(const float* rows, Twin<R> (&column)[4]) {
+SKYBODY_INLINE void read_columns(const float* rows, Twin<R> (&column)[4], int stride) {
   R a[4], b[4];
-  read_columns(rows, a);
-  read_columns(rows + 4 * LaneLoads<R>::kCount, b);
+  read_columns(rows, a, stride);
+  read_columns(rows + stride * LaneLoads<R>::kCount, b, stride);
   for (int i = 0; i < 4; ++i) column[i] = {a[i], b[i]};
 }
 

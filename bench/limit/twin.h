@@ -75,6 +75,14 @@ SKYBODY_INLINE Twin<R> wrapped(const Twin<R>& x) {
   return {wrapped(x.a), wrapped(x.b)};
 }
 template <class R>
+SKYBODY_INLINE Twin<R> root(const Twin<R>& x) {
+  return {root(x.a), root(x.b)};
+}
+template <class R>
+SKYBODY_INLINE Twin<R> exponential(const Twin<R>& x) {
+  return {exponential(x.a), exponential(x.b)};
+}
+template <class R>
 SKYBODY_INLINE SinCos<Twin<R>> sincos_of(const Twin<R>& x) {
   const SinCos<R> a = sincos_of(x.a), b = sincos_of(x.b);
   return {{a.sin, b.sin}, {a.cos, b.cos}};

@@ -364,19 +364,30 @@ SKYBODY_INLINE void copy_by(const float* from, int count, float* to) {
   copy_floats<N>(from + count - N, to + count - N);
 }
 
-/// Copies within one row.
-SKYBODY_INLINE void copy_parts(const RowParts& parts, float* row) {
-  for (const ValueCopy& copy : parts.copies) {
-    const float* const from = row + copy.from;
-    float* const to = row + copy.to;
-    if (copy.count >= 8) {
-      copy_by<8>(from, copy.count, to);
-    } else if (copy.count >= 4) {
-      copy_by<4>(from, copy.count, to);
-    } else {
-      for (int k = 0; k < copy.count; ++k) to[k] = from[k];
-    }
+/// Copies within each of `lanes` rows of `size` values.
+SKYBODY_INLINE void copy_within(const ValueCopy& copy, int lanes, int size, float* rows) {
+  const auto each_row = [&](const auto& f) SKYBODY_INLINE_LAMBDA {
+    float* row = rows;
+    for (int l = 0; l < lanes; ++l, row += size) f(row + copy.from, row + copy.to);
+  };
+  if (copy.count == 12) {  // velocity and rotation: what robots of a team see of one another
+    each_row([](const float* from, float* to) SKYBODY_INLINE_LAMBDA {
+      copy_floats<8>(from, to);
+      copy_floats<4>(from + 8, to + 8);
+    });
+  } else if (copy.count >= 8) {
+    each_row([&](const float* from, float* to)
+                 SKYBODY_INLINE_LAMBDA { copy_by<8>(from, copy.count, to); });
+  } else if (copy.count >= 4) {
+    each_row([&](const float* from, float* to)
+                 SKYBODY_INLINE_LAMBDA { copy_by<4>(from, copy.count, to); });
+  } else {
+    each_row([&](const float* from, float* to)
+                 SKYBODY_INLINE_LAMBDA { std::copy_n(from, copy.count, to); });
   }
+}
+SKYBODY_INLINE void copy_parts(const RowParts& parts, float* row) {
+  for (const ValueCopy& copy : parts.copies) copy_within(copy, 1, parts.size, row);
 }
 
 struct Write {
@@ -404,11 +415,11 @@ struct WriteParts {
                                           const RowParts& parts, float* rows) {
     const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
       Floats<kPiece<W>> sum{};
-      float* row = rows + static_cast<std::ptrdiff_t>(first) * parts.size;
-      for (const ValueRun& run : parts.written) {
-        write_run<kPiece<W>>(values + first, parts.size, run, row, sum);
+      float* own = rows + static_cast<std::ptrdiff_t>(first) * parts.size;
+      for (const RowPiece& piece : parts.pieces) {
+        write_run<kPiece<W>>(values + first, parts.size, piece.written, own, sum);
+        copy_within(piece.copied, kOctet, parts.size, own);
       }
-      for (int l = 0; l < kOctet; ++l, row += parts.size) copy_parts(parts, row);
       return is_finite(sum);
     };
     const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
@@ -444,6 +455,26 @@ struct End {
 };
 
 }  // namespace
+
+void RowParts::set_pieces() {
+  const auto is_source = [this](const ValueRun& run) {
+    return std::any_of(copies.begin(), copies.end(), [&run](const ValueCopy& copy) {
+      return copy.from < run.first + run.count && run.first < copy.from + copy.count;
+    });
+  };
+  pieces.clear();
+  for (const ValueRun& run : written) {
+    if (is_source(run)) pieces.push_back({run, {}});
+  }
+  auto copy = copies.begin();
+  for (const ValueRun& run : written) {
+    for (; copy != copies.end() && copy->to < run.first; ++copy) pieces.push_back({{}, *copy});
+    if (is_source(run)) continue;
+    pieces.push_back({run, {}});
+    if (copy != copies.end() && copy->to == run.first + run.count) pieces.back().copied = *copy++;
+  }
+  for (; copy != copies.end(); ++copy) pieces.push_back({{}, *copy});
+}
 
 void copy_repeats(const RowParts& parts, float* row) { copy_parts(parts, row); }
 

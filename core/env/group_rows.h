@@ -21,11 +21,21 @@ struct ValueCopy {
   int from = 0, to = 0, count = 0;
 };
 
+/// A piece of a row: some values are written, others copied. Either may have none.
+struct RowPiece {
+  ValueRun written;
+  ValueCopy copied;
+};
+
 /// Where the values of a row come from: some are written, the others copied from these.
 struct RowParts {
   int size = 0;                   ///< of a row
   std::vector<ValueRun> written;  ///< in order
   std::vector<ValueCopy> copies;  ///< likewise
+  std::vector<RowPiece> pieces;   ///< all of both: what is copied from comes first, then in order
+
+  /// Makes `pieces` of the others.
+  void set_pieces();
 
   /// The value that value k is a copy of; k where it is none, or lies beyond the row.
   int source_of(int k) const {

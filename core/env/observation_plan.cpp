@@ -89,6 +89,7 @@ class Planner {
       add_copy(copy);
     }
     if (next < plan.row.size) plan.row.written.push_back({next, plan.row.size - next});
+    plan.row.set_pieces();
   }
 
   ObservationPlan plan;

@@ -6,6 +6,7 @@
 #include "plugins/task_kit/drawn_target.h"
 #include "plugins/task_kit/flight_limits.h"
 #include "plugins/task_kit/goal_shaping.h"
+#include "plugins/task_kit/hausdorff.h"
 #include "plugins/task_kit/history.h"
 #include "plugins/task_kit/nearest_obstacles.h"
 #include "plugins/task_kit/obstacles.h"

@@ -119,10 +119,8 @@ class Formation : public Task {
   // at most, and how far from its place a goal begins to sink and has sunk to it [m].
   static constexpr double kStorey = 0.5, kStoreys = 5.0, kSinkFrom = 2.0, kSinkTo = 0.5;
 
-  /// What a robot sees of another one.
-  struct Sight {
-    Part offset, distance, velocity, rotation;
-  };
+  /// What a robot sees of another one: the first value of each, and how many there are.
+  enum Sight { kOffset = 0, kDistance = 3, kVelocity = 4, kRotation = 7, kSight = 16 };
   /// Which limits a robot has passed.
   template <class Real>
   struct Failures {
@@ -143,16 +141,14 @@ class Formation : public Task {
     std::string name;
     Vec3<double> place = {};  ///< from the target [m]
     Part target_error = {}, velocity = {}, rotation = {}, angular_velocity = {};
-    std::vector<Sight> others = {};  ///< in the order of robots_, itself left out
+    Part others = {};  ///< a Sight of each, in the order of robots_, itself left out
     Part place_error = {};
     ObstacleParts obstacles = {};
   };
 
   int count() const { return static_cast<int>(robots_.size()); }
-  /// What robot i sees of robot j.
-  const Sight& sight(int i, int j) const {
-    return at(i).others[static_cast<std::size_t>(j < i ? j : j - 1)];
-  }
+  /// Where among `others` of robot i its sight of robot j begins.
+  static int sight(int i, int j) { return kSight * (j < i ? j : j - 1); }
   const Robot& at(int i) const { return robots_[static_cast<std::size_t>(i)]; }
 
   void add_robots(const Setup& setup) {
@@ -188,13 +184,14 @@ class Formation : public Task {
     robot.velocity = part("velocity", "m/s", 3, "of the base's frame, W");
     robot.rotation = part("rotation", "", 9, "matrix W from B, row by row", -1.0, 1.0);
     robot.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
+    robot.others = Part(observation_.size(), kSight * (count() - 1), "others");
     for (const Robot& other : robots_) {
       if (other.index == robot.index) continue;
       const std::string of = other.name + ".";
-      robot.others.push_back({part(of + "offset", "m", 3, "p of the other - p, W"),
-                              part(of + "distance", "m", 1, "its length", 0.0),
-                              part(of + "velocity", "m/s", 3, "of the other, W"),
-                              part(of + "rotation", "", 9, "of the other, as above", -1.0, 1.0)});
+      part(of + "offset", "m", 3, "p of the other - p, W");
+      part(of + "distance", "m", 1, "its length", 0.0);
+      part(of + "velocity", "m/s", 3, "of the other, W");
+      part(of + "rotation", "", 9, "of the other, as above", -1.0, 1.0);
     }
     if (sees_place_.value()) {
       robot.place_error = part("place_error", "m", 3, "target + its place - p, W");
@@ -207,10 +204,9 @@ class Formation : public Task {
     for (int i = 0; i < count(); ++i) {
       for (int j = 0; j < count(); ++j) {
         if (i == j) continue;
-        Sight& to = robots_[static_cast<std::size_t>(i)]
-                        .others[static_cast<std::size_t>(j < i ? j : j - 1)];
-        ObservationParts::repeat(setup, to.velocity, at(j).velocity);
-        ObservationParts::repeat(setup, to.rotation, at(j).rotation);
+        const int to = at(i).others.first() + sight(i, j);
+        setup.repeat(to + kVelocity, at(j).velocity.first(), 3);
+        setup.repeat(to + kRotation, at(j).rotation.first(), 9);
       }
     }
   }
@@ -238,10 +234,12 @@ class Formation : public Task {
       if (sees_place_.value()) {
         at(j).place_error.set(row, target + place<Real>(j) - seen.position);
       }
-      for (int i = 0; i < count(); ++i) {
-        if (i == j) continue;
-        sight(i, j).velocity.set(row, seen.velocity);
-        sight(i, j).rotation.set(row, rotation);
+      if constexpr (!kLeavesRepeats<Real>) {
+        for (int i = 0; i < count(); ++i) {
+          if (i == j) continue;
+          at(i).others.set(row, seen.velocity, sight(i, j) + kVelocity);
+          at(i).others.set(row, rotation, sight(i, j) + kRotation);
+        }
       }
       for (int i = 0; i < j; ++i) observe_pair(env, i, j, seen.position, row);
     }
@@ -253,10 +251,10 @@ class Formation : public Task {
                                    const Values<Real>& row) const {
     const Vec3<Real> here = motion(env, i).position, offset = there - here;
     const Real distance = norm(offset);
-    sight(i, j).offset.set(row, offset);
-    sight(i, j).distance.set(row, distance);
-    sight(j, i).offset.set(row, here - there);
-    sight(j, i).distance.set(row, distance);
+    at(i).others.set(row, offset, sight(i, j) + kOffset);
+    at(i).others.set(row, distance, sight(i, j) + kDistance);
+    at(j).others.set(row, here - there, sight(j, i) + kOffset);
+    at(j).others.set(row, distance, sight(j, i) + kDistance);
   }
 
   /// x of the body's x axis: 1 facing along W's x, level.
@@ -276,8 +274,9 @@ class Formation : public Task {
   template <class Real>
   SKYBODY_INLINE Real nearest_distance(const Values<Real>& observation, int i) const {
     Real nearest(kInfinity);
-    for (const Sight& other : at(i).others) {
-      nearest = min(nearest, observation[other.distance.first()]);
+    const Part& others = at(i).others;
+    for (int k = kDistance; k < others.count(); k += kSight) {
+      nearest = min(nearest, observation[others.first() + k]);
     }
     return nearest;
   }

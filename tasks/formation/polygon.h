@@ -22,21 +22,4 @@ inline std::vector<Vec3<double>> polygon_places(int count, double radius) {
   return places;
 }
 
-/// How far any robot is from the closest place, or any place from the closest robot [m].
-/// @param robot, place  the i-th of `count`, each about its own mean, from an index
-template <class Real, class Robots, class Places>
-SKYBODY_INLINE Real hausdorff_distance(int count, const Robots& robot, const Places& place) {
-  Real farthest(0.0);
-  for (int i = 0; i < count; ++i) {
-    const Vec3<Real> own = robot(i);
-    Real to_place(kInfinity), to_robot(kInfinity);
-    for (int j = 0; j < count; ++j) {
-      to_place = min(to_place, squared_norm(own - place(j)));
-      to_robot = min(to_robot, squared_norm(robot(j) - place(i)));
-    }
-    farthest = max(farthest, max(to_place, to_robot));
-  }
-  return sqrt(farthest);
-}
-
 }  // namespace skybody

@@ -48,8 +48,9 @@ void for_all(Check&& check) {
 
 // A row of 30 values: some lie in lanes, the others are these once more.
 TEST(RowKernels, WriteRowsOfWhichPartsAreCopies) {
-  const RowParts parts{
-      30, {{0, 9}, {12, 1}, {14, 4}}, {{0, 9, 3}, {4, 13, 1}, {0, 18, 12 - 4}, {3, 26, 4}}};
+  RowParts parts{
+      30, {{0, 9}, {12, 1}, {14, 4}}, {{0, 9, 3}, {4, 13, 1}, {0, 18, 12 - 4}, {3, 26, 4}}, {}};
+  parts.set_pieces();
   for (const Isa isa : kIsas) {
     if (!machine_has(isa)) continue;
     for (const int lanes : {1, kGroupLanes}) {
