@@ -4,6 +4,8 @@ include(GNUInstallDirs)
 
 option(SKYBODY_PORTABLE "Kernels for the compiler's own instruction set alone, as on processors other than x86-64" OFF)
 option(SKYBODY_CCACHE "Compile through ccache where it is found" ON)
+set(SKYBODY_KERNELS "all" CACHE STRING
+  "Instruction sets with kernels of their own: 'all', or 'host': this machine's best and the lowest, for builds that stay here")
 set(SKYBODY_SANITIZE "" CACHE STRING "Sanitizers: 'address,undefined', 'thread' or empty")
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -34,7 +36,9 @@ if(SKYBODY_CCACHE)
   find_program(SKYBODY_CCACHE_PROGRAM ccache)
   if(SKYBODY_CCACHE_PROGRAM)
     # With headers that are read once (SkybodyTest), ccache looks at their content in place of their time.
-    set(skybody_ccache "${CMAKE_COMMAND}" -E env CCACHE_SLOPPINESS=pch_defines,time_macros "${SKYBODY_CCACHE_PROGRAM}")
+    # Paths below the checkout count as relative, so that a second checkout finds what the first one has compiled.
+    set(skybody_ccache "${CMAKE_COMMAND}" -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+      "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${SKYBODY_CCACHE_PROGRAM}")
     set(CMAKE_C_COMPILER_LAUNCHER "${skybody_ccache}")
     set(CMAKE_CXX_COMPILER_LAUNCHER "${skybody_ccache}")
   endif()
@@ -83,6 +87,19 @@ endfunction()
 # the time.
 set(SKYBODY_TEST_OPTIONS "$<$<CONFIG:Release>:-O1>")
 
+# Kernels take most of the time of a build. The lowest set is always there, so that every build runs everywhere.
+set(SKYBODY_KERNEL_DEFINITIONS "")
+if(SKYBODY_KERNELS STREQUAL "host" AND EXISTS /proc/cpuinfo)
+  file(STRINGS /proc/cpuinfo skybody_flags REGEX "^flags" LIMIT_COUNT 1)
+  if(skybody_flags MATCHES " avx512f " AND skybody_flags MATCHES " avx512vl ")
+    set(SKYBODY_KERNEL_DEFINITIONS SKYBODY_BUILDS_v3=0)
+  elseif(skybody_flags MATCHES " avx2 ")
+    set(SKYBODY_KERNEL_DEFINITIONS SKYBODY_BUILDS_v4=0)
+  endif()
+elseif(NOT SKYBODY_KERNELS MATCHES "^(all|host)$")
+  message(FATAL_ERROR "SKYBODY_KERNELS is '${SKYBODY_KERNELS}'; it is 'all' or 'host'")
+endif()
+
 # Flags and include folders of our own targets. It says nothing about the C++ standard, for the files that
 # include Simbody are C++17.
 add_library(skybody_build_flags INTERFACE)
@@ -93,6 +110,7 @@ target_compile_options(skybody_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   -Wno-restrict  # false alarms of GCC 12 on std::string (GCC bug 105651)
   $<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Werror>)
+target_compile_definitions(skybody_build_flags INTERFACE ${SKYBODY_KERNEL_DEFINITIONS})
 target_link_options(skybody_build_flags INTERFACE ${SKYBODY_SANITIZE_FLAGS})
 
 # Adds a folder of this project if it is there.

@@ -26,6 +26,14 @@ inline const char* name(Isa isa) {
   return kNames[static_cast<int>(isa)];
 }
 
+/// Whether this build has kernels of its own for the set.
+constexpr bool has_kernels(Isa isa) {
+#define SKYBODY_ROW(NAME, LANES, TARGET) SKYBODY_BUILDS_##NAME,
+  constexpr bool kHas[] = {SKYBODY_ISAS(SKYBODY_ROW)};
+#undef SKYBODY_ROW
+  return kHas[static_cast<int>(isa)];
+}
+
 /// Whether this processor (and its operating system) runs the set.
 #if SKYBODY_HAS_LEVELS
 inline bool machine_has(Isa isa) {

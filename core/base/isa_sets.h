@@ -19,6 +19,17 @@
 #define SKYBODY_ISAS(X) X(portable, 2, "")
 #endif
 
+/* Which of them a build has kernels for; a set without runs those of the next lower one, with the
+ * same bits. All, unless SKYBODY_KERNELS (CMake) says less. */
+#define SKYBODY_BUILDS_portable 1
+#define SKYBODY_BUILDS_v2 1
+#ifndef SKYBODY_BUILDS_v3
+#define SKYBODY_BUILDS_v3 1
+#endif
+#ifndef SKYBODY_BUILDS_v4
+#define SKYBODY_BUILDS_v4 1
+#endif
+
 #define SKYBODY_ROW(NAME, LANES, TARGET) SKYBODY_ISA_##NAME,
 enum SkybodyIsa { SKYBODY_ISAS(SKYBODY_ROW) SKYBODY_ISA_COUNT };
 #undef SKYBODY_ROW

@@ -38,18 +38,31 @@ struct Kernel<Body, Result(Args...)> {
   static Result NAME(Args... args) { return Body::template run<LANES>(args...); }
   SKYBODY_ISAS(SKYBODY_ROW)
 #undef SKYBODY_ROW
-#define SKYBODY_ROW(NAME, LANES, TARGET) &NAME,
-  static constexpr Result (*kTable[])(Args...) = {SKYBODY_ISAS(SKYBODY_ROW)};
+  using Pointer = Result (*)(Args...);
+  template <Isa kIsa>
+  static constexpr Pointer of() {
+#define SKYBODY_ROW(NAME, LANES, TARGET) \
+  if constexpr (kIsa == Isa::NAME && SKYBODY_BUILDS_##NAME != 0) return &NAME;
+    SKYBODY_ISAS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+    return nullptr;
+  }
+#define SKYBODY_ROW(NAME, LANES, TARGET) of<Isa::NAME>(),
+  static constexpr Pointer kTable[] = {SKYBODY_ISAS(SKYBODY_ROW)};
 #undef SKYBODY_ROW
 };
 
 }  // namespace detail
 
-/// The function that `Body::run` is compiled to for an instruction set.
+/// The function that `Body::run` is compiled to for an instruction set; where the build has none
+/// for that, for the next lower one.
 /// @param isa  that the processor has, such as best_isa()
 template <class Body>
 constexpr auto* kernel(Isa isa) {
-  return detail::Kernel<Body, decltype(Body::template run<2>)>::kTable[static_cast<int>(isa)];
+  using Kernels = detail::Kernel<Body, decltype(Body::template run<2>)>;
+  int set = static_cast<int>(isa);
+  while (Kernels::kTable[set] == nullptr) --set;
+  return Kernels::kTable[set];
 }
 
 }  // namespace skybody

@@ -104,13 +104,22 @@ SKYBODY_INLINE std::uint32_t sign_bits(const Reals4& v) {
   split(v, low, high);
   return sign_bits(low) | sign_bits(high) << 2;
 }
+/// The highest byte of each lane, in one word: two instructions on v4.
+SKYBODY_INLINE std::uint64_t high_bytes(const Native<8>::Words& v) {
+  typedef std::uint8_t Bytes __attribute__((vector_size(8)));
+  const Bytes bytes = __builtin_convertvector(v >> 56, Bytes);
+  std::uint64_t word;
+  std::memcpy(&word, &bytes, sizeof(word));
+  return word;
+}
 SKYBODY_INLINE std::uint32_t sign_bits(const Reals8& v) {
-  Reals4 low, high;
-  split(v, low, high);
-  return sign_bits(low) | sign_bits(high) << 4;
+  // The sign of lane i stands at bit 8 i; the product has them side by side from bit 56 on.
+  const std::uint64_t signs =
+      high_bytes(reinterpret_cast<Native<8>::Words>(v)) >> 7 & 0x0101010101010101u;
+  return static_cast<std::uint32_t>(signs * 0x0102040810204080u >> 56);
 }
 
-/// Whether any lane's sign bit is set, and whether all are: halves first, one look at the end.
+/// Whether any lane's sign bit is set, and whether all are: with halves first, one look at the end.
 SKYBODY_INLINE bool any_sign(const Native<2>::Words& v) {
   return sign_bits(reinterpret_cast<Reals2>(v)) != 0;
 }
@@ -128,14 +137,10 @@ SKYBODY_INLINE bool all_signs(const Native<4>::Words& v) {
   return all_signs(low & high);
 }
 SKYBODY_INLINE bool any_sign(const Native<8>::Words& v) {
-  const Native<4>::Words low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
-  const Native<4>::Words high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
-  return any_sign(low | high);
+  return (high_bytes(v) & 0x8080808080808080u) != 0;
 }
 SKYBODY_INLINE bool all_signs(const Native<8>::Words& v) {
-  const Native<4>::Words low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
-  const Native<4>::Words high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
-  return all_signs(low & high);
+  return (~high_bytes(v) & 0x8080808080808080u) == 0;
 }
 
 /// Copies the bits of `from` into a value of type To of the same size (std::bit_cast is C++20's).

@@ -104,6 +104,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "experiments/vehicle_policy.py": QUICK,
     "experiments/worlds.py": Call("hover --quick --out {out}"),
     "experiments/yardstick/command.py": Call("hover_learn --total-steps 1 --out {out}/run"),
+    "scripts/build_times.py": Call("--count 3"),
     "scripts/code_lines.py": Call("scripts"),
     "scripts/control_page.py": Call("--check"),
     "scripts/hyperparameters.py": Elsewhere("test_hyperparameters.py"),

@@ -326,6 +326,7 @@ void add_bodies(ContactScene& scene) {
       const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
       body.radius = max(body.radius, norm(solid.pose.position - body.center) + solid.reach);
     }
+    body.reach = body.radius + norm(body.center);
     scene.bodies.push_back(body);
   }
 }

@@ -62,6 +62,7 @@ struct ContactBody {
   int first_solid = 0, last_solid = 0;  ///< of ContactScene::solids, one beyond the last
   Vec3<double> center{0.0, 0.0, 0.0};   ///< of the sphere, in the body's frame [m]
   double radius = 0.0;                  ///< [m]
+  double reach = 0.0;                   ///< radius of a sphere about the body's origin [m]
   double give = 0.0;  ///< give_of() of its thinnest solid, for checks of starts [m]
   int first_bristle = 0, last_bristle = 0;  ///< one beyond the last
   std::vector<GroundPoint> points;          ///< of all its solids, without the rims

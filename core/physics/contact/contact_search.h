@@ -22,13 +22,13 @@ class ContactSearch {
   /// Finds the meetings that are near enough to touch within the step that begins: by spheres about
   /// the bodies' origins, so that nothing is to be turned. Obstacles are left to measure() where
   /// clearances are kept, and meetings in which nothing moves are left out.
-  /// @param motion  of bodies with solids: position, velocity, spin
+  /// @param motion  motion(body): the BodyWay of a contact body
   /// @param wanted  lanes to look at
   /// @param clearances  per contact body; null: none are kept
   /// @param found   found(m, lanes) of each meeting that is near
   /// @returns the lanes that measure() is to look at
-  template <class Found>
-  SKYBODY_INLINE MaskOf<Real> find_near(const Motion* motion, const MaskOf<Real>& wanted,
+  template <class MotionOf, class Found>
+  SKYBODY_INLINE MaskOf<Real> find_near(const MotionOf& motion, const MaskOf<Real>& wanted,
                                         const Clearance<Real>* clearances,
                                         const Found& found) const {
     bound_about_origins(motion);
@@ -51,8 +51,8 @@ class ContactSearch {
 
   /// The same of the obstacles, as find_near() asks for it.
   /// @param clearances  brought up to date
-  template <class Found>
-  SKYBODY_INLINE void measure(const Motion* motion, const MaskOf<Real>& wanted,
+  template <class MotionOf, class Found>
+  SKYBODY_INLINE void measure(const MotionOf& motion, const MaskOf<Real>& wanted,
                               Clearance<Real>* clearances, const Found& found) const {
     bound_about_origins(motion);
     MaskOf<Real> is_clear(true);  // of all obstacles: the body of the meetings that come
@@ -146,17 +146,16 @@ class ContactSearch {
     }
   }
 
-  SKYBODY_INLINE void bound_about_origins(const Motion* motion) const {
+  template <class MotionOf>
+  SKYBODY_INLINE void bound_about_origins(const MotionOf& motion) const {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      w_.bounds[i] = bound_about_origin(scene_.bodies[i], motion);
+      w_.bounds[i] = bound_about_origin(scene_.bodies[i], motion(scene_.bodies[i]));
     }
   }
   SKYBODY_INLINE BodyBound<Real> bound_about_origin(const ContactBody& body,
-                                                    const Motion* motion) const {
-    const Motion& m = motion[body.body];
-    const double radius = body.radius + norm(body.center);
-    const Real speed = size_of(m.velocity) + radius * size_of(m.spin);
-    return {m.position, (radius + kMargin) + dt() * speed, speed};
+                                                    const BodyWay<Real>& m) const {
+    const Real speed = size_of(m.velocity) + body.reach * size_of(m.spin);
+    return {m.position, (body.reach + kMargin) + dt() * speed, speed};
   }
 
   /// Whether a body is clear of all obstacles. If not, it is to be measured from here.

@@ -16,6 +16,13 @@ struct BodyBound {
   Real speed;         ///< no place of the body is faster [m/s]
 };
 
+/// How a body's origin moves, for its bound.
+template <class Real>
+struct BodyWay {
+  Vec3<Real> position, velocity;  ///< W [m, m/s]
+  Vec3<Real> spin;                ///< in any axes [rad/s]
+};
+
 /// How far a body's origin was from all obstacles, where it was looked at last.
 template <class Real>
 struct Clearance {

@@ -36,7 +36,6 @@ class ContactCorrection {
       : plan_(*call.plan),
         group_(*call.group),
         start_(call.start),
-        clearances_(call.clearances),
         near_(call.near),
         spins_(call.spins),
         lanes_(lanes),
@@ -48,27 +47,6 @@ class ContactCorrection {
         fast_(plan_, a_.fast, a_.bodies, a_.mean),
         contact_(call.plan->contact, params + call.plan->world.layout.world_params, a_.bodies,
                  derived + call.plan->derived.obstacles, a_.contact) {}
-
-  /// Finds what may touch within the step that begins, in the lanes of `mask`.
-  /// @param is_unclear  written: those whose obstacles are to be measured
-  /// @returns lanes where something else is near
-  SKYBODY_INLINE MaskOf<Real> find_near(const MaskOf<Real>& mask, MaskOf<Real>& is_unclear) {
-    load_motion();
-    MaskOf<Real> is_near(false);
-    is_unclear = contact_.find_near(a_.motion, mask, load_clearances(), take_down(is_near));
-    return is_near;
-  }
-
-  /// Finds the obstacles that may be touched.
-  /// @returns lanes where one is near
-  SKYBODY_INLINE MaskOf<Real> measure(const MaskOf<Real>& mask) {
-    load_motion();
-    MaskOf<Real> is_near(false);
-    Clearance<Real>* const known = load_clearances();
-    contact_.measure(a_.motion, mask, known, take_down(is_near));
-    lanes_.store(reinterpret_cast<const Real*>(known), clearance_count(), mask, clearances_);
-    return is_near;
-  }
 
   /// Corrects the step of the lanes in `mask`, whose values are those of its end.
   /// @returns the lanes that came through; others are as they were, with the step uncorrected
@@ -121,31 +99,6 @@ class ContactCorrection {
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int u_count() const { return a_.now.u_count; }
 
-  SKYBODY_INLINE void load_motion() const {
-    for (const ContactBody& body : plan_.contact.bodies) {
-      Real b[13];
-      lanes_.load(lanes_.block(group_.bodies, 13 * body.body), 13, b);
-      BodyKinematics<Real>& m = a_.motion[body.body];
-      m.position = load_vec3(b);
-      m.velocity = load_vec3(b + 7);
-      m.spin = load_vec3(b + 10);
-    }
-  }
-  /// @param is_near  gets the lanes of all meetings
-  SKYBODY_INLINE auto take_down(MaskOf<Real>& is_near) const {
-    return [this, &is_near](int m, const MaskOf<Real>& here) SKYBODY_INLINE_LAMBDA {
-      if (none(here)) return;
-      is_near |= here;
-      near_[m] |= lanes_.in_group(bits_from_mask(here));
-    };
-  }
-
-  int clearance_count() const { return 4 * static_cast<int>(plan_.contact.bodies.size()); }
-  SKYBODY_INLINE Clearance<Real>* load_clearances() const {
-    if (clearances_ == nullptr) return nullptr;
-    lanes_.load(clearances_, clearance_count(), reinterpret_cast<Real*>(a_.clearances));
-    return a_.clearances;
-  }
   SKYBODY_INLINE void load(const double* q, const double* u, const Coordinates<Real>& to) const {
     lanes_.load(q, to.q_count, to.q);
     lanes_.load(u, to.u_count, to.u);
@@ -449,7 +402,6 @@ class ContactCorrection {
   const StepPlan& plan_;
   const GroupBlocks& group_;
   StepStart start_;
-  double* clearances_;
   std::uint32_t* near_;
   double* spins_;
   Lanes lanes_;

@@ -1,6 +1,7 @@
 // Kernels of contact, of any world.
 #include "core/physics/step/contact_correction.h"
 #include "core/physics/step/group_kernels.h"
+#include "core/physics/step/near_search.h"
 #include "core/physics/world/lane_list.h"
 
 namespace skybody {
@@ -57,28 +58,25 @@ struct FindNear {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
-    CorrectionArrays<Real> arrays(*call.plan, call.scratch);
     std::uint32_t unclear = 0;
     const std::uint32_t near = for_packs<W, false>(
         call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              ContactCorrection<Real, Values> correction(call, first, params, derived, arrays);
-              MaskOf<Real> is_unclear;
-              const auto is_near = correction.find_near(mask_from_bits<Real>(bits), is_unclear);
-              unclear |= (bits_from_mask(is_unclear) & bits) << first;
-              return bits_from_mask(is_near) & bits;
-            });
+        [&](int first, std::uint32_t bits, const auto&, const auto& derived) SKYBODY_INLINE_LAMBDA {
+          const NearSearch<Real, std::decay_t<decltype(derived)>> search(call, first, derived);
+          MaskOf<Real> is_unclear;
+          const auto is_near = search.find(mask_from_bits<Real>(bits), is_unclear);
+          unclear |= (bits_from_mask(is_unclear) & bits) << first;
+          return bits_from_mask(is_near) & bits;
+        });
     if (unclear == 0) return near;
     return near | for_lists<W>(call, unclear,
-                               [&](const LaneList<Real>& list, std::uint32_t bits,
-                                   const auto& params, const auto& derived) SKYBODY_INLINE_LAMBDA {
-                                 using Values = std::decay_t<decltype(params)>;
-                                 ListCorrection<Real, Values> correction(call, list, params,
-                                                                         derived, arrays);
+                               [&](const LaneList<Real>& list, std::uint32_t bits, const auto&,
+                                   const auto& derived) SKYBODY_INLINE_LAMBDA {
+                                 using Values = std::decay_t<decltype(derived)>;
+                                 const NearSearch<Real, Values, LaneList<Real>> search(call, list,
+                                                                                       derived);
                                  const auto mask = mask_from_bits<Real>(bits);
-                                 return bits_from_mask(correction.measure(mask)) & bits;
+                                 return bits_from_mask(search.measure(mask)) & bits;
                                });
   }
 };

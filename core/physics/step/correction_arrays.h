@@ -20,7 +20,6 @@ struct CorrectionArrays {
   BodyKinematics<Real>*motion, *mean;
   BodyKinematics<Real>* at_rest;  ///< the same places, without motion
   ContactWork<Real> contact;
-  Clearance<Real>* clearances;  ///< per contact body
   typename Forest::template Work<Real> forest;
   CouplingWork<Real> couplings;
   FastRobot<Real>* fast;  ///< per robot
@@ -50,7 +49,6 @@ struct CorrectionArrays {
     arena.take(mean, count);
     arena.take(at_rest, count);
     arena.take(contact.bounds, plan.contact.bodies.size());
-    arena.take(clearances, plan.contact.bodies.size());
     arena.take(contact.forces, count);
     arena.take(contact.kicks, count);
     arena.take(contact.sums, count);

@@ -5,6 +5,7 @@
 #include "core/physics/step/contact_correction.h"
 #include "core/physics/step/free_robot_step.h"
 #include "core/physics/step/mechanics.h"
+#include "core/physics/step/near_search.h"
 
 namespace skybody {
 
@@ -90,7 +91,8 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   const std::size_t free_robots_bytes =
       w.layout.robots.size() * sizeof(FreeMotion<Widest>) + w.rotors.size() * sizeof(Widest);
   kernel_bytes = std::max({StepArrays<Widest>::bytes(*this), CorrectionArrays<Widest>::bytes(*this),
-                           one_lane, free_robots_bytes});
+                           NearSearch<Widest, SharedValues<Widest>>::bytes(*this), one_lane,
+                           free_robots_bytes});
   kernel_bytes = (kernel_bytes + sizeof(Widest) - 1) / sizeof(Widest) * sizeof(Widest);
   std::size_t changed = 0;
   for (const StateBlock& b : kSteppedBlocks) {

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
+#include "core/base/kernels.h"
 
 namespace skybody {
 
@@ -124,6 +125,24 @@ TEST_F(IsaChoice, ASetThatTheMachineLacksIsRefused) {
   if (machine_has(highest)) GTEST_SKIP() << "this machine has every set";
   setenv("SKYBODY_ISA", name(highest), 1);
   EXPECT_THROW(best_isa(), Error);
+}
+
+struct WidthOfPack {
+  template <int W>
+  static int run() {
+    return W;
+  }
+};
+
+TEST(Kernels, OfASetWithoutAnyAreThoseOfTheNextLowerOne) {
+  auto* lower = kernel<WidthOfPack>(kIsas[0]);
+  ASSERT_NE(lower, nullptr);
+  EXPECT_TRUE(has_kernels(kIsas[0])) << "every build runs everywhere";
+  for (const Isa isa : kIsas) {
+    auto* own = kernel<WidthOfPack>(isa);
+    EXPECT_EQ(own == lower, isa == kIsas[0] || !has_kernels(isa)) << name(isa);
+    lower = own;
+  }
 }
 
 TEST(Demand, NamesPlaceConditionAndMessage) {

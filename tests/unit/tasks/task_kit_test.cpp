@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <skybody/task_kit.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -108,6 +109,37 @@ TEST(TaskKitParts, WriteMatricesRowByRow) {
   std::vector<double> row(10);
   Part(1, 9).set(values_of(row), Mat3<double>{{1, 2, 3, 4, 5, 6, 7, 8, 9}});
   EXPECT_EQ(row, (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+}
+
+/// The definition, point by point.
+double hausdorff_by_definition(const std::vector<Vec3<double>>& a,
+                               const std::vector<Vec3<double>>& b) {
+  const auto farthest = [](const auto& from, const auto& to) {
+    double result = 0.0;
+    for (const Vec3<double>& p : from) {
+      double nearest = kInfinity;
+      for (const Vec3<double>& q : to) nearest = std::min(nearest, norm(p - q));
+      result = std::max(result, nearest);
+    }
+    return result;
+  };
+  return std::max(farthest(a, b), farthest(b, a));
+}
+
+TEST(TaskKitHausdorff, IsTheFarthestOfTheNearestEitherWay) {
+  for (const int count : {1, 2, 20, 32, 33, 70}) {  // from 33 on by two passes
+    std::vector<Vec3<double>> a, b;
+    for (int i = 0; i < count; ++i) {
+      a.push_back({std::sin(7.0 * i), std::cos(3.0 * i), 0.1 * i});
+      b.push_back({std::sin(5.0 * i + 1.0), 0.3 * std::cos(2.0 * i), 0.05 * i});
+    }
+    const auto point = [](const std::vector<Vec3<double>>& of) {
+      return [&of](int i) { return of[static_cast<std::size_t>(i)]; };
+    };
+    EXPECT_DOUBLE_EQ(hausdorff_distance<double>(count, point(a), point(b)),
+                     hausdorff_by_definition(a, b))
+        << count;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+// Which meetings may touch within the step that begins: before every step of every environment, so
+// that only what it reads is loaded.
+#pragma once
+
+#include "core/physics/contact/contact_search.h"
+#include "core/physics/step/step_arrays.h"
+
+namespace skybody {
+
+/// Takes down into StepCall::near the lanes of each meeting that may touch.
+/// @tparam Values  how what derives from parameters is read
+/// @tparam Lanes   how the lanes' values are read: a LanePlace or LaneList
+template <class Real, class Values, class Lanes = LanePlace<Real>>
+class NearSearch {
+ public:
+  /// @param lanes  that Real holds
+  SKYBODY_INLINE NearSearch(const StepCall& call, const Lanes& lanes, const Values& derived)
+      : call_(call),
+        lanes_(lanes),
+        arrays_(call.plan->contact, call.scratch),
+        search_(call.plan->contact, derived + call.plan->derived.obstacles, arrays_.work) {}
+
+  static std::size_t bytes(const StepPlan& plan) { return Arrays(plan.contact, nullptr).bytes; }
+
+  /// @param is_unclear  written: lanes of `mask` whose obstacles measure() is to look at
+  /// @returns lanes of `mask` where something else is near
+  SKYBODY_INLINE MaskOf<Real> find(const MaskOf<Real>& mask, MaskOf<Real>& is_unclear) const {
+    MaskOf<Real> is_near(false);
+    is_unclear = search_.find_near(motion(), mask, load_clearances(), take_down(is_near));
+    return is_near;
+  }
+
+  /// Finds the obstacles that may be touched.
+  /// @returns lanes of `mask` where one is near
+  SKYBODY_INLINE MaskOf<Real> measure(const MaskOf<Real>& mask) const {
+    MaskOf<Real> is_near(false);
+    Clearance<Real>* const known = load_clearances();
+    search_.measure(motion(), mask, known, take_down(is_near));
+    lanes_.store(reinterpret_cast<const Real*>(known), clearance_values(), mask, call_.clearances);
+    return is_near;
+  }
+
+ private:
+  struct Arrays {
+    SKYBODY_INLINE Arrays(const ContactScene& scene, std::byte* memory) {
+      StepArena arena{memory};
+      arena.take(work.bounds, scene.bodies.size());
+      arena.take(clearances, scene.bodies.size());
+      bytes = arena.used;
+    }
+    ContactWork<Real> work;
+    Clearance<Real>* clearances;  ///< per contact body
+    std::size_t bytes;
+  };
+
+  /// Of a contact body, as the step begins.
+  SKYBODY_INLINE auto motion() const {
+    return [this](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
+      const auto vec3 = [this, &body](int k) SKYBODY_INLINE_LAMBDA {
+        const auto value = [this, &body, k](int i) SKYBODY_INLINE_LAMBDA {
+          Real out;
+          lanes_.load(lanes_.block(call_.group->bodies, 13 * body.body + k + i), 1, &out);
+          return out;
+        };
+        return Vec3<Real>{value(0), value(1), value(2)};
+      };
+      return BodyWay<Real>{vec3(0), vec3(7), vec3(10)};
+    };
+  }
+
+  /// @param is_near  gets the lanes of all meetings
+  SKYBODY_INLINE auto take_down(MaskOf<Real>& is_near) const {
+    return [this, &is_near](int m, const MaskOf<Real>& here) SKYBODY_INLINE_LAMBDA {
+      if (none(here)) return;
+      is_near |= here;
+      call_.near[m] |= lanes_.in_group(bits_from_mask(here));
+    };
+  }
+
+  int clearance_values() const { return 4 * static_cast<int>(call_.plan->contact.bodies.size()); }
+  SKYBODY_INLINE Clearance<Real>* load_clearances() const {
+    if (call_.clearances == nullptr) return nullptr;
+    lanes_.load(call_.clearances, clearance_values(), reinterpret_cast<Real*>(arrays_.clearances));
+    return arrays_.clearances;
+  }
+
+  const StepCall& call_;
+  Lanes lanes_;
+  Arrays arrays_;
+  ContactSearch<Real, Values> search_;
+};
+
+}  // namespace skybody
