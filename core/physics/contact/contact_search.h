@@ -20,15 +20,17 @@ class ContactSearch {
       : scene_(scene), obstacles_(obstacles), w_(work) {}
 
   /// Finds the meetings that are near enough to touch within the step that begins: by spheres about
-  /// the bodies' origins, so that nothing is to be turned. Obstacles are left to measure() where
-  /// clearances are kept, and meetings in which nothing moves are left out.
+  /// the bodies' origins, so that what is far from everything need not be turned. Obstacles are
+  /// left to measure() where clearances are kept, and meetings in which nothing moves are left out.
   /// @param motion  motion(body): the BodyWay of a contact body
+  /// @param up      up(body): W's z axis in its frame
   /// @param wanted  lanes to look at
   /// @param clearances  per contact body; null: none are kept
   /// @param found   found(m, lanes) of each meeting that is near
   /// @returns the lanes that measure() is to look at
-  template <class MotionOf, class Found>
-  SKYBODY_INLINE MaskOf<Real> find_near(const MotionOf& motion, const MaskOf<Real>& wanted,
+  template <class MotionOf, class UpOf, class Found>
+  SKYBODY_INLINE MaskOf<Real> find_near(const MotionOf& motion, const UpOf& up,
+                                        const MaskOf<Real>& wanted,
                                         const Clearance<Real>* clearances,
                                         const Found& found) const {
     bound_about_origins(motion);
@@ -36,7 +38,10 @@ class ContactSearch {
     each_moving_meeting([&](int m, const Meeting& meeting, bool is_first) SKYBODY_INLINE_LAMBDA {
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
       if (meeting.other == kGround) {
-        found(m, logical_and(wanted, bound.center.z < bound.radius));
+        const auto is_low = logical_and(wanted, bound.center.z < bound.radius);
+        if (none(is_low)) return;
+        const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+        found(m, logical_and(is_low, may_reach_ground(body, bound, up(body))));
       } else if (meeting.other >= 0) {
         found(m, logical_and(wanted, is_within(meeting, bound)));
       } else if (clearances == nullptr) {
@@ -133,6 +138,7 @@ class ContactSearch {
 
   /// What acceleration adds to the way of a step: 2000 m/s^2 at 1 ms [m].
   static constexpr double kMargin = 1e-3;
+  static constexpr double kGroundMargin = 1e-4;
 
   SKYBODY_INLINE void bound(const Motion* motion) const {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
@@ -216,14 +222,27 @@ class ContactSearch {
     if (none(is_low)) return is_low;
     const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
     const Motion& m = motion[body.body];
-    const Vec3<Real> row = m.axes.row(2);
+    const Real lowest = m.position.z + lowest_of(body, m.axes.row(2));
+    return logical_and(is_low, lowest < dt() * bound.speed + kGroundMargin);
+  }
+  /// The same, for a bound about the body's origin: wherever is_near_ground() says so, and hardly
+  /// anywhere else.
+  /// @param up  W's z axis in its frame
+  SKYBODY_INLINE MaskOf<Real> may_reach_ground(const ContactBody& body,
+                                               const BodyBound<Real>& bound,
+                                               const Vec3<Real>& up) const {
+    // Twice the speed: that bound's adds up other components of the velocity. 1e-9: its rounding.
+    return bound.center.z + lowest_of(body, up) <
+           dt() * (2.0 * bound.speed) + (kGroundMargin + 1e-9);
+  }
+  /// Of all its places, from its origin [m].
+  static SKYBODY_INLINE Real lowest_of(const ContactBody& body, const Vec3<Real>& up) {
     Real lowest(kInfinity);
     for (const GroundPoint& p : body.points) {
-      lowest = min(lowest, dot(row, to_real<Real>(p.at)) - p.radius);
+      lowest = min(lowest, dot(up, to_real<Real>(p.at)) - p.radius);
     }
-    for (const GroundRim& rim : body.rims) lowest = min(lowest, lowest_of_rim(rim, row));
-    lowest += m.position.z;
-    return logical_and(is_low, lowest < dt() * bound.speed + 1e-4);
+    for (const GroundRim& rim : body.rims) lowest = min(lowest, lowest_of_rim(rim, up));
+    return lowest;
   }
 
   /// Two bodies, or a body and an obstacle, whose spheres are near: which of their solids are.

@@ -26,7 +26,7 @@ class NearSearch {
   /// @returns lanes of `mask` where something else is near
   SKYBODY_INLINE MaskOf<Real> find(const MaskOf<Real>& mask, MaskOf<Real>& is_unclear) const {
     MaskOf<Real> is_near(false);
-    is_unclear = search_.find_near(motion(), mask, load_clearances(), take_down(is_near));
+    is_unclear = search_.find_near(motion(), up(), mask, load_clearances(), take_down(is_near));
     return is_near;
   }
 
@@ -56,16 +56,23 @@ class NearSearch {
   /// Of a contact body, as the step begins.
   SKYBODY_INLINE auto motion() const {
     return [this](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
-      const auto vec3 = [this, &body](int k) SKYBODY_INLINE_LAMBDA {
-        const auto value = [this, &body, k](int i) SKYBODY_INLINE_LAMBDA {
-          Real out;
-          lanes_.load(lanes_.block(call_.group->bodies, 13 * body.body + k + i), 1, &out);
-          return out;
-        };
-        return Vec3<Real>{value(0), value(1), value(2)};
-      };
-      return BodyWay<Real>{vec3(0), vec3(7), vec3(10)};
+      return BodyWay<Real>{vec3(body, 0), vec3(body, 7), vec3(body, 10)};
     };
+  }
+  SKYBODY_INLINE auto up() const {
+    return [this](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
+      const Vec3<Real> axis = vec3(body, 4);
+      return to_mat3(Quat<Real>{value(body, 3), axis.x, axis.y, axis.z}).row(2);
+    };
+  }
+  /// Values of its motion (StepCall's bodies), from value k on.
+  SKYBODY_INLINE Vec3<Real> vec3(const ContactBody& body, int k) const {
+    return {value(body, k), value(body, k + 1), value(body, k + 2)};
+  }
+  SKYBODY_INLINE Real value(const ContactBody& body, int k) const {
+    Real out;
+    lanes_.load(lanes_.block(call_.group->bodies, 13 * body.body + k), 1, &out);
+    return out;
   }
 
   /// @param is_near  gets the lanes of all meetings

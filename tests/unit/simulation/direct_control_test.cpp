@@ -345,5 +345,18 @@ TEST(DirectControl, RotorConstantsAreReadSetAndHeldToTheirBounds) {
   EXPECT_THROW(world.rotor_parameter("", 0, "colour"), Error);
 }
 
+// Its feet end 60 mm below its origin, its arms reach 0.22 m.
+TEST(DirectControl, WhatHoversLowIsNotNearTheGroundUntilItMayTouchIt) {
+  for (const double height : {0.2, 0.0605, 0.06005}) {
+    Simulation world = hover();
+    BodyState base = world.bodies()[0];
+    base.position.z = height;
+    world.teleport("quad", base);
+    const std::uint64_t before = world.step_counts().near;
+    EXPECT_TRUE(world.advance(1));
+    EXPECT_EQ(world.step_counts().near - before, height < 0.0601 ? 1u : 0u) << height;
+  }
+}
+
 }  // namespace
 }  // namespace skybody
