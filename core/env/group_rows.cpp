@@ -72,6 +72,22 @@ SKYBODY_INLINE std::uint32_t lanes_where(std::uint32_t mask, Octet&& octet, Lane
   return those;
 }
 
+/// The same where octet(first lane, bits) can also serve some lanes of an octet, which are `bits`:
+/// cheaper than one by one from two lanes on.
+template <class Octet, class Lane>
+SKYBODY_INLINE std::uint32_t lanes_where_some(std::uint32_t mask, int lanes, Octet&& octet,
+                                              Lane&& lane) {
+  std::uint32_t those = 0;
+  for (int first = 0; first < lanes && lanes > 1; first += kOctet) {
+    const std::uint32_t bits = mask >> first & 0xffu;
+    if ((bits & (bits - 1)) != 0 && octet(first, bits)) those |= bits << first;
+  }
+  each_lane(mask & ~those, [&](int l) SKYBODY_INLINE_LAMBDA {
+    if (lane(l)) those |= 1u << l;
+  });
+  return those;
+}
+
 // Columns a, b, c, d of four lanes become rows a0 b0 c0 d0, a1 b1 c1 d1, ...; and back. Of eight
 // lanes, row i is followed by row i + 4.
 SKYBODY_INLINE void transpose(Floats<4> (&v)[4]) {
@@ -103,10 +119,14 @@ SKYBODY_INLINE void load_rows(const float* row, std::ptrdiff_t stride, Floats<8>
   load(row + 4 * stride, high);
   v = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
-SKYBODY_INLINE void store_rows(float* row, std::ptrdiff_t, const Floats<4>& v) { store(row, v); }
-SKYBODY_INLINE void store_rows(float* row, std::ptrdiff_t stride, const Floats<8>& v) {
-  store(row, __builtin_shufflevector(v, v, 0, 1, 2, 3));
-  store(row + 4 * stride, __builtin_shufflevector(v, v, 4, 5, 6, 7));
+/// @param bits  which of the rows to write: bit 0 and bit 4
+SKYBODY_INLINE void store_rows(float* row, std::ptrdiff_t, const Floats<4>& v, std::uint32_t bits) {
+  if ((bits & 1u) != 0) store(row, v);
+}
+SKYBODY_INLINE void store_rows(float* row, std::ptrdiff_t stride, const Floats<8>& v,
+                               std::uint32_t bits) {
+  if ((bits & 1u) != 0) store(row, __builtin_shufflevector(v, v, 0, 1, 2, 3));
+  if ((bits & 16u) != 0) store(row + 4 * stride, __builtin_shufflevector(v, v, 4, 5, 6, 7));
 }
 
 template <class Vector>
@@ -315,9 +335,10 @@ struct AreFinite {
 };
 
 /// Writes a run of the values of an octet to its rows, and adds them to `sum`.
+/// @param bits  the lanes whose rows are written
 template <int W>
 SKYBODY_INLINE void write_run(const double* values, int size, const ValueRun& run, float* rows,
-                              Floats<W>& sum) {
+                              std::uint32_t bits, Floats<W>& sum) {
   const int last = run.first + run.count;
   for (int first = 0; first < kOctet; first += W) {
     const double* in = values + first;
@@ -329,7 +350,7 @@ SKYBODY_INLINE void write_run(const double* values, int size, const ValueRun& ru
         sum += v[i];
       }
       transpose(v);
-      for (int i = 0; i < 4; ++i) store_rows(row + i * size + k, size, v[i]);
+      for (int i = 0; i < 4; ++i) store_rows(row + i * size + k, size, v[i], bits >> first >> i);
     };
     int k = run.first;
     for (; k + 4 <= last; k += 4) write_four(k);
@@ -341,10 +362,12 @@ SKYBODY_INLINE void write_run(const double* values, int size, const ValueRun& ru
       Floats<W> v;
       to_floats(in + k * kGroupLanes, v);
       sum += v;
-      if (size == 1) {
+      if (size == 1 && bits == 0xffu) {
         store(row, v);
       } else {
-        for (int i = 0; i < W; ++i) row[i * size + k] = v[i];
+        for (int i = 0; i < W; ++i) {
+          if ((bits >> first >> i & 1u) != 0) row[i * size + k] = v[i];
+        }
       }
     }
   }
@@ -364,11 +387,19 @@ SKYBODY_INLINE void copy_by(const float* from, int count, float* to) {
   copy_floats<N>(from + count - N, to + count - N);
 }
 
-/// Copies within each of `lanes` rows of `size` values.
-SKYBODY_INLINE void copy_within(const ValueCopy& copy, int lanes, int size, float* rows) {
+/// Copies within rows of `size` values.
+/// @param bits  which of the rows
+SKYBODY_INLINE void copy_within(const ValueCopy& copy, std::uint32_t bits, int size, float* rows) {
   const auto each_row = [&](const auto& f) SKYBODY_INLINE_LAMBDA {
-    float* row = rows;
-    for (int l = 0; l < lanes; ++l, row += size) f(row + copy.from, row + copy.to);
+    if (bits == 0xffu) {
+      float* row = rows;
+      for (int l = 0; l < kOctet; ++l, row += size) f(row + copy.from, row + copy.to);
+    } else {
+      each_lane(bits, [&](int l) SKYBODY_INLINE_LAMBDA {
+        float* row = rows + static_cast<std::ptrdiff_t>(l) * size;
+        f(row + copy.from, row + copy.to);
+      });
+    }
   };
   if (copy.count == 12) {  // velocity and rotation: what robots of a team see of one another
     each_row([](const float* from, float* to) SKYBODY_INLINE_LAMBDA {
@@ -387,7 +418,7 @@ SKYBODY_INLINE void copy_within(const ValueCopy& copy, int lanes, int size, floa
   }
 }
 SKYBODY_INLINE void copy_parts(const RowParts& parts, float* row) {
-  for (const ValueCopy& copy : parts.copies) copy_within(copy, 1, parts.size, row);
+  for (const ValueCopy& copy : parts.copies) copy_within(copy, 1u, parts.size, row);
 }
 
 struct Write {
@@ -397,7 +428,7 @@ struct Write {
     const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
       Floats<kPiece<W>> sum{};
       float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
-      write_run<kPiece<W>>(values + first, count, {0, count}, row, sum);
+      write_run<kPiece<W>>(values + first, count, {0, count}, row, 0xffu, sum);
       return is_finite(sum);
     };
     const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
@@ -413,14 +444,17 @@ struct WriteParts {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const double* values,
                                           const RowParts& parts, float* rows) {
-    const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
+    const auto rows_of = [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
       Floats<kPiece<W>> sum{};
       float* own = rows + static_cast<std::ptrdiff_t>(first) * parts.size;
       for (const RowPiece& piece : parts.pieces) {
-        write_run<kPiece<W>>(values + first, parts.size, piece.written, own, sum);
-        copy_within(piece.copied, kOctet, parts.size, own);
+        write_run<kPiece<W>>(values + first, parts.size, piece.written, own, bits, sum);
+        copy_within(piece.copied, bits, parts.size, own);
       }
-      return is_finite(sum);
+      return is_finite(sum);  // where a lane that is not served is not, lanes go one by one
+    };
+    const auto octet = [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+      return bits == 0xffu ? rows_of(first, 0xffu) : rows_of(first, bits);
     };
     const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
       float* row = rows + static_cast<std::ptrdiff_t>(l) * parts.size;
@@ -432,7 +466,7 @@ struct WriteParts {
       copy_parts(parts, row);
       return is_row_finite(row, parts.size);
     };
-    return lanes_where(mask, octet, lane);
+    return lanes_where_some(mask, lanes, octet, lane);
   }
 };
 
