@@ -58,13 +58,18 @@ struct TeamOf {
 template <class Steps>
 std::vector<LoopKind> kinds() {
 #ifdef __AVX512F__
-  return {kind<typename Steps::template Type<double>>("one by one, v4"), kind<typename Steps::template Type<Pack<8>>>("8 lanes, v4"),
-          kind<typename Steps::template Type<Twin<Pack<8>>>>("2 x 8 lanes, v4")};
+  using Wide = Pack<8>;
+  constexpr const char* kNames[] = {"one by one, v4", "8 lanes, v4", "2 x 8 lanes, v4"};
 #elif defined(__AVX2__)
-  return {kind<typename Steps::template Type<double>>("one by one, v3"), kind<typename Steps::template Type<Pack<4>>>("4 lanes, v3"),
-          kind<typename Steps::template Type<Twin<Pack<4>>>>("2 x 4 lanes, v3")};
+  using Wide = Pack<4>;
+  constexpr const char* kNames[] = {"one by one, v3", "4 lanes, v3", "2 x 4 lanes, v3"};
 #else
   return {kind<typename Steps::template Type<double>>("one by one, v2")};
+#endif
+#ifdef __AVX2__
+  return {kind<typename Steps::template Type<double>>(kNames[0]),
+          kind<typename Steps::template Type<Wide>>(kNames[1]),
+          kind<typename Steps::template Type<Twin<Wide>>>(kNames[2])};
 #endif
 }
 

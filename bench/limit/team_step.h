@@ -99,8 +99,9 @@ class TeamStep {
     const Mat3<Real> r = to_mat3(q);
     const Vec3<Real> error = vec3(kTarget) - position(i), v = vec3(at + kVelocity);
     const Vec3<Real> w = vec3(at + kSpin);
-    const Real own[kOwn] = {error.x, error.y, error.z, v.x,    v.y,    v.z,    r.m[0], r.m[1], r.m[2],
-                            r.m[3],  r.m[4],  r.m[5],  r.m[6], r.m[7], r.m[8], w.x,    w.y,    w.z};
+    const Real own[kOwn] = {error.x, error.y, error.z, v.x,    v.y,    v.z,
+                            r.m[0],  r.m[1],  r.m[2],  r.m[3], r.m[4], r.m[5],
+                            r.m[6],  r.m[7],  r.m[8],  w.x,    w.y,    w.z};
     write_values(own, row, kObservation);
     const Real motion[12] = {v.x,    v.y,    v.z,    r.m[0], r.m[1], r.m[2],
                              r.m[3], r.m[4], r.m[5], r.m[6], r.m[7], r.m[8]};
