@@ -1,6 +1,6 @@
 // A step of the environments of one block in which N QDrone2 fly in formation: the scenarios
 // formation_2 ... formation_20 in the air, with the joint observation and the team's reward. Robots
-// fly one after another; what a pair sees of each other is computed once and written to both.
+// fly one after another; the sight of a pair is computed once and written to both.
 #pragma once
 
 #include <cstdint>
@@ -91,7 +91,7 @@ class TeamStep {
     for (int l = 0; l < W; ++l) rows.ended[l] = static_cast<std::uint8_t>((over >> l & 1u) << 1);
   }
 
-  /// What a robot observes of itself. @returns its axes
+  /// Writes a robot's own part of the observation. @returns its axes
   SKYBODY_INLINE Mat3<Real> write_own(int i, float* row) {
     const int at = i * kFlyerValues;
     const Quat<Real> q{get(at + kRotation), get(at + kRotation + 1), get(at + kRotation + 2),
@@ -109,7 +109,7 @@ class TeamStep {
     return r;
   }
 
-  /// What robots i and j, i < j, see of each other. @returns their distance
+  /// Writes the sights of robots i and j, i < j, of each other. @returns their distance
   SKYBODY_INLINE Real write_pair(int i, int j, float* rows) const {
     const Vec3<Real> offset = position(j) - position(i);
     const Real distance = root(squared_norm(offset));
@@ -174,7 +174,7 @@ class TeamStep {
   }
 
   Memory& block_;
-  alignas(64) float motion_[N][W][12];  ///< what all others see: velocity and axes
+  alignas(64) float motion_[N][W][12];  ///< velocity and axes, for all others' sights
 };
 
 }  // namespace skybody::bench::limit

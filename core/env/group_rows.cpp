@@ -401,7 +401,7 @@ SKYBODY_INLINE void copy_within(const ValueCopy& copy, std::uint32_t bits, int s
       });
     }
   };
-  if (copy.count == 12) {  // velocity and rotation: what robots of a team see of one another
+  if (copy.count == 12) {  // velocity and rotation of a teammate
     each_row([](const float* from, float* to) SKYBODY_INLINE_LAMBDA {
       copy_floats<8>(from, to);
       copy_floats<4>(from + 8, to + 8);

@@ -32,7 +32,7 @@ struct RowParts {
   int size = 0;                   ///< of a row
   std::vector<ValueRun> written;  ///< in order
   std::vector<ValueCopy> copies;  ///< likewise
-  std::vector<RowPiece> pieces;   ///< all of both: what is copied from comes first, then in order
+  std::vector<RowPiece> pieces;   ///< all of both: sources of copies first, then in order
 
   /// Makes `pieces` of the others.
   void set_pieces();

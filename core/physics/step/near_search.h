@@ -1,5 +1,5 @@
 // Which meetings may touch within the step that begins: before every step of every environment, so
-// that only what it reads is loaded.
+// that it loads position, velocity and spin alone.
 #pragma once
 
 #include "core/physics/contact/contact_search.h"
