@@ -9,6 +9,7 @@ import os
 import re
 import signal
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from typing import NoReturn
 
@@ -33,6 +34,8 @@ def run_program(main: Callable[[], int | None]) -> NoReturn:
 
     Where memory runs out, it exits with 2 and one line.
     """
+    # matplotlib takes a lack of memory in its import of 3D axes for a broken installation.
+    warnings.filterwarnings("ignore", "Unable to import Axes3D", module="matplotlib")
     try:
         _claim_blas_memory()
         status = main()

@@ -177,7 +177,7 @@ class Mechanics {
     for (int p = 0; p < kMostFastParts; ++p) {
       const auto is_active = logical_and(mask, parts > static_cast<double>(p));
       if (none(is_active)) break;
-      const Real step = Real(dt()) / parts, half = 0.5 * step;
+      const Real step = fast_.part_time(dt(), parts, p), half = 0.5 * step;
       const auto move = [&](bool is_first) SKYBODY_INLINE_LAMBDA {
         drift(half, is_first, [&]() SKYBODY_INLINE_LAMBDA { a_.now.drift(half); });
       };
