@@ -10,8 +10,8 @@
 #include "app/rounded.h"
 #include "core/base/math.h"
 #include "core/base/random.h"
+#include "core/env/error_location.h"
 #include "core/env/start_overlaps.h"
-#include "core/env/use_marks.h"
 #include "core/io/text.h"
 #include "core/model/fault_reason.h"
 #include "core/physics/bodies/default_state.h"
@@ -31,15 +31,15 @@ constexpr int kStarts = 32;
 /// A collision shape as it lies at the start of an episode.
 struct PlacedShape {
   const Shape* shape;
-  Pose pose;          ///< of its frame, W
-  std::string whose;  ///< such as "robot `quad`"
-  SourceMark mark;    ///< of the robot in the scenario
+  Pose pose;            ///< of its frame, W
+  std::string whose;    ///< such as "robot `quad`"
+  SourceLocation mark;  ///< of the robot in the scenario
 };
 
 /// How deep something begins inside something else.
 struct Overlap {
-  double depth = 0.0;  ///< [m]
-  SourceMark mark;     ///< of the robot
+  double depth = 0.0;   ///< [m]
+  SourceLocation mark;  ///< of the robot
 };
 
 std::vector<PlacedShape> shapes_of_robots(const CompiledScenario& compiled,
@@ -78,7 +78,7 @@ std::map<std::string, Overlap> find_overlaps(const CompiledScenario& compiled,
     if (compiled.scenario().contact.ground) note(*a, "the ground", depth_in_ground(*a));
     for (const Obstacle& obstacle : compiled.scenario().obstacles) {
       double depth = 0.0;
-      for (const Shape& solid : solids_of(obstacle)) {
+      for (const Shape& solid : obstacle_shapes_of(obstacle)) {
         depth = max(depth,
                     overlap(*a->shape, a->pose, solid, compose(obstacle.shape.pose, solid.pose)));
       }
@@ -112,7 +112,7 @@ std::vector<float> random_action(int size, std::uint64_t step) {
 }
 
 /// Where the scenario tells a randomizer to write what a rigid body is made of; no line: none does.
-SourceMark mark_of_drawn_body(const CompiledScenario& compiled, int body) {
+SourceLocation mark_of_drawn_body(const CompiledScenario& compiled, int body) {
   const Layout& layout = compiled.layout();
   const int first = layout.body_params[static_cast<std::size_t>(body)];
   const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
@@ -147,7 +147,7 @@ void tell_of_faults(const CompiledScenario& compiled, int faults, std::uint64_t 
 }
 
 /// Where the user gives a parameter of a plugin, if the user does and no included file.
-std::optional<SourceMark> own_parameter(const Scenario& scenario, const PluginUse& use) {
+std::optional<SourceLocation> own_parameter(const Scenario& scenario, const PluginUse& use) {
   for (const ParameterValue& value : use.parameters) {
     if (value.is_given && is_own(scenario, value.mark)) return value.mark;
   }
@@ -169,7 +169,7 @@ const PluginUse* drawer_of_starts(const CompiledScenario& compiled) {
 
 /// Where a start may be wrong: what the user says about the draw of starts, the robot or the task,
 /// in this order; else what an included file says.
-SourceMark mark_of_starts(const CompiledScenario& compiled) {
+SourceLocation mark_of_starts(const CompiledScenario& compiled) {
   const Scenario& scenario = compiled.scenario();
   const PluginUse* drawer = drawer_of_starts(compiled);
   if (drawer != nullptr) {
@@ -217,7 +217,7 @@ double lowest_goal(const Simulation& simulation) {
 }
 
 /// Says that something is wrong with all drawn starts, an error, or with some.
-void tell_of_starts(const SourceMark& mark, int wrong, int all, const std::string& what,
+void tell_of_starts(const SourceLocation& mark, int wrong, int all, const std::string& what,
                     const std::string& more, Diagnostics& diagnostics) {
   if (wrong == 0) return;
   if (wrong == all) {

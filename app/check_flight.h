@@ -13,7 +13,7 @@ namespace skybody {
 /// hover. Draws that give nothing but bodies that cannot be are an error, and so are starts of
 /// which the task sees each as a failure, and goals below the ground.
 /// @param compiled  in checked mode
-/// @throws MarkedError where a plugin touches values beyond those that it may
+/// @throws LocatedError where a plugin touches values beyond those that it may
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics);
 

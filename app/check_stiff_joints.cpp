@@ -7,7 +7,7 @@
 #include "app/rounded.h"
 #include "core/physics/bodies/body_constants.h"
 #include "core/physics/bodies/default_state.h"
-#include "core/physics/tree/forest.h"
+#include "core/physics/tree/multibody_tree.h"
 
 namespace skybody {
 namespace {
@@ -29,7 +29,7 @@ class JointAnswer {
       : world_(world),
         index_(robot),
         robot_(world.layout.robots[static_cast<std::size_t>(robot)]),
-        forest_(world),
+        multibody_(world),
         constants_(kBodyConstantCount * world.bodies.size()),
         bodies_(world.bodies.size()),
         balls_(world.bodies.size()),
@@ -39,8 +39,9 @@ class JointAnswer {
         nothing_(static_cast<std::size_t>(world.layout.u.size), 0.0) {
     write_default_state(world, start_);
     make_body_constants(world, start_.params.data(), constants_.data());
-    forward_kinematics(forest_.bodies(), robot_.first_body, robot_.first_body + robot_.body_count,
-                       start_.q.data(), nothing_.data(), at_rest_.data());
+    forward_kinematics(multibody_.bodies(), robot_.first_body,
+                       robot_.first_body + robot_.body_count, start_.q.data(), nothing_.data(),
+                       at_rest_.data());
   }
 
   /// The largest eigenvalue of M^-1 S, with S the strengths, by its powers.
@@ -52,10 +53,10 @@ class JointAnswer {
       for (const double c : change) size = std::max(size, std::fabs(c));
       if (!(size > 0.0)) return {};
       for (std::size_t i = 0; i < force.size(); ++i) force[i] = strength[i] * change[i] / size;
-      forest_.respond_to_joints(index_, start_.q.data(), at_rest_.data(), constants_.data(),
-                                nothing_.data(), no_forces_.data(), force.data(), nothing_.data(),
-                                {bodies_.data(), balls_.data(), accelerations_.data()},
-                                change.data());
+      multibody_.respond_to_joints(
+          index_, start_.q.data(), at_rest_.data(), constants_.data(), nothing_.data(),
+          no_forces_.data(), force.data(), nothing_.data(),
+          {bodies_.data(), balls_.data(), accelerations_.data()}, change.data());
       found = {};
       for (std::size_t i = 0; i < force.size(); ++i) {
         const double moved = strength[i] > 0.0 ? std::fabs(change[i]) : 0.0;
@@ -103,11 +104,11 @@ class JointAnswer {
   const World& world_;
   int index_;
   const RobotLayout& robot_;
-  Forest forest_;
+  MultibodyTree multibody_;
   LaneState start_;
   std::vector<double> constants_;
-  mutable std::vector<TreeBodyWork<double>> bodies_;
-  mutable std::vector<BallJointWork<double>> balls_;
+  mutable std::vector<ArticulatedBodyCache<double>> bodies_;
+  mutable std::vector<BallJointCache<double>> balls_;
   mutable std::vector<SpatialAcceleration<double>> accelerations_;
   std::vector<BodyKinematics<double>> at_rest_;
   std::vector<SpatialForce<double>> no_forces_;

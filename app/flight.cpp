@@ -29,7 +29,7 @@ std::string reason_of(const Simulation& simulation) {
 }
 
 /// Why the episode is over; empty: it goes on.
-std::string end_of(const FlightPlan& plan, const Simulation& simulation) {
+std::string end_of(const RolloutPlan& plan, const Simulation& simulation) {
   if (simulation.fault())
     return "fault: " + simulation.compiled().fault_reason(simulation.status());
   if (simulation.terminated()) return "terminated" + reason_of(simulation);
@@ -39,7 +39,7 @@ std::string end_of(const FlightPlan& plan, const Simulation& simulation) {
   return "";
 }
 
-std::string progress(std::uint64_t episode, const FlightPlan& plan, const Simulation& simulation,
+std::string progress(std::uint64_t episode, const RolloutPlan& plan, const Simulation& simulation,
                      const EpisodeSummary& summary) {
   const std::uint64_t percent = 100 * simulation.steps() / plan.most_steps;
   return "episode " + std::to_string(episode) + "/" + std::to_string(plan.episodes) + "  " +
@@ -61,7 +61,7 @@ void note_changes(const Simulation& simulation, std::vector<std::vector<double>>
   params.push_back(std::move(now));
 }
 
-EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulation& simulation,
+EpisodeSummary fly_episode(std::uint64_t number, const RolloutPlan& plan, Simulation& simulation,
                            Policy& policy, FlightLog& log, ProgressLine& line) {
   EpisodeSummary summary;
   ErrorWindow window(simulation.compiled());
@@ -99,7 +99,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
 
 }  // namespace
 
-FlightResult fly(const FlightPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log) {
+FlightResult fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log) {
   const InterruptGuard guard;
   ProgressLine line;
   FlightResult result;

@@ -11,7 +11,7 @@
 
 namespace skybody {
 
-struct FlightPlan {
+struct RolloutPlan {
   std::uint64_t episodes = 1;
   std::uint64_t most_steps = 0;  ///< an episode, when neither task nor horizon ends it before
 };
@@ -22,6 +22,6 @@ struct FlightResult {
 };
 
 /// Flies the plan, or until a signal comes, and writes every state to `log`, which stays open.
-FlightResult fly(const FlightPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log);
+FlightResult fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log);
 
 }  // namespace skybody

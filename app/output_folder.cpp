@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/io/whole_file.h"
+#include "core/io/atomic_file.h"
 
 namespace skybody {
 namespace {

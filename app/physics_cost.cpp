@@ -3,8 +3,8 @@
 #include <chrono>
 
 #include "core/base/fp_environment.h"
-#include "core/base/octets.h"
-#include "core/env/group_work.h"
+#include "core/base/lane_mask.h"
+#include "core/env/group_workspace.h"
 
 namespace skybody {
 namespace {
@@ -19,7 +19,7 @@ constexpr int kRun = 50;  // steps from the start, so that the world stays near 
 double physics_step_cost(const CompiledScenario& compiled, int side_by_side) {
   const int room = side_by_side > 1 ? compiled.preferred_lanes() : 1, lanes = side_by_side;
   StateGroup group = compiled.make_state(room);
-  const std::unique_ptr<GroupWork> work = compiled.make_work(room);
+  const std::unique_ptr<GroupWorkspace> work = compiled.make_workspace(room);
   const auto rows = static_cast<std::size_t>(room);
   std::vector<float> observation(static_cast<std::size_t>(compiled.observation_size()) * rows);
   std::vector<float> reward(rows);

@@ -94,7 +94,7 @@ RaceCourse read_course(const std::string& file) {
   }
   diagnostics.throw_if_errors();
   Vec3<double> before = course.start;
-  const auto check = [&](const Vec3<double>& place, const SourceMark& mark, const char* what) {
+  const auto check = [&](const Vec3<double>& place, const SourceLocation& mark, const char* what) {
     if (!(norm(place - before) > 1e-3)) {
       diagnostics.error(mark, std::string(what) +
                                   " lies on the place before it; allowed: 0.001 m "

@@ -24,8 +24,8 @@
 #include "app/action.h"
 #include "app/output.h"
 #include "app/report.h"
-#include "core/base/breadcrumb.h"
 #include "core/base/error.h"
+#include "core/base/plugin_call_trace.h"
 #include "core/base/printable.h"
 
 namespace skybody {
@@ -45,7 +45,7 @@ constexpr std::chrono::milliseconds kRest(2);
 
 /// What parent and child share.
 struct SharedPage {
-  Breadcrumb breadcrumb;
+  PluginCallTrace trace;
   bool done;
 };
 
@@ -106,7 +106,7 @@ struct End {
 
 [[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, SharedPage& page) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // does not outlive a parent that is killed
-  watch_plugins(&page.breadcrumb);
+  watch_plugins(&page.trace);
   const int status = run_and_report([&] { return work(refused); });
   std::fflush(nullptr);
   page.done = true;
@@ -117,25 +117,25 @@ struct End {
 /// Counts the parent's rests, not the clock: time in which both are stopped is nobody's fault.
 class PhaseTime {
  public:
-  explicit PhaseTime(const Breadcrumb& breadcrumb) : breadcrumb_(breadcrumb) {}
+  explicit PhaseTime(const PluginCallTrace& trace) : trace_(trace) {}
 
   /// After one rest more. @returns how long the present phase has lasted; about nothing without one
   std::chrono::milliseconds after_rest() {
-    const std::uint32_t phase = breadcrumb_.phases;
-    if (phase != phase_ || breadcrumb_.phase[0] == '\0') time_ = {};
+    const std::uint32_t phase = trace_.phases;
+    if (phase != phase_ || trace_.phase[0] == '\0') time_ = {};
     phase_ = phase;
     return time_ += kRest;
   }
 
  private:
-  const Breadcrumb& breadcrumb_;
+  const PluginCallTrace& trace_;
   std::uint32_t phase_ = 0;
   std::chrono::milliseconds time_{0};
 };
 
 /// Waits until the child ends; ends it where a phase takes longer than `patience` seconds.
 void wait_for(pid_t child, unsigned patience, const SharedPage& page, End& end) {
-  PhaseTime time(page.breadcrumb);
+  PhaseTime time(page.trace);
   while (true) {
     const pid_t ended = waitpid(child, &end.status, end.late ? 0 : WNOHANG);
     if (ended == child) return;
@@ -163,8 +163,8 @@ End run_child(const Work& work, const RefusedFiles& refused, unsigned patience) 
   end.done = shared->done;
   end.out = out.text();
   end.err = err.text();
-  end.file = shared->breadcrumb.file;
-  end.phase = shared->breadcrumb.phase;
+  end.file = shared->trace.file;
+  end.phase = shared->trace.phase;
   return end;
 }
 

@@ -15,7 +15,7 @@ struct ChildOutput {
 };
 
 /// How long a plugin may take to be loaded or configured in a child [s].
-inline constexpr unsigned kPluginPatience = 30;
+inline constexpr unsigned kPluginTimeout = 30;
 
 /// Does `work` in a child process. Where the code of a plugin ends the child (exit, crash, an
 /// exception that nobody catches, a signal, no return within `patience` seconds), the output is
@@ -23,7 +23,7 @@ inline constexpr unsigned kPluginPatience = 30;
 /// ones. Must be called before the program has threads.
 /// @param work  returns the exit status; exceptions become messages, as in run_and_report()
 ChildOutput output_of_child(const std::function<int(const RefusedFiles&)>& work,
-                            unsigned patience = kPluginPatience);
+                            unsigned patience = kPluginTimeout);
 
 /// The same; writes the output when the work is done. @returns the exit status
 int run_in_child(const std::function<int(const RefusedFiles&)>& work);

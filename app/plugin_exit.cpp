@@ -9,14 +9,14 @@
 #include <cstring>
 
 #include "app/action.h"
-#include "core/base/breadcrumb.h"
+#include "core/base/plugin_call_trace.h"
 
 namespace skybody {
 namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 
-Breadcrumb breadcrumb;
+PluginCallTrace trace;
 std::array<struct sigaction, kCrashes.size()> previous;
 
 /// Only calls that a handler of signals may make.
@@ -27,10 +27,9 @@ void write_text(const char* text) {
 /// Writes "error: FILE HOW PHASE; REMEDY"; does nothing while no plugin's code runs.
 /// @returns whether one does
 bool name_plugin(const char* how) {
-  if (breadcrumb.phase[0] == '\0') return false;
-  const std::array texts = {"error: ", static_cast<const char*>(breadcrumb.file), how,
-                            static_cast<const char*>(breadcrumb.phase),
-                            "; `skybody check` says more\n"};
+  if (trace.phase[0] == '\0') return false;
+  const std::array texts = {"error: ", static_cast<const char*>(trace.file), how,
+                            static_cast<const char*>(trace.phase), "; `skybody check` says more\n"};
   for (const char* text : texts) write_text(text);
   return true;
 }
@@ -85,7 +84,7 @@ CommandRun::CommandRun() { running_command = getpid(); }
 CommandRun::~CommandRun() { running_command = 0; }
 
 void name_plugins_that_end_the_program() {
-  watch_plugins(&breadcrumb);
+  watch_plugins(&trace);
   std::atexit(at_exit);
   std::at_quick_exit(at_quick_exit);
   make_own_stack();

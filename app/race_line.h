@@ -4,7 +4,7 @@
 // point in each gate. How long each piece takes and where in its gate each point lies are sampled:
 // an evolution strategy with one parent changes them at random and keeps what is quicker. A line's
 // time is that of its fastest time scale at which the vehicle can fly it
-// (controllers/common/flyable.h), so that every line that is kept can be flown.
+// (controllers/common/feasibility.h), so that every line that is kept can be flown.
 //
 // Sources: sampling of points, velocities and times as in A. Romero, R. Penicka and D. Scaramuzza,
 // Time-optimal online replanning for agile quadrotor flight, RA-L 2022, section IV, with splines of
@@ -16,7 +16,7 @@
 #include <functional>
 #include <vector>
 
-#include "controllers/common/flyable.h"
+#include "controllers/common/feasibility.h"
 #include "plugins/reference/spline.h"
 
 namespace skybody {

@@ -7,7 +7,7 @@
 #include "app/output.h"
 #include "core/base/printable.h"
 #include "core/io/diagnostics.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 
 namespace skybody {
 namespace {
@@ -35,7 +35,7 @@ int run_and_report(const Action& work) {
     return status;
   } catch (const InputError& error) {
     return report_diagnostics(error);
-  } catch (const MarkedError& error) {
+  } catch (const LocatedError& error) {
     return report_error(Diagnostic{Severity::kError, error.mark(), error.what()}.to_string());
   } catch (const Error& error) {
     return report_error("error: " + printable(error.what()));

@@ -55,7 +55,7 @@ constexpr const char* kRunFooter =
 
 struct RunOptions {
   LoadOptions load;
-  FlightPlan plan;
+  RolloutPlan plan;
   std::uint64_t seed = 0;
   std::string policy = "hold";
   std::filesystem::path out;
@@ -89,7 +89,7 @@ std::uint64_t most_steps(const RunOptions& options, const Stepping& stepping) {
 }
 
 /// Flies and leaves the finished log in `folder`.
-FlightResult fly_and_log(const RunOptions& options, const FlightPlan& plan,
+FlightResult fly_and_log(const RunOptions& options, const RolloutPlan& plan,
                          const std::shared_ptr<const CompiledScenario>& compiled, Policy& policy,
                          OutputFolder& folder) {
   Simulation simulation(compiled, options.seed, 0);
@@ -129,7 +129,7 @@ int run(const RunOptions& options) {
   const auto policy = make_policy(options.policy, *compiled, options.seed);
   const std::string warning = policy->check_fits(*compiled);
   if (!warning.empty()) spdlog::warn(warning);
-  FlightPlan plan = options.plan;
+  RolloutPlan plan = options.plan;
   plan.most_steps = most_steps(options, compiled->scenario().stepping);
   OutputFolder folder(options.out, compiled->scenario().name, options.seed);
   const FlightResult result = fly_and_log(options, plan, compiled, *policy, folder);

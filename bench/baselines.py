@@ -42,7 +42,7 @@ import skybody
 from numpy.typing import NDArray
 from skybody._native import CompiledScenario
 from skybody._native import Simulation as NativeSimulation
-from skybody.program import deaf_to_interrupts, run_program
+from skybody.program import ignoring_interrupts, run_program
 from skybody.simulation import SimulationPool
 
 COUNTS = (1, 4, 8, 16, 32, 64, 128)
@@ -129,7 +129,7 @@ class Processes:
         for first, size in shares(count):
             mine, other = context.Pipe()
             process = context.Process(target=serve, args=(other, first, size), daemon=True)
-            with deaf_to_interrupts():
+            with ignoring_interrupts():
                 process.start()
             other.close()
             self.pipes.append(mine)

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bench/bare_simbody.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/simulation/simulation.h"
@@ -60,7 +60,7 @@ class Physics {
  public:
   Physics()
       : world_(make_hover()),
-        physics_(world_, DynamicsUse::kSimbody),
+        physics_(world_, DynamicsBackend::kSimbody),
         stepper_(physics_.make_stepper(1)),
         scratch_(physics_.make_scratch()) {
     write_default_state(world_, state_);
@@ -93,7 +93,7 @@ class Whole {
   Whole()
       : compiled_(compile_scenario({"hover", {"stepping.dynamics=simbody"}, {}})),
         group_(compiled_->make_state(1)),
-        work_(compiled_->make_work(1)),
+        work_(compiled_->make_workspace(1)),
         observation_(static_cast<std::size_t>(compiled_->observation_size())),
         // 1391 rad/s of 2300
         action_(static_cast<std::size_t>(compiled_->action_size()),
@@ -111,7 +111,7 @@ class Whole {
   Rows rows() { return {observation_.data(), &reward_, &status_}; }
   std::shared_ptr<const CompiledScenario> compiled_;
   StateGroup group_;
-  std::unique_ptr<GroupWork> work_;
+  std::unique_ptr<GroupWorkspace> work_;
   std::vector<float> observation_, action_;
   float reward_ = 0.0f;
   std::uint64_t status_ = 0;

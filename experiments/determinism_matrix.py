@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Any
 
 import skybody
-from skybody.program import deaf_to_interrupts, run_program
+from skybody.program import ignoring_interrupts, run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tests/golden"), str(ROOT / "scripts")]
@@ -114,7 +114,7 @@ def load() -> Iterator[None]:
     burners: list[subprocess.Popen[bytes]] = []
     try:
         for processor in sorted(os.sched_getaffinity(0)):
-            with deaf_to_interrupts():
+            with ignoring_interrupts():
                 burner = subprocess.Popen([sys.executable, "-S", "-c", BURN])
             burners.append(burner)
             os.sched_setaffinity(burner.pid, {processor})

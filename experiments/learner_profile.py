@@ -29,7 +29,7 @@ from typing import Any
 
 from result_pages import add_quick, heading, option_parser, place_quick, write_page
 from skybody import CompiledScenario
-from skybody.program import deaf_to_interrupts, run_program
+from skybody.program import ignoring_interrupts, run_program
 from skybody.train.__main__ import all_versions
 from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import with_settings
@@ -108,7 +108,7 @@ def measure(algorithm: str, threads: int, steps: int, **more: Any) -> dict[str, 
     context = multiprocessing.get_context("spawn")
     results = context.Queue()
     process = context.Process(target=learn, args=(wanted, results))
-    with deaf_to_interrupts():
+    with ignoring_interrupts():
         process.start()
     found: dict[str, Any] = results.get(timeout=PATIENCE)
     process.join()

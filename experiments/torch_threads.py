@@ -15,7 +15,7 @@ import multiprocessing
 import time
 from pathlib import Path
 
-from skybody.program import deaf_to_interrupts, run_program
+from skybody.program import ignoring_interrupts, run_program
 from throughput import (
     facts,
     machine_line,
@@ -59,11 +59,11 @@ def measure(one_thread: bool, is_busy: bool, rollout: int) -> tuple[int, float]:
     results = context.Queue()
     other = context.Process(target=keep_busy, daemon=True)
     if is_busy:
-        with deaf_to_interrupts():
+        with ignoring_interrupts():
             other.start()
     try:
         run = context.Process(target=train, args=(one_thread, rollout, results))
-        with deaf_to_interrupts():
+        with ignoring_interrupts():
             run.start()
         found: tuple[int, float] = results.get(timeout=900)
         run.join()

@@ -27,7 +27,7 @@ std::unique_ptr<Learner> make_learner(Algorithm algorithm, const LoadOptions& lo
   check(options.hyper, algorithm);  // before a scenario is compiled by them
   if (options.compiled == nullptr) options.compiled = compile_scenario(load);
   if (algorithm == Algorithm::kFastPpo) return std::make_unique<Ppo>(options);
-  return std::make_unique<Gradient>(options, compile_training(load, options));
+  return std::make_unique<AnalyticGradientLearner>(options, compile_training(load, options));
 }
 
 }  // namespace skybody::learn

@@ -13,7 +13,7 @@ namespace skybody::learn {
 /// once more, with the longer physics steps that the hyper-parameter `physics_steps` asks for.
 /// @param load     the scenario
 /// @param options  `compiled`: what `load` has been compiled to, or null: it is compiled here
-/// @throws InputError where the scenario is wrong, Error as Ppo and Gradient
+/// @throws InputError where the scenario is wrong, Error as Ppo and AnalyticGradientLearner
 std::unique_ptr<Learner> make_learner(Algorithm algorithm, const LoadOptions& load,
                                       LearnerOptions options);
 

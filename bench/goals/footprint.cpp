@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bench/bare_simbody.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/batch/pool.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 
 namespace skybody::bench {
 namespace {
@@ -51,7 +51,7 @@ double reset_time(const LoadOptions& scenario) {
   const auto compiled = compile_scenario(scenario);
   const int lanes = compiled->preferred_lanes();
   StateGroup group = compiled->make_state(lanes);
-  const std::unique_ptr<GroupWork> work = compiled->make_work(lanes);
+  const std::unique_ptr<GroupWorkspace> work = compiled->make_workspace(lanes);
   const auto count = static_cast<std::size_t>(lanes);
   std::vector<float> observation(count * static_cast<std::size_t>(compiled->observation_size()));
   std::vector<float> reward(count);

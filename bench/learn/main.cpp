@@ -38,7 +38,7 @@ NetworkTimes time_ours(const std::vector<int>& sizes, int rows, int repeats, Isa
   network.initialize(parameters, 1.0, 1, 2);
   learn::TransposedWeights transposed;
   network.transpose(parameters, transposed);
-  learn::NetworkMemory memory;
+  learn::NetworkActivations memory;
   const int inputs = sizes.front(), outputs = sizes.back();
   AlignedArray<float> x(static_cast<std::size_t>(rows) * static_cast<std::size_t>(inputs));
   learn::draw_normals({}, {x.data(), x.size()}, isa);
@@ -95,7 +95,7 @@ void time_recurrent(int inputs, int units, int outputs) {
   network.initialize(parameters, 1.0, 1, 2);
   learn::TransposedRecurrent transposed;
   network.transpose(parameters, transposed);
-  learn::RecurrentMemory memory;
+  learn::RecurrentActivations memory;
   std::vector<float> x(static_cast<std::size_t>(kRows * inputs));
   std::vector<float> y(static_cast<std::size_t>(kRows * outputs));
   std::vector<float> states(static_cast<std::size_t>(kSequences * network.state_stride()));

@@ -10,7 +10,7 @@
 #include "core/assemble/load.h"
 #include "core/base/error.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 
 namespace skybody::bench::limit {
 namespace {
@@ -70,7 +70,7 @@ class Engine {
   Engine(CheckedTask task, int repeats)
       : compiled_(compile_scenario(scenario_of(task, repeats))),
         group_(compiled_->make_state(compiled_->preferred_lanes())),
-        work_(compiled_->make_work(group_.lanes())),
+        work_(compiled_->make_workspace(group_.lanes())),
         observation_(static_cast<std::size_t>(compiled_->observation_size()) * kGroup) {
     for (int l = 0; l < kGroup; ++l) {
       compiled_->initialize(group_, l, 7, static_cast<std::uint64_t>(l));
@@ -106,7 +106,7 @@ class Engine {
 
   std::shared_ptr<const CompiledScenario> compiled_;
   StateGroup group_;
-  std::unique_ptr<GroupWork> work_;
+  std::unique_ptr<GroupWorkspace> work_;
   std::vector<float> observation_;
   float reward_[kGroup] = {};
   std::uint64_t status_[kGroup] = {};

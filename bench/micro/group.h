@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 
 namespace skybody::bench {
 
@@ -20,7 +20,7 @@ class Group {
   Group(const std::string& scenario, const std::vector<std::string>& overrides, int lanes = 0)
       : compiled_(compile_scenario({scenario, overrides, {SKYBODY_BENCH_PLUGINS}})),
         group_(compiled_->make_state(lanes > 0 ? lanes : compiled_->preferred_lanes())),
-        work_(compiled_->make_work(group_.lanes())),
+        work_(compiled_->make_workspace(group_.lanes())),
         observation_(count() * static_cast<std::size_t>(compiled_->observation_size())),
         reward_(count()),
         action_(count() * static_cast<std::size_t>(compiled_->action_size()), 0.2f),
@@ -54,7 +54,7 @@ class Group {
 
   std::shared_ptr<const CompiledScenario> compiled_;
   StateGroup group_;
-  std::unique_ptr<GroupWork> work_;
+  std::unique_ptr<GroupWorkspace> work_;
   std::vector<float> observation_, reward_, action_;
   std::vector<std::uint64_t> status_;
 };

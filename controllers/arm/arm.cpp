@@ -142,11 +142,12 @@ class Arm : public Controller {
   /// Where the end is to be, in the frame of the base.
   template <class Real>
   SKYBODY_INLINE Frame<Real> target(const EnvView<Real>& env, ConstValues<Real> input) const {
-    const Quat<Real> wish = input.quat(3);
-    const Real size = squared_norm(wish);
+    const Quat<Real> setpoint = input.quat(3);
+    const Real size = squared_norm(setpoint);
     const auto usable = size > 1e-12;
     const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{wish.w * scale, wish.x * scale, wish.y * scale, wish.z * scale};
+    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
+                          setpoint.z * scale};
     const Frame<Real> target{input.vec3(0), select(usable, unit, Quat<Real>::identity())};
     if (!in_world_) return target;
     const BodyMotion<Real> base = env.body(base_);

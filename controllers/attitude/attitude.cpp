@@ -1,5 +1,5 @@
 // Collective thrust and attitude: body rates in proportion to the attitude error, and those of the
-// wished attitude fed forward. Chain `ctbr` next.
+// desired attitude fed forward. Chain `ctbr` next.
 #include <vector>
 
 #include "controllers/common/allocation.h"
@@ -39,11 +39,12 @@ class Attitude : public Controller {
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
                Values<Real> buffer) const {
-    const Quat<Real> wish = input.quat(1);
-    const Real size = squared_norm(wish);
+    const Quat<Real> setpoint = input.quat(1);
+    const Real size = squared_norm(setpoint);
     const auto usable = size > 1e-12;
     const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{wish.w * scale, wish.x * scale, wish.y * scale, wish.z * scale};
+    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
+                          setpoint.z * scale};
     const Quat<Real> reference = select(usable, unit, Quat<Real>::identity());
     const Quat<Real> error = conjugate(env.body(base_).rotation) * reference;
     const Vec3<Real> turn = control::attitude_error(error_, error), gain = gain_.vec3(env);
@@ -83,7 +84,7 @@ class Attitude : public Controller {
   BooleanParameter feed_forward_{this,
                                  {.name = "feed_forward",
                                   .value = false,
-                                  .doc = "take the wished attitude's rates, too, and add them"}};
+                                  .doc = "take the desired attitude's rates, too, and add them"}};
 
   control::LimitReport report_;
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;

@@ -14,7 +14,7 @@
 namespace skybody::control {
 
 /// Which rotors take part.
-enum class Taking {
+enum class RotorSelection {
   kUseful,  ///< all but those that push downwards
   kAll
 };
@@ -34,13 +34,15 @@ inline std::vector<double> effect_rows(const View<RotorInfo>& rotors, const Body
 /// @throws std::runtime_error where thrust and torques are not all reachable
 inline std::vector<AllocatedRotor> allocated_rotors(const View<RotorInfo>& rotors,
                                                     const BodyInfo& base, const std::string& robot,
-                                                    const std::string& mode, Taking taking) {
+                                                    const std::string& mode,
+                                                    RotorSelection taking) {
   constexpr double kRounding = 1e-6;  // of an axis that lies level
   std::vector<double> rows;
   std::vector<bool> takes_part;
   for (const RotorInfo& rotor : rotors) {
     const RotorEffect e = effect_of(rotor, base);
-    takes_part.push_back(taking == Taking::kAll || e.thrust > -kRounding || is_reversible(rotor));
+    takes_part.push_back(taking == RotorSelection::kAll || e.thrust > -kRounding ||
+                         is_reversible(rotor));
     if (takes_part.back()) {
       rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
     }

@@ -78,7 +78,7 @@ class Allocation {
                  const AllocationChoice& choice) {
     const std::vector<double> weights = choice.weights();
     const bool is_qp = choice.form() == "qp";
-    configure(setup, robot, mode, is_qp ? Taking::kAll : Taking::kUseful);
+    configure(setup, robot, mode, is_qp ? RotorSelection::kAll : RotorSelection::kUseful);
     is_priority_ = choice.form() == "priority";
     if (is_qp) set_least_squares(setup, robot, weights);
   }
@@ -86,7 +86,7 @@ class Allocation {
   /// By priority.
   /// @throws std::runtime_error likewise
   void configure(const Setup& setup, int robot, const std::string& mode,
-                 Taking taking = Taking::kUseful) {
+                 RotorSelection taking = RotorSelection::kUseful) {
     const View<RotorInfo> rotors = working_rotors(setup, robot, mode);
     const BodyInfo& base = setup.bodies()[base_of(setup, robot)];
     const std::string name = robot_name(setup, robot);
@@ -203,12 +203,12 @@ class Allocation {
   /// Replaces lane l of the thrusts of the pseudo-inverse.
   template <class Real>
   SKYBODY_INLINE void solve_lane(Real (&push)[kMost], int l) const {
-    double wish[kMost], share[kMost];
+    double setpoint[kMost], share[kMost];
     BoundedLeastSquares::Place at[kMost];
     for (int i = 0; i < rotor_count(); ++i) {
-      wish[i] = (lane(value_of(push[i]), l) - rotor(i).least) / range(i);
+      setpoint[i] = (lane(value_of(push[i]), l) - rotor(i).least) / range(i);
     }
-    least_squares_->solve(wish, share, at);
+    least_squares_->solve(setpoint, share, at);
     if constexpr (kIsDual<Real>) {
       double turn[kMost], slope[kMost];
       for (int i = 0; i < rotor_count(); ++i) turn[i] = lane(push[i].tangent, l) / range(i);

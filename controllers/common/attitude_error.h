@@ -1,4 +1,4 @@
-// The turn from a body's attitude to the wished one as a vector about its axes [rad]: three forms
+// The turn from a body's attitude to the desired one as a vector about its axes [rad]: three forms
 // that agree while it is small.
 //
 // With q_e = conj(q) q_d, of parts w and v, the turn that is left, in axes of B:

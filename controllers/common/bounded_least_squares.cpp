@@ -23,25 +23,25 @@ void BoundedLeastSquares::configure(int count, const double* weighted) {
   }
 }
 
-void BoundedLeastSquares::solve(const double* wish, double* x, Place* at) const {
+void BoundedLeastSquares::solve(const double* setpoint, double* x, Place* at) const {
   for (int i = 0; i < count_; ++i) {
-    at[i] = wish[i] < 0.0 ? kAtNothing : wish[i] > 1.0 ? kAtFull : kFree;
-    x[i] = clamp(wish[i], 0.0, 1.0);
+    at[i] = setpoint[i] < 0.0 ? kAtNothing : setpoint[i] > 1.0 ? kAtFull : kFree;
+    x[i] = clamp(setpoint[i], 0.0, 1.0);
   }
   double goal[kMostRotors];
   for (int round = 0; round < kMostRounds; ++round) {
     for (int i = 0; i < count_; ++i) goal[i] = x[i];
-    fill_free(wish, at, goal);
-    if (go(goal, x, at) && !release(wish, x, at)) return;
+    fill_free(setpoint, at, goal);
+    if (go(goal, x, at) && !release(setpoint, x, at)) return;
   }
 }
 
-void BoundedLeastSquares::move(const double* wish, const Place* at, double* x) const {
+void BoundedLeastSquares::move(const double* setpoint, const Place* at, double* x) const {
   for (int i = 0; i < count_; ++i) x[i] = 0.0;
-  fill_free(wish, at, x);
+  fill_free(setpoint, at, x);
 }
 
-void BoundedLeastSquares::fill_free(const double* wish, const Place* at, double* x) const {
+void BoundedLeastSquares::fill_free(const double* setpoint, const Place* at, double* x) const {
   int free[kMostRotors], frees = 0;
   for (int i = 0; i < count_; ++i) {
     if (at[i] == kFree) free[frees++] = i;
@@ -51,7 +51,7 @@ void BoundedLeastSquares::fill_free(const double* wish, const Place* at, double*
     const double* const row = hessian_[free[r]];
     double right = 0.0;
     for (int j = 0; j < count_; ++j) {
-      if (at[j] != kFree) right -= row[j] * (x[j] - wish[j]);
+      if (at[j] != kFree) right -= row[j] * (x[j] - setpoint[j]);
     }
     double pivot = row[free[r]];
     for (int c = 0; c < r; ++c) {
@@ -67,7 +67,7 @@ void BoundedLeastSquares::fill_free(const double* wish, const Place* at, double*
   for (int r = frees - 1; r >= 0; --r) {
     for (int k = r + 1; k < frees; ++k) y[r] -= factor[k][r] * y[k];
     y[r] /= factor[r][r];
-    x[free[r]] = wish[free[r]] + y[r];
+    x[free[r]] = setpoint[free[r]] + y[r];
   }
 }
 
@@ -92,13 +92,13 @@ bool BoundedLeastSquares::go(const double* goal, double* x, Place* at) const {
   return false;
 }
 
-bool BoundedLeastSquares::release(const double* wish, const double* x, Place* at) const {
+bool BoundedLeastSquares::release(const double* setpoint, const double* x, Place* at) const {
   double most = kFlat;
   int best = -1;
   for (int i = 0; i < count_; ++i) {
     if (at[i] == kFree) continue;
     double slope = 0.0;
-    for (int j = 0; j < count_; ++j) slope += hessian_[i][j] * (x[j] - wish[j]);
+    for (int j = 0; j < count_; ++j) slope += hessian_[i][j] * (x[j] - setpoint[j]);
     const double pull = at[i] == kAtFull ? slope : -slope;
     if (pull > most) {
       most = pull;

@@ -35,22 +35,22 @@ class BoundedLeastSquares {
   /// @param weighted  B, row by row: kRows x count values
   void configure(int count, const double* weighted);
 
-  /// @param wish    x0, finite
+  /// @param setpoint    x0, finite
   /// @param[out] x  shares within [0, 1]
   /// @param[out] at  where each of them is
-  void solve(const double* wish, double* x, Place* at) const;
+  void solve(const double* setpoint, double* x, Place* at) const;
 
-  /// How the solution moves while x0 moves at `wish` and no rotor changes its place.
-  void move(const double* wish, const Place* at, double* x) const;
+  /// How the solution moves while x0 moves at `setpoint` and no rotor changes its place.
+  void move(const double* setpoint, const Place* at, double* x) const;
 
  private:
   /// Free entries of x from those that are held: H_ff (x - x0)_f = -H_fb (x - x0)_b.
-  void fill_free(const double* wish, const Place* at, double* x) const;
+  void fill_free(const double* setpoint, const Place* at, double* x) const;
   /// Moves the free entries to `goal` or to the first limit on the way, where it holds that rotor.
   /// @returns whether they reached it
   bool go(const double* goal, double* x, Place* at) const;
   /// Lets the rotor go that wants away from its limit most. @returns false if none does
-  bool release(const double* wish, const double* x, Place* at) const;
+  bool release(const double* setpoint, const double* x, Place* at) const;
 
   int count_ = 0;
   double hessian_[kMostRotors][kMostRotors] = {};  ///< H = B^T B + g

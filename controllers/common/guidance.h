@@ -1,4 +1,4 @@
-// From errors of position and velocity to a wished acceleration, with limits: what the controllers
+// From errors of position and velocity to a desired acceleration, with limits: what the controllers
 // that follow positions, velocities and trajectories have in common. Parameters stand here once.
 //
 //   a = kp o (p_ref - p) - kd o (v - v_ref) + i,   di/dt = ki o e
@@ -159,14 +159,14 @@ class Integral {
   bool is_on() const { return is_on_; }
 
   /// Adds the integral to an acceleration and takes this step's error into it.
-  /// @param wish    acceleration without the integral, W axes [m/s^2]
+  /// @param setpoint    acceleration without the integral, W axes [m/s^2]
   /// @param error   what is integrated, W axes
   /// @param buffer  of words()
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> added(const Vec3<Real>& wish, const Vec3<Real>& error,
+  SKYBODY_INLINE Vec3<Real> added(const Vec3<Real>& setpoint, const Vec3<Real>& error,
                                   const AccelerationLimits& limits, Values<Real> buffer) const {
-    if (!is_on_) return wish;
-    const Vec3<Real> now = buffer.vec3(0), asked = wish + now;
+    if (!is_on_) return setpoint;
+    const Vec3<Real> now = buffer.vec3(0), asked = setpoint + now;
     const Vec3<Real> next = clamp_symmetric(now + multiply_elements(lift<Real>(per_step_), error),
                                             {most_.value(), most_.value(), most_.value()});
     buffer.set(0, limits.unwound(now, next, asked));
@@ -212,35 +212,35 @@ class Guidance {
 
   const AccelerationLimits& limits() const { return limits_; }
 
-  /// A wished acceleration within its limits [m/s^2].
+  /// A desired acceleration within its limits [m/s^2].
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& wish, Values<Real> buffer) const {
-    const Vec3<Real> out = limits_.held(wish);
-    report_.note(differs(out, wish), buffer);
+  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& setpoint, Values<Real> buffer) const {
+    const Vec3<Real> out = limits_.held(setpoint);
+    report_.note(differs(out, setpoint), buffer);
     return out;
   }
   /// The specific thrust for it [m/s^2]; its z stays positive.
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> thrust(const Vec3<Real>& wish, Values<Real> buffer) const {
-    return limits_.thrust_for(held(wish, buffer));
+  SKYBODY_INLINE Vec3<Real> thrust(const Vec3<Real>& setpoint, Values<Real> buffer) const {
+    return limits_.thrust_for(held(setpoint, buffer));
   }
 
-  /// Wished acceleration of feedback and `forward`, before limits [m/s^2].
+  /// Desired acceleration of feedback and `forward`, before limits [m/s^2].
   /// @param offset   p_ref - p [m]
   /// @param excess   v - v_ref [m/s]
   /// @param forward  fed forward, W axes [m/s^2]
   /// @param buffer   of the integral
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> wish(const EnvView<Real>& env, const Vec3<Real>& offset,
-                                 const Vec3<Real>& excess, const Vec3<Real>& forward,
-                                 Values<Real> buffer) const {
+  SKYBODY_INLINE Vec3<Real> setpoint(const EnvView<Real>& env, const Vec3<Real>& offset,
+                                     const Vec3<Real>& excess, const Vec3<Real>& forward,
+                                     Values<Real> buffer) const {
     return integral_.added(feedback(env, offset, excess) + forward, offset, limits_, buffer);
   }
 
   /// The same with nothing fed forward.
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> wish(const EnvView<Real>& env, const Vec3<Real>& offset,
-                                 const Vec3<Real>& excess, Values<Real> buffer) const {
+  SKYBODY_INLINE Vec3<Real> setpoint(const EnvView<Real>& env, const Vec3<Real>& offset,
+                                     const Vec3<Real>& excess, Values<Real> buffer) const {
     return integral_.added(feedback(env, offset, excess), offset, limits_, buffer);
   }
 

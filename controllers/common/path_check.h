@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "controllers/common/flyable.h"
+#include "controllers/common/feasibility.h"
 #include "plugins/reference/path_start.h"
 
 namespace skybody::control {
@@ -57,7 +57,7 @@ class PathCheck {
     };
     const auto duration = [&](double scale) { return path.length(at_scale(scale)); };
     const bool ends = is_spline(path.kind);
-    require_flyable(envelope, PacedReference{point, duration, ends}, numbers.time_scale);
+    require_feasible(envelope, PacedReference{point, duration, ends}, numbers.time_scale);
   }
 
  private:

@@ -1,10 +1,10 @@
 // Errors and feed-forward for the attitude loop of a law that follows a trajectory: the turn from
-// the body's attitude to the wished one, and the rates and angular acceleration that the body
+// the body's attitude to the desired one, and the rates and angular acceleration that the body
 // should have now.
 //
-// The wished attitude R_d follows from the specific thrust that the law asks for, its rates w_d and
-// their derivative from the reference's jerk and snap (flatness.h). In axes of B, with R_e = R^T
-// R_d:
+// The desired attitude R_d follows from the specific thrust that the law asks for, its rates w_d
+// and their derivative from the reference's jerk and snap (flatness.h). In axes of B, with R_e =
+// R^T R_d:
 //   rates         R_e w_d
 //   acceleration  R_e dw_d/dt - w x (R_e w_d)        the derivative of the above
 // The part of w_d that is due to the law's own feedback is left out: it would take the body's
@@ -49,7 +49,7 @@ SKYBODY_INLINE Tracking<Real> tracking(AttitudeError form, const BodyMotion<Real
 }
 
 /// The torque that gives a body of nominal inertia an angular acceleration.
-class TorqueFor {
+class AngularAccelerationToTorque {
  public:
   void configure(const BodyInfo& base) {
     inertia_ = inertia_of(base);

@@ -29,9 +29,9 @@ inline void declare_trajectory(const Setup& setup, int points, const TrajectoryR
 }
 
 /// What holds the rotors' drag at the reference's velocity, nominal values.
-class DragForward {
+class DragFeedforward {
  public:
-  explicit DragForward(Plugin* owner)
+  explicit DragFeedforward(Plugin* owner)
       : on_(owner, {.name = "drag",
                     .value = true,
                     .doc = "feed the rotors' nominal drag at the reference's velocity forward"}) {}

@@ -37,15 +37,15 @@ class FlatnessLaw : public Controller {
     const ReferencePoint<Real> reference = reference_point(input);
     const BodyMotion<Real> base = env.body(base_);
     const Vec3<Real> z = body_z(base.rotation);
-    const Vec3<Real> wish =
-        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
-                       drag_.acceleration(reference, z), buffer);
+    const Vec3<Real> setpoint = guidance_.setpoint(env, reference.position - base.position,
+                                                   base.velocity - reference.velocity,
+                                                   drag_.acceleration(reference, z), buffer);
     if (level_ == Level::kAcceleration) {
-      output.set(0, guidance_.held(wish, buffer));
+      output.set(0, guidance_.held(setpoint, buffer));
       output.set(3, reference.yaw);
       return;
     }
-    const Vec3<Real> thrust = guidance_.thrust(wish, buffer);
+    const Vec3<Real> thrust = guidance_.thrust(setpoint, buffer);
     if (level_ == Level::kForce) {
       output.set(0, thrust * Real(mass_));
       output.set(3, reference.yaw);
@@ -67,7 +67,7 @@ class FlatnessLaw : public Controller {
                          .choices = {"attitude", "ctbr", "force", "acceleration"},
                          .doc = "what it gives; an attitude comes with its rates"}};
   control::Guidance guidance_{this, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, control::kTrajectoryLimits};
-  control::DragForward drag_{this};
+  control::DragFeedforward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   Level level_ = Level::kAttitude;

@@ -1,7 +1,7 @@
 // Position and attitude at once, for vehicles that push to all sides: force and torque of the whole
 // robot. Chain `tilt_allocation`, or `mixer` with `signal: wrench`.
-#include "controllers/common/assembly.h"
 #include "controllers/common/attitude_error.h"
+#include "controllers/common/composite_body.h"
 
 namespace skybody {
 namespace {
@@ -14,7 +14,7 @@ class FullPose : public Controller {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);
     gravity_ = control::gravity_of(setup);
-    const control::Assembly all = control::assembly_of(setup, robot);
+    const control::CompositeBody all = control::assembly_of(setup, robot);
     mass_ = all.mass;
     com_ = all.com;
     inertia_ = all.inertia;
@@ -45,10 +45,10 @@ class FullPose : public Controller {
     const Vec3<Real> turn =
         control::clamp_symmetric(control::attitude_error(control::AttitudeError::kQuaternion, left),
                                  {max_turn_.value(), max_turn_.value(), max_turn_.value()});
-    const Vec3<Real> wish = multiply_elements(attitude_gain_.vec3(env), turn) -
-                            multiply_elements(rate_gain_.vec3(env), w);
+    const Vec3<Real> setpoint = multiply_elements(attitude_gain_.vec3(env), turn) -
+                                multiply_elements(rate_gain_.vec3(env), w);
     const SymMat3<Real> j = control::lift<Real>(inertia_);
-    output.set(3, j * wish + cross(w, j * w));
+    output.set(3, j * setpoint + cross(w, j * w));
   }
 
  private:
@@ -61,11 +61,12 @@ class FullPose : public Controller {
   }
 
   template <class Real>
-  static SKYBODY_INLINE Quat<Real> attitude(const Quat<Real>& wish) {
-    const Real size = squared_norm(wish);
+  static SKYBODY_INLINE Quat<Real> attitude(const Quat<Real>& setpoint) {
+    const Real size = squared_norm(setpoint);
     const auto usable = size > 1e-12;
     const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{wish.w * scale, wish.x * scale, wish.y * scale, wish.z * scale};
+    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
+                          setpoint.z * scale};
     return select(usable, unit, Quat<Real>::identity());
   }
 

@@ -61,10 +61,10 @@ class Geometric : public Controller {
   SKYBODY_INLINE Vec3<Real> specific_thrust(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                             const ReferencePoint<Real>& reference,
                                             const Vec3<Real>& z, Values<Real> buffer) const {
-    const Vec3<Real> wish =
-        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
-                       drag_.acceleration(reference, z), buffer);
-    return guidance_.thrust(wish, buffer);
+    const Vec3<Real> setpoint = guidance_.setpoint(env, reference.position - base.position,
+                                                   base.velocity - reference.velocity,
+                                                   drag_.acceleration(reference, z), buffer);
+    return guidance_.thrust(setpoint, buffer);
   }
 
   TextParameter output_{this,
@@ -92,7 +92,7 @@ class Geometric : public Controller {
                              .value = "se3",
                              .choices = {"se3", "quaternion", "tilt_priority"},
                              .doc = "form of the attitude error"}};
-  control::DragForward drag_{this};
+  control::DragFeedforward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   control::AttitudeError error_ = control::AttitudeError::kSe3;
@@ -100,7 +100,7 @@ class Geometric : public Controller {
   int base_ = 0;
   double mass_ = 0.0;
   double attitude_share_ = 1.0, rate_share_ = 1.0;
-  control::TorqueFor torque_for_;
+  control::AngularAccelerationToTorque torque_for_;
 };
 
 }  // namespace

@@ -66,8 +66,8 @@ class Indi : public Controller {
         cross(base.angular_velocity, control::lift<Real>(inertia_) * base.angular_velocity);
     const Vec3<Real> moment = other_moment(env, state, base, effort, gyroscopic);
     Real thrust;
-    const Vec3<Real> wish = wished(env, base, effort, input, buffer, thrust);
-    drive(state, thrust, (control::lift<Real>(inertia_) * wish + gyroscopic) - moment, output);
+    const Vec3<Real> setpoint = desired(env, base, effort, input, buffer, thrust);
+    drive(state, thrust, (control::lift<Real>(inertia_) * setpoint + gyroscopic) - moment, output);
   }
 
  private:
@@ -192,9 +192,9 @@ class Indi : public Controller {
   /// Angular acceleration that the command asks for, B axes [rad/s^2].
   /// @param[out] thrust  along z of B [N]
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> wished(const EnvView<Real>& env, const BodyMotion<Real>& base,
-                                   const RotorEffort<Real>& effort, ConstValues<Real> input,
-                                   Values<Real> buffer, Real& thrust) const {
+  SKYBODY_INLINE Vec3<Real> desired(const EnvView<Real>& env, const BodyMotion<Real>& base,
+                                    const RotorEffort<Real>& effort, ConstValues<Real> input,
+                                    Values<Real> buffer, Real& thrust) const {
     if (level_ == Level::kTrajectory) return followed(env, base, effort, input, buffer, thrust);
     thrust = input[0];
     Vec3<Real> rate;
@@ -221,14 +221,14 @@ class Indi : public Controller {
     const Vec3<Real> feedback =
         multiply_elements(kp_.vec3(env) * Real(kp_share_), error) +
         multiply_elements(kd_.vec3(env) * Real(kd_share_), reference.velocity - base.velocity);
-    const Vec3<Real> wish =
+    const Vec3<Real> setpoint =
         (feedback + reference.acceleration) - other_force(env, base, z, effort, buffer);
-    const Vec3<Real> held = acceleration_.held(wish), push = acceleration_.thrust_for(held);
-    report_.note(control::differs(held, wish), buffer);
+    const Vec3<Real> held = acceleration_.held(setpoint), push = acceleration_.thrust_for(held);
+    report_.note(control::differs(held, setpoint), buffer);
     thrust = mass_ * dot(push, z);
     const auto flat = control::flat_attitude(push, reference.yaw);
     const auto rates = control::flat_rates(flat, reference.jerk, reference.yaw_rate);
-    const Quat<Real> left = conjugate(base.rotation) * flat.rotation;  // B from wished B
+    const Quat<Real> left = conjugate(base.rotation) * flat.rotation;  // B from desired B
     const Vec3<Real> gain = rate_gain_.vec3(env) * Real(rate_share_);
     const Vec3<Real> forward =
         multiply_elements(gain, rates.value) +
@@ -237,13 +237,14 @@ class Indi : public Controller {
            multiply_elements(gain, turn_rate(env, left) - base.angular_velocity);
   }
 
-  /// @param wish  of any norm
+  /// @param setpoint  of any norm
   template <class Real>
-  static SKYBODY_INLINE Quat<Real> reference_attitude(const Quat<Real>& wish) {
-    const Real size = squared_norm(wish);
+  static SKYBODY_INLINE Quat<Real> reference_attitude(const Quat<Real>& setpoint) {
+    const Real size = squared_norm(setpoint);
     const auto usable = size > 1e-12;
     const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{wish.w * scale, wish.x * scale, wish.y * scale, wish.z * scale};
+    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
+                          setpoint.z * scale};
     return select(usable, unit, Quat<Real>::identity());
   }
 
@@ -281,7 +282,7 @@ class Indi : public Controller {
   BooleanParameter feed_forward_{this,
                                  {.name = "feed_forward",
                                   .value = false,
-                                  .doc = "attitude: take the wished attitude's rates, too"}};
+                                  .doc = "attitude: take the desired attitude's rates, too"}};
   IntegerParameter period_{this,
                            {.name = "period",
                             .unit = "physics steps",

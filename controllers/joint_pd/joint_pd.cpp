@@ -139,8 +139,8 @@ class JointPd : public Controller {
     }
     const Real error = clamp(command, Real(joint.low), Real(joint.high)) - env.q(joint.q);
     const double w = driven.bandwidth;
-    const Real wish = (w * w) * error - (2.0 * damping_.value() * w) * env.u(joint.u);
-    return inertia * wish - (bears_weight_.value() ? weight : Real(0.0));
+    const Real setpoint = (w * w) * error - (2.0 * damping_.value() * w) * env.u(joint.u);
+    return inertia * setpoint - (bears_weight_.value() ? weight : Real(0.0));
   }
 
   TextsParameter joints_{this, {.name = "joints", .doc = "names of the joints, in order"}};

@@ -48,9 +48,9 @@ class Lqr : public Controller {
     const Vec3<Real> z = body_z(base.rotation);
     const Vec3<Real> feedback = times(gains_.position, reference.position - base.position) +
                                 times(gains_.velocity, reference.velocity - base.velocity);
-    const Vec3<Real> wish = feedback + drag_.acceleration(reference, z);
-    const Vec3<Real> held = limits_.held(wish), thrust = limits_.thrust_for(held);
-    report_.note(control::differs(held, wish), buffer);
+    const Vec3<Real> setpoint = feedback + drag_.acceleration(reference, z);
+    const Vec3<Real> held = limits_.held(setpoint), thrust = limits_.thrust_for(held);
+    report_.note(control::differs(held, setpoint), buffer);
     output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
 
     const auto track = control::tracking(error_, base, thrust, reference, gives_torque_);
@@ -163,14 +163,14 @@ class Lqr : public Controller {
                              .value = "quaternion",
                              .choices = {"quaternion", "se3", "tilt_priority"},
                              .doc = "form of the attitude error"}};
-  control::DragForward drag_{this};
+  control::DragFeedforward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   bool gives_torque_ = true;
   int base_ = 0;
   double mass_ = 0.0;
-  control::TorqueFor torque_for_;
+  control::AngularAccelerationToTorque torque_for_;
   Gains gains_{};
 };
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "controllers/common/assembly.h"
+#include "controllers/common/composite_body.h"
 #include "controllers/common/rotor_effects.h"
 #include "controllers/common/servo.h"
 #include "controllers/common/six_axis_inverse.h"

@@ -342,7 +342,7 @@ class Nmpc : public Controller {
                                 .values = {5.0, 5.0, 3.0},
                                 .doc = "position that action +1 means (W)"}};
 
-  nmpc::Guide guide_;
+  nmpc::NmpcProblem guide_;
   std::vector<RotorScale> rotors_;
   int base_ = 0;
   int first_rotor_ = 0;

@@ -48,7 +48,7 @@ double upright_share(const Motion& now, const Target& target) {
 
 /// Cost of the node that a step leads to, about `motion`. @param factor  on all weights of states
 /// @param upright  further factor, on those of position and velocity
-void set_cost(const Guide& guide, const Motion& motion, const Target& target, double factor,
+void set_cost(const NmpcProblem& guide, const Motion& motion, const Target& target, double factor,
               double upright, Stage& stage) {
   const Weights& w = guide.weights;
   stage.position = w.position * (factor * upright);
@@ -71,7 +71,7 @@ void set_cost(const Guide& guide, const Motion& motion, const Target& target, do
 }
 
 /// The motion that the inputs lead to, and the program's terms about it.
-void linearise(const Guide& guide, const Motion& now, const Disturbance& disturbance,
+void linearise(const NmpcProblem& guide, const Motion& now, const Disturbance& disturbance,
                const Target* targets, const double* inputs, Stage* stages) {
   Motion motion = now;
   const double upright = upright_share(now, targets[0]);
@@ -89,14 +89,14 @@ void linearise(const Guide& guide, const Motion& now, const Disturbance& disturb
 
 /// Moves all targets so that the first is no further from the vehicle than allowed: about what is
 /// far away no linearisation holds.
-void bring_near(const Guide& guide, const Vec3<double>& position, Target* targets) {
+void bring_near(const NmpcProblem& guide, const Vec3<double>& position, Target* targets) {
   const Vec3<double> ahead = targets[0].position - position;
   const Vec3<double> back = shortened(ahead, guide.most_position_error) - ahead;
   for (int k = 0; k <= guide.nodes; ++k) targets[k].position += back;
 }
 
 /// Inputs that lie on a bound begin in the active set.
-QpResult solve_program(const Guide& guide, Condensed& program, const double* inputs,
+QpResult solve_program(const NmpcProblem& guide, Condensed& program, const double* inputs,
                        double* change) {
   double low[kMostInputs], high[kMostInputs];
   QpBound start[kMostInputs];
@@ -112,7 +112,7 @@ QpResult solve_program(const Guide& guide, Condensed& program, const double* inp
 
 }  // namespace
 
-Observed observe(const Guide& guide, const Motion& before, const double* command,
+Observed observe(const NmpcProblem& guide, const Motion& before, const double* command,
                  const Motion& now) {
   Motion predicted = before;
   advance(guide.model, guide.period, command, {}, predicted, nullptr);
@@ -128,7 +128,7 @@ Vec3<double> observe_force(const Model& model, const Motion& now,
   return rotate(now.rotation, rest);
 }
 
-void follow(const Guide& guide, const Observed& observed, Disturbance& estimate) {
+void follow(const NmpcProblem& guide, const Observed& observed, Disturbance& estimate) {
   const auto pass = [&](Vec3<double>& value, const Vec3<double>& sample, double most) {
     const Vec3<double> next = value + (sample - value) * guide.disturbance_gain;
     if (is_finite(next)) value = shortened(next, most);
@@ -137,7 +137,7 @@ void follow(const Guide& guide, const Observed& observed, Disturbance& estimate)
   pass(estimate.angular_acceleration, observed.angular_acceleration, guide.most_angular);
 }
 
-void shift(const Guide& guide, double* inputs) {
+void shift(const NmpcProblem& guide, double* inputs) {
   const int rotors = guide.model.rotors;
   const double part = guide.period.h / guide.node.h;
   for (int i = 0; i < (guide.nodes - 1) * rotors; ++i) {
@@ -145,7 +145,7 @@ void shift(const Guide& guide, double* inputs) {
   }
 }
 
-QpResult improve(const Guide& guide, const Motion& now, const Disturbance& disturbance,
+QpResult improve(const NmpcProblem& guide, const Motion& now, const Disturbance& disturbance,
                  Target* targets, double* inputs) {
   Stage stages[kMostNodes];
   Condensed program;

@@ -23,7 +23,7 @@ struct Weights {
 };
 
 /// All that is constant over a flight.
-struct Guide {
+struct NmpcProblem {
   Model model;
   ShareRow rows[kMostRotors];
   Weights weights;
@@ -46,7 +46,7 @@ struct Observed {
 
 /// By how the vehicle moved over the last period and how it should have moved without disturbance.
 /// @param command  shares, held over that period
-Observed observe(const Guide& guide, const Motion& before, const double* command,
+Observed observe(const NmpcProblem& guide, const Motion& before, const double* command,
                  const Motion& now);
 
 /// The acceleration beside weight, rotors and drag, by an accelerometer at the base's frame [W].
@@ -55,15 +55,15 @@ Vec3<double> observe_force(const Model& model, const Motion& now,
                            const Vec3<double>& specific_force);
 
 /// One step of the estimate's low pass. What is not finite is left out.
-void follow(const Guide& guide, const Observed& observed, Disturbance& estimate);
+void follow(const NmpcProblem& guide, const Observed& observed, Disturbance& estimate);
 
 /// The inputs one period later: between nodes along straight lines, the last one kept.
-void shift(const Guide& guide, double* inputs);
+void shift(const NmpcProblem& guide, double* inputs);
 
 /// One iteration. Where the program is not solved, `inputs` stay as they are.
 /// @param targets  of nodes 0 to `nodes`; they are brought near
 /// @param inputs   shares, rotor by rotor, node after node
-QpResult improve(const Guide& guide, const Motion& now, const Disturbance& disturbance,
+QpResult improve(const NmpcProblem& guide, const Motion& now, const Disturbance& disturbance,
                  Target* targets, double* inputs);
 
 }  // namespace skybody::nmpc

@@ -49,7 +49,7 @@ void set_drag(const Setup& setup, int robot, double mass, Model& model) {
 }
 
 /// The shares of least norm for an acceleration along z and an angular acceleration.
-void set_rows(const std::string& robot, Guide& guide) {
+void set_rows(const std::string& robot, NmpcProblem& guide) {
   std::vector<double> effects;
   for (int i = 0; i < guide.model.rotors; ++i) {
     const Rotor& rotor = guide.model.rotor[i];
@@ -65,7 +65,7 @@ void set_rows(const std::string& robot, Guide& guide) {
 
 }  // namespace
 
-void set_vehicle(const Setup& setup, int robot, Guide& guide) {
+void set_vehicle(const Setup& setup, int robot, NmpcProblem& guide) {
   Model& model = guide.model;
   const double mass = control::total_mass(setup, robot);
   const SymMat3<double> inertia =

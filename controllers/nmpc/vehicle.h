@@ -8,6 +8,6 @@ namespace skybody::nmpc {
 
 /// Fills in `model` and `rows`. @throws std::runtime_error where the robot's rotors cannot be
 /// controlled so
-void set_vehicle(const Setup& setup, int robot, Guide& guide);
+void set_vehicle(const Setup& setup, int robot, NmpcProblem& guide);
 
 }  // namespace skybody::nmpc

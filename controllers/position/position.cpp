@@ -49,7 +49,7 @@ class Position : public Controller {
                             clamp(input[1], Real(low_.y), Real(high_.y)),
                             clamp(input[2], Real(low_.z), Real(high_.z))};
     const Vec3<Real> force = guidance_.thrust(
-        guidance_.wish(env, target - base.position, base.velocity, buffer), buffer);
+        guidance_.setpoint(env, target - base.position, base.velocity, buffer), buffer);
     const Vec3<Real> up = force / norm(force);
     output.set(0, max(Real(0.0), mass_ * dot(force, body_z(base.rotation))));
     output.set(1, control::tilted(up, sincos(0.5 * wrap_angle(input[3]))));
@@ -62,8 +62,8 @@ class Position : public Controller {
                              const ReferencePoint<Real>& reference, Values<Real> output,
                              Values<Real> buffer) const {
     const Vec3<Real> force = guidance_.thrust(
-        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
-                       reference.acceleration, buffer),
+        guidance_.setpoint(env, reference.position - base.position,
+                           base.velocity - reference.velocity, reference.acceleration, buffer),
         buffer);
     const auto flat = control::flat_attitude(force, reference.yaw);
     output.set(0, max(Real(0.0), mass_ * dot(force, body_z(base.rotation))));

@@ -13,7 +13,7 @@ class TiltAllocation : public Controller {
 
   void configure(const Setup& setup) override {
     const int robot = setup.robot();
-    const control::Assembly all = control::assembly_of(setup, robot);
+    const control::CompositeBody all = control::assembly_of(setup, robot);
     arms_ = TiltArms(setup, robot, all);
     first_rotor_ = setup.robots()[robot].first_rotor;
     rotors_ = setup.robots()[robot].rotor_count;
@@ -59,9 +59,10 @@ class TiltAllocation : public Controller {
     const Real now = env.q(arm.joint.q);
     const auto idle = push < least_share_.value() * arm.full;
     const Real turn = wrap_angle(atan2(across, along) - now);
-    const Real wish = now + select(idle, Real(0.0), turn);
-    return arm.joint.low < arm.joint.high ? clamp(wish, Real(arm.joint.low), Real(arm.joint.high))
-                                          : wish;
+    const Real setpoint = now + select(idle, Real(0.0), turn);
+    return arm.joint.low < arm.joint.high
+               ? clamp(setpoint, Real(arm.joint.low), Real(arm.joint.high))
+               : setpoint;
   }
 
   control::Servo servo_{this};

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "controllers/common/assembly.h"
+#include "controllers/common/composite_body.h"
 #include "controllers/common/servo.h"
 
 namespace skybody {
@@ -45,7 +45,7 @@ class TiltArms {
  public:
   TiltArms() = default;
   /// @throws std::runtime_error where a rotor does not sit on a tilting joint of the base
-  TiltArms(const Setup& setup, int robot, const control::Assembly& all) {
+  TiltArms(const Setup& setup, int robot, const control::CompositeBody& all) {
     const View<RotorInfo> rotors = control::working_rotors(setup, robot, "tilt_allocation");
     for (const RotorInfo& rotor : rotors) {
       TiltArm& arm = arm_of(setup, robot, rotor);
@@ -101,7 +101,7 @@ class TiltArms {
     return arms_.back();
   }
 
-  static void add(const Setup& setup, const control::Assembly& all, const RotorInfo& rotor,
+  static void add(const Setup& setup, const control::CompositeBody& all, const RotorInfo& rotor,
                   int index, TiltArm& arm) {
     const BodyInfo& body = setup.bodies()[rotor.body];
     const control::Placed here = control::placed_in_parent(body, 0.0);  // the parent is the base

@@ -39,12 +39,12 @@ class VelocityTracking : public Controller {
     const BodyMotion<Real> base = env.body(base_);
     const Vec3<Real> velocity = control::clamp_symmetric(input.vec3(0), max_velocity_.vec3());
     const Vec3<Real> error = velocity - base.velocity;
-    const Vec3<Real> wish = integral_.added(
+    const Vec3<Real> setpoint = integral_.added(
         multiply_elements(gain_.vec3(env) * Real(share_), error), error, limits_, buffer);
-    const Vec3<Real> held = limits_.held(wish);
+    const Vec3<Real> held = limits_.held(setpoint);
     output.set(0, held);
     report_.note(
-        logical_or(control::differs(velocity, input.vec3(0)), control::differs(held, wish)),
+        logical_or(control::differs(velocity, input.vec3(0)), control::differs(held, setpoint)),
         buffer);
     state.yaw = led(state.yaw, input[3], yaw(base.rotation));
     output.set(3, state.yaw);

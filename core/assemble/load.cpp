@@ -4,18 +4,18 @@
 #include <map>
 #include <utility>
 
-#include "core/assemble/check_uses.h"
+#include "core/assemble/check_plausibility.h"
+#include "core/assemble/check_plugin_combinations.h"
 #include "core/assemble/controller_survey.h"
 #include "core/assemble/reference_use.h"
 #include "core/assemble/trajectory_chain.h"
-#include "core/assemble/unlikely.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/scenario_reader.h"
 #include "core/io/shipped_files.h"
 #include "core/io/text.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/coupling/coupling_start.h"
 #include "core/physics/step/group_stepper.h"
 #include "plugins/host/instance.h"
@@ -38,7 +38,7 @@ class RegistryCatalog : public PluginCatalog {
  public:
   /// @param beside  what lies beside the scenario and is not searched, see bystanders()
   explicit RegistryCatalog(std::shared_ptr<const PluginRegistry> registry,
-                           std::vector<PromisingFile> beside = {})
+                           std::vector<PluginManifest> beside = {})
       : registry_(std::move(registry)), beside_(std::move(beside)) {}
 
   const PluginDeclaration* find(SkybodyKind kind, const std::string& name) const override {
@@ -47,7 +47,7 @@ class RegistryCatalog : public PluginCatalog {
       return keep(
           {kind, entry->name, entry->doc, entry->file.string(), entry->failure, entry->parameters});
     }
-    for (const PromisingFile& file : beside_) {
+    for (const PluginManifest& file : beside_) {
       if (!file.promises(name)) continue;
       return keep({kind, name, {}, file.file.string(), not_searched(file.file), {}});
     }
@@ -64,7 +64,7 @@ class RegistryCatalog : public PluginCatalog {
   }
 
   std::shared_ptr<const PluginRegistry> registry_;
-  std::vector<PromisingFile> beside_;
+  std::vector<PluginManifest> beside_;
   mutable std::map<std::pair<int, std::string>, PluginDeclaration> declarations_;
 };
 
@@ -136,8 +136,8 @@ std::vector<std::filesystem::path> folders_beside(const LoadOptions& options) {
 }
 
 /// Libraries in the scenario's folder and its `plugins` where those are not searched.
-std::vector<PromisingFile> bystanders(const LoadOptions& options, const PluginRegistry& registry) {
-  std::vector<PromisingFile> files;
+std::vector<PluginManifest> bystanders(const LoadOptions& options, const PluginRegistry& registry) {
+  std::vector<PluginManifest> files;
   for (const std::filesystem::path& folder : folders_beside(options)) {
     const auto same = [&folder](const std::filesystem::path& searched) {
       std::error_code ignored;
@@ -145,13 +145,13 @@ std::vector<PromisingFile> bystanders(const LoadOptions& options, const PluginRe
     };
     const auto& path = registry.search_path();
     if (std::any_of(path.begin(), path.end(), same)) continue;
-    for (PromisingFile& file : promising_files(folder)) files.push_back(std::move(file));
+    for (PluginManifest& file : plugin_manifests(folder)) files.push_back(std::move(file));
   }
   return files;
 }
 
 /// Which controllers lead over a gap in a chain.
-std::string bridge(const ChainGap& gap, const PluginRegistry& registry) {
+std::string bridge(const ChainMismatchError& gap, const PluginRegistry& registry) {
   if (gap.given() == gap.taken()) return "";
   const std::string given = signal_name(gap.given());
   const ControllerSurvey survey =
@@ -228,20 +228,20 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
   std::optional<Scenario> scenario =
       read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics, edit);
   if (!scenario || diagnostics.has_errors()) return nullptr;
-  const SourceMark whole{scenario->file, 0, 0};
+  const SourceLocation whole{scenario->file, 0, 0};
   try {
     fit_couplings(*scenario);
     take_trajectory_of_task(*scenario);
     RegistryFactory factory(*registry);
     auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
-    check_uses(*compiled);
+    check_plugin_combinations(*compiled);
     check_world(compiled->world());  // a world that cannot be built is said here
-    warn_of_unlikely(*compiled, diagnostics);
+    warn_of_implausible_parameters(*compiled, diagnostics);
     return compiled;
-  } catch (const ChainGap& gap) {
+  } catch (const ChainMismatchError& gap) {
     diagnostics.error(gap.mark(), gap.what() + bridge(gap, *registry));
-  } catch (const MarkedError& e) {
+  } catch (const LocatedError& e) {
     diagnostics.error(e.mark(), e.what());
   } catch (const Error& e) {
     diagnostics.error(whole, e.what());

@@ -36,7 +36,7 @@ struct Lead {
 #define SKYBODY_FREE_PACE \
   "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
 
-/// Values of `attitude` with the wished attitude's rates.
+/// Values of `attitude` with the desired attitude's rates.
 constexpr int kAttitudeAndRates = 8;
 
 /// A row for each signal that a reference can fly: the laws that close the loop of position and
@@ -152,7 +152,7 @@ class Request {
   }
 
   const std::string& text_;
-  SourceMark mark_;
+  SourceLocation mark_;
   Diagnostics& diagnostics_;
 };
 
@@ -186,7 +186,7 @@ std::string several_robots(const CompiledScenario& compiled,
   return count > 1 ? text : "";
 }
 
-ConfigNode text_node(const std::string& text, const SourceMark& mark) {
+ConfigNode text_node(const std::string& text, const SourceLocation& mark) {
   ConfigNode node;
   node.kind = ConfigNode::Kind::kScalar;
   node.mark = mark;
@@ -194,7 +194,7 @@ ConfigNode text_node(const std::string& text, const SourceMark& mark) {
   return node;
 }
 
-ConfigNode plugin_node(const std::string& plugin, const SourceMark& mark) {
+ConfigNode plugin_node(const std::string& plugin, const SourceLocation& mark) {
   ConfigNode node;
   node.kind = ConfigNode::Kind::kMap;
   node.mark = mark;
@@ -203,7 +203,7 @@ ConfigNode plugin_node(const std::string& plugin, const SourceMark& mark) {
 }
 
 void set(ConfigNode& map, const std::string& key, ConfigNode value) {
-  const SourceMark mark = value.mark;
+  const SourceLocation mark = value.mark;
   if (ConfigNode* old = map.find(key)) {
     *old = std::move(value);
   } else {
@@ -247,7 +247,8 @@ void drop_draws_of_task(ConfigNode& root) {
 
 /// The controllers of a lead, which fall no quicker than gravity lets them.
 /// @param gravity  [m/s^2]
-std::vector<ConfigNode> controllers_of(const Lead& lead, double gravity, const SourceMark& mark) {
+std::vector<ConfigNode> controllers_of(const Lead& lead, double gravity,
+                                       const SourceLocation& mark) {
   constexpr double kShare = 0.89;  // laws refuse more than 0.9
   std::vector<ConfigNode> out;
   Diagnostics none;  // these texts are our own
@@ -285,7 +286,8 @@ Preview preview_of(const CompiledScenario& compiled, const ControllerChain& chai
   return preview;
 }
 
-void set_parameter(ConfigNode& use, const char* name, const char* value, const SourceMark& mark) {
+void set_parameter(ConfigNode& use, const char* name, const char* value,
+                   const SourceLocation& mark) {
   ConfigNode* parameters = use.find("parameters");
   if (parameters == nullptr || !parameters->is_map()) {
     ConfigNode none;
@@ -297,7 +299,7 @@ void set_parameter(ConfigNode& use, const char* name, const char* value, const S
   set(*parameters, name, text_node(value, mark));
 }
 
-void apply(const TrajectoryChain& open, ConfigNode* chain, const SourceMark& mark) {
+void apply(const TrajectoryChain& open, ConfigNode* chain, const SourceLocation& mark) {
   if (open.position) set_parameter(chain[0], "signal", "trajectory", mark);
   if (!open.attitude) return;
   set_parameter(chain[open.position ? 1 : 0], "feed_forward", "true", mark);
@@ -307,7 +309,7 @@ void apply(const TrajectoryChain& open, ConfigNode* chain, const SourceMark& mar
 /// @param parameters        of the controller `reference`, the level included
 void put_in(ConfigNode& root, const Place& place, const TrajectoryChain& open,
             const std::vector<ConfigNode>& more_controllers, const ConfigNode& parameters,
-            const SourceMark& mark) {
+            const SourceLocation& mark) {
   ConfigNode& controllers = *root.find("robots")->items[place.robot].find("controllers");
   apply(open, &controllers.items[place.controller], mark);
   ConfigNode reference = plugin_node("reference", mark);
@@ -343,7 +345,7 @@ std::string signals_with_leads() {
 
 ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& compiled,
                             Diagnostics& diagnostics) {
-  const SourceMark mark{kReferencePrefix + text, 0, 0};
+  const SourceLocation mark{kReferencePrefix + text, 0, 0};
   std::optional<Asked> asked = Request(text, diagnostics).read();
   if (!asked) return {};
   const std::vector<const ControllerChain*> chains = find_chains(compiled, asked->robot);

@@ -108,8 +108,8 @@ inline Distribution make_normal(double mean, double deviation, double low, doubl
   d.kind = DistributionKind::kNormal;
   d.mean = mean;
   d.deviation = deviation;
-  d.from = normal_share_below((low - mean) / deviation);
-  d.share = normal_share_below((high - mean) / deviation) - d.from;
+  d.from = normal_cdf((low - mean) / deviation);
+  d.share = normal_cdf((high - mean) / deviation) - d.from;
   if (!(d.share >= 1e-6)) {
     throw std::runtime_error("the range [" + to_text(low) + ", " + to_text(high) +
                              "] holds less than a millionth of the normal distribution: move it "

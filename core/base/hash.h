@@ -62,7 +62,7 @@ class HashChain {
 
 /// The word of a double, with one word for every NaN: which sign and payload a NaN has may depend
 /// on the order of operands, and differs between double and packs. Other words stay as they are.
-inline std::uint64_t one_nan(std::uint64_t word) {
+inline std::uint64_t canonical_nan(std::uint64_t word) {
   constexpr std::uint64_t kInfinityBits = 0x7ff0000000000000u;
   return (word & ~(std::uint64_t{1} << 63)) > kInfinityBits ? kInfinityBits + 1 : word;
 }

@@ -66,7 +66,7 @@ SKYBODY_INLINE Real normal_quantile(const Real& p) {
 
 /// The probability that a standard normal variable is below x: the inverse of normal_quantile(), by
 /// bisection, so that both agree and have the same bits everywhere. For set-up, not for steps.
-inline double normal_share_below(double x) {
+inline double normal_cdf(double x) {
   double low = 0.0, high = 1.0;
   for (int k = 0; k < 1100 && low < high; ++k) {
     const double middle = low + 0.5 * (high - low);

@@ -77,7 +77,7 @@ void Batch::keep_final(int row) {
   }
 }
 
-void Batch::spoil() {
+void Batch::poison() {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   for (Column<float>* column : {&observation, &reward, &agent_reward, &info, &privileged,
                                 &final_observation, &final_info, &final_privileged}) {

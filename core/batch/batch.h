@@ -52,7 +52,7 @@ struct Batch {
   /// Copies a row's observation, info, privileged row and images to its final ones.
   void keep_final(int row);
   /// Fills all floats with NaN: whoever still reads this memory notices.
-  void spoil();
+  void poison();
 
   RowWidths width;
   int rows = 0;                       ///< filled ones

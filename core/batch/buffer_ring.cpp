@@ -23,7 +23,7 @@ Batch& BufferRing::next() {
     buffer = make();
     ++fresh_;
   } else if (debug_) {
-    buffer->spoil();
+    buffer->poison();
   }
   ready_ = true;
   return *buffer;

@@ -11,9 +11,9 @@ namespace skybody {
 /// Flags that one thread writes while others may look at other lanes of the same group: the caller
 /// sends an environment while a worker steps its neighbour. Each flag alone is handed from thread
 /// to thread by the queues, so that relaxed order will do.
-class LaneFlags {
+class AtomicLaneMasks {
  public:
-  explicit LaneFlags(int groups) : flags_(static_cast<std::size_t>(groups)) {}
+  explicit AtomicLaneMasks(int groups) : flags_(static_cast<std::size_t>(groups)) {}
 
   /// The lanes of a group whose flag is set.
   std::uint32_t of(int group) const { return at(group).load(std::memory_order_relaxed); }

@@ -1,6 +1,6 @@
 #include "core/batch/motion_hash.h"
 
-#include "core/batch/fleet.h"
+#include "core/batch/environment_states.h"
 #include "core/batch/pool.h"
 
 namespace skybody {
@@ -8,7 +8,7 @@ namespace {
 
 void add_block(HashChain& chain, const std::vector<std::uint64_t>& words, const Block& block) {
   for (int k = block.offset; k < block.offset + block.size; ++k) {
-    chain.update(one_nan(words[static_cast<std::size_t>(k)]));
+    chain.update(canonical_nan(words[static_cast<std::size_t>(k)]));
   }
 }
 
@@ -35,12 +35,12 @@ void add_row(HashChain& chain, const Batch& rows, std::size_t row) {
 
 MotionHash::MotionHash(const Pool& envs) : chains_(static_cast<std::size_t>(envs.envs())) {}
 
-void MotionHash::received(const Batch& rows, const Fleet& fleet) {
-  const Layout& layout = fleet.compiled().layout();
+void MotionHash::received(const Batch& rows, const EnvironmentStates& states) {
+  const Layout& layout = states.compiled().layout();
   for (std::size_t row = 0; row < static_cast<std::size_t>(rows.rows); ++row) {
     const std::int32_t env = rows.env_id[row];
     HashChain& chain = chains_[static_cast<std::size_t>(env)];
-    const std::vector<std::uint64_t> words = fleet.words(env);
+    const std::vector<std::uint64_t> words = states.words(env);
     for (const Block* block : {&layout.q, &layout.u, &layout.rotor_speed}) {
       add_block(chain, words, *block);
     }

@@ -19,7 +19,7 @@ class MotionHash : public PoolObserver {
  public:
   explicit MotionHash(const Pool& envs);
 
-  void received(const Batch& rows, const Fleet& fleet) override;
+  void received(const Batch& rows, const EnvironmentStates& states) override;
   /// The chains of all environments so far, combined in the order of their ids.
   std::uint64_t value() const;
 

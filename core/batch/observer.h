@@ -10,7 +10,7 @@
 
 namespace skybody {
 
-class Fleet;
+class EnvironmentStates;
 
 /// What Pool::request() or Pool::randomize() asks for.
 struct PoolRequest {
@@ -39,9 +39,9 @@ class PoolObserver {
   virtual void forked(int /*source*/, std::span<const std::int32_t> /*targets*/, bool /*rekey*/) {}
   virtual void param_set(int /*env*/, const std::string& /*path*/, double /*value*/) {}
   virtual void requested(const PoolRequest& /*request*/) {}
-  /// recv() is about to give these rows. `fleet` has the state words and hashes of their
+  /// recv() is about to give these rows. `states` has the state words and hashes of their
   /// environments, which nobody touches now.
-  virtual void received(const Batch& rows, const Fleet& fleet) = 0;
+  virtual void received(const Batch& rows, const EnvironmentStates& states) = 0;
 };
 
 }  // namespace skybody

@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
-#include "core/batch/engine.h"
+#include "core/batch/scheduler.h"
 
 namespace skybody {
 namespace {
@@ -26,28 +26,28 @@ const PoolOptions& checked(const PoolOptions& options) {
 }  // namespace
 
 Pool::Pool(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options)
-    : engine_(std::make_unique<Engine>(std::move(compiled), checked(options))) {}
+    : scheduler_(std::make_unique<Scheduler>(std::move(compiled), checked(options))) {}
 
 /// In a forked child there are no threads to join, and a lock may be held by one that is not there:
 /// nothing can be taken down, so it is left to the end of the process.
 Pool::~Pool() {
-  if (!engine_->of_this_process()) static_cast<void>(engine_.release());
+  if (!scheduler_->of_this_process()) static_cast<void>(scheduler_.release());
 }
 
-const CompiledScenario& Pool::compiled() const { return engine_->fleet.compiled(); }
+const CompiledScenario& Pool::compiled() const { return scheduler_->states.compiled(); }
 const std::shared_ptr<const CompiledScenario>& Pool::shared_scenario() const {
-  return engine_->fleet.shared_scenario();
+  return scheduler_->states.shared_scenario();
 }
-int Pool::envs() const { return engine_->options.envs; }
-int Pool::batch() const { return engine_->options.batch; }
-int Pool::lanes() const { return engine_->fleet.span(); }
-int Pool::threads() const { return engine_->options.threads; }
-int Pool::pinned_threads() const { return engine_->crew().pinned(); }
-const PoolOptions& Pool::options() const { return engine_->options; }
-bool Pool::broken() const { return engine_->crew().failed(); }
-int Pool::in_flight() const { return engine_->in_flight_count; }
-std::uint64_t Pool::fresh_buffers() const { return engine_->fresh_buffers(); }
-std::uint64_t Pool::faults() const { return engine_->faults; }
+int Pool::envs() const { return scheduler_->options.envs; }
+int Pool::batch() const { return scheduler_->options.batch; }
+int Pool::lanes() const { return scheduler_->states.span(); }
+int Pool::threads() const { return scheduler_->options.threads; }
+int Pool::pinned_threads() const { return scheduler_->threads().pinned(); }
+const PoolOptions& Pool::options() const { return scheduler_->options; }
+bool Pool::broken() const { return scheduler_->threads().failed(); }
+int Pool::in_flight() const { return scheduler_->in_flight_count; }
+std::uint64_t Pool::fresh_buffers() const { return scheduler_->fresh_buffers(); }
+std::uint64_t Pool::faults() const { return scheduler_->faults; }
 
 void Pool::send_reset() {
   const std::vector<std::uint8_t> all(static_cast<std::size_t>(envs()), 1);
@@ -56,122 +56,126 @@ void Pool::send_reset() {
 
 void Pool::send_reset(std::span<const std::uint8_t> mask) {
   check_values("mask", mask.size(), 1, envs());
-  engine_->send_reset(mask);
-  if (engine_->observer) engine_->observer->reset_sent(mask);
+  scheduler_->send_reset(mask);
+  if (scheduler_->observer) scheduler_->observer->reset_sent(mask);
 }
 
 void Pool::send_reset(std::uint64_t seed) {
-  engine_->send_reset(seed);
-  if (engine_->observer) engine_->observer->reseeded(seed);
+  scheduler_->send_reset(seed);
+  if (scheduler_->observer) scheduler_->observer->reseeded(seed);
 }
 
 void Pool::send(std::span<const float> actions, std::span<const std::int32_t> env_ids) {
-  engine_->send_steps(actions, env_ids);
-  if (engine_->observer) engine_->observer->actions_sent(actions, env_ids);
+  scheduler_->send_steps(actions, env_ids);
+  if (scheduler_->observer) scheduler_->observer->actions_sent(actions, env_ids);
 }
 
-std::shared_ptr<const Batch> Pool::recv() { return engine_->recv(Crew::Clock::time_point::max()); }
+std::shared_ptr<const Batch> Pool::recv() {
+  return scheduler_->recv(ThreadPool::Clock::time_point::max());
+}
 
 std::shared_ptr<const Batch> Pool::recv(std::chrono::milliseconds patience) {
   constexpr std::chrono::hours kForEver{24 * 365 * 100};  // later times overflow the clock
   if (patience >= kForEver) return recv();
-  return engine_->recv(Crew::Clock::now() + patience);
+  return scheduler_->recv(ThreadPool::Clock::now() + patience);
 }
 
 std::vector<std::uint64_t> Pool::save() const {
-  engine_->check_idle("save()");
-  std::vector<std::uint64_t> saved = engine_->fleet.save();
-  saved.push_back(static_cast<std::uint64_t>(engine_->cursor));
+  scheduler_->check_idle("save()");
+  std::vector<std::uint64_t> saved = scheduler_->states.save();
+  saved.push_back(static_cast<std::uint64_t>(scheduler_->cursor));
   saved.push_back(checksum(saved));
   return saved;
 }
 
 void Pool::restore(std::span<const std::uint64_t> saved) {
-  engine_->check_idle("restore()");
+  scheduler_->check_idle("restore()");
   if (saved.size() < 2) throw Error("this is not a saved state: it is empty");
   const auto content = saved.first(saved.size() - 1);
   const auto environments = content.first(content.size() - 1);
-  engine_->fleet.check_saved(environments);
+  scheduler_->states.check_saved(environments);
   if (saved.back() != checksum(content)) {
     throw Error(
         "this saved state was changed after save() gave it (its checksum is another): restore an "
         "unchanged one");
   }
-  engine_->fleet.restore(environments);
-  engine_->cursor = static_cast<int>(content.back() % static_cast<std::uint64_t>(envs()));
-  if (engine_->observer) engine_->observer->restored(saved);
+  scheduler_->states.restore(environments);
+  scheduler_->cursor = static_cast<int>(content.back() % static_cast<std::uint64_t>(envs()));
+  if (scheduler_->observer) scheduler_->observer->restored(saved);
 }
 
 void Pool::fork(int source, std::span<const std::int32_t> targets, bool rekey) {
-  engine_->check_alive();
+  scheduler_->check_alive();
   const auto check = [&](std::int32_t env) {
-    engine_->check_id(env);
-    if (engine_->in_flight(env)) {
+    scheduler_->check_id(env);
+    if (scheduler_->in_flight(env)) {
       throw Error("fork() with environment " + std::to_string(env) + " in flight: recv() it first");
     }
   };
   check(source);
   for (const std::int32_t target : targets) check(target);
-  engine_->settle(source);
-  for (const std::int32_t target : targets) engine_->settle(target);
-  for (const std::int32_t target : targets) engine_->fleet.fork(source, target, rekey);
-  if (engine_->observer) engine_->observer->forked(source, targets, rekey);
+  scheduler_->settle(source);
+  for (const std::int32_t target : targets) scheduler_->settle(target);
+  for (const std::int32_t target : targets) scheduler_->states.fork(source, target, rekey);
+  if (scheduler_->observer) scheduler_->observer->forked(source, targets, rekey);
 }
 
 void Pool::observations(std::span<float> observation) const {
-  engine_->check_idle("observations()");
+  scheduler_->check_idle("observations()");
   const FpEnvironment guard;
   const int width = compiled().observation_size();
   check_values("observation", observation.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
-    engine_->fleet.observation(env, observation.data() + static_cast<std::ptrdiff_t>(env) * width);
+    scheduler_->states.observation(env,
+                                   observation.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 
 void Pool::privileged(std::span<float> privileged) const {
-  engine_->check_idle("privileged()");
+  scheduler_->check_idle("privileged()");
   const FpEnvironment guard;
   const int width = compiled().privileged_size();
   check_values("privileged", privileged.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
-    engine_->fleet.privileged(env, privileged.data() + static_cast<std::ptrdiff_t>(env) * width);
+    scheduler_->states.privileged(env,
+                                  privileged.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 
 void Pool::image(int image, std::span<std::uint8_t> pixels) const {
-  engine_->check_idle("image()");
+  scheduler_->check_idle("image()");
   check_index("image", image, static_cast<int>(compiled().images().size()));
   const int width = compiled().images()[static_cast<std::size_t>(image)].bytes;
   check_values("pixels", pixels.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
-    engine_->fleet.image(env, image, pixels.data() + static_cast<std::ptrdiff_t>(env) * width);
+    scheduler_->states.image(env, image, pixels.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 
 void Pool::state(std::string_view path, std::span<double> values) const {
-  engine_->check_idle("state()");
+  scheduler_->check_idle("state()");
   const StateValue& value = compiled().state_values().at(path);
   check_values("values", values.size(), static_cast<std::size_t>(envs()), value.count());
   for (int env = 0; env < envs(); ++env) {
-    if (engine_->fleet.started(env)) continue;
+    if (scheduler_->states.started(env)) continue;
     throw Error("state() of environment " + std::to_string(env) +
                 ", which has not begun an episode: reset it first");
   }
   const FpEnvironment guard;
-  engine_->fleet.state(value, values.data());
+  scheduler_->states.state(value, values.data());
 }
 
 double Pool::param(int env, const std::string& path) const {
-  engine_->check_idle("param()");
-  engine_->check_id(env);
-  return engine_->fleet.param(env, path);
+  scheduler_->check_idle("param()");
+  scheduler_->check_id(env);
+  return scheduler_->states.param(env, path);
 }
 
 void Pool::set_param(int env, const std::string& path, double value) {
-  engine_->check_idle("set_param()");
-  engine_->check_id(env);
-  engine_->fleet.set_param(env, path, value);
-  if (engine_->observer) engine_->observer->param_set(env, path, value);
+  scheduler_->check_idle("set_param()");
+  scheduler_->check_id(env);
+  scheduler_->states.set_param(env, path, value);
+  if (scheduler_->observer) scheduler_->observer->param_set(env, path, value);
 }
 
 void Pool::request(std::span<const ParamChange> changes, RequestTime when,
@@ -184,30 +188,30 @@ void Pool::randomize(RequestTime when, std::span<const std::int32_t> env_ids) {
 }
 
 void Pool::ask(const PoolRequest& asked) {
-  engine_->check_alive();
-  for (const std::int32_t env : asked.env_ids) engine_->check_id(env);
+  scheduler_->check_alive();
+  for (const std::int32_t env : asked.env_ids) scheduler_->check_id(env);
   const auto request =
       std::make_shared<const ParamRequest>(compiled(), asked.changes, asked.redraws);
   const bool at_reset = asked.when == RequestTime::kNextReset;
-  for (const std::int32_t env : asked.env_ids) engine_->fleet.ask(env, request, at_reset);
+  for (const std::int32_t env : asked.env_ids) scheduler_->states.ask(env, request, at_reset);
   for (int env = 0; asked.env_ids.empty() && env < envs(); ++env) {
-    engine_->fleet.ask(env, request, at_reset);
+    scheduler_->states.ask(env, request, at_reset);
   }
-  if (engine_->observer) engine_->observer->requested(asked);
+  if (scheduler_->observer) scheduler_->observer->requested(asked);
 }
 
 StepCounts Pool::step_counts() const {
-  engine_->check_idle("step_counts()");
-  return engine_->fleet.step_counts();
+  scheduler_->check_idle("step_counts()");
+  return scheduler_->states.step_counts();
 }
 
 std::uint64_t Pool::hash(int env) const {
-  engine_->check_idle("hash()");
-  engine_->check_id(env);
-  if (!engine_->options.keep_hash && !engine_->observer) {
+  scheduler_->check_idle("hash()");
+  scheduler_->check_id(env);
+  if (!scheduler_->options.keep_hash && !scheduler_->observer) {
     throw StateError("no hash was kept: make the Pool with keep_hash");
   }
-  return engine_->fleet.hash(env);
+  return scheduler_->states.hash(env);
 }
 
 std::uint64_t Pool::hash() const {
@@ -217,9 +221,9 @@ std::uint64_t Pool::hash() const {
 }
 
 void Pool::observe(std::shared_ptr<PoolObserver> observer) {
-  if (observer) engine_->check_idle("observe()");
-  engine_->observer = std::move(observer);
-  engine_->fleet.keep_hash(engine_->options.keep_hash || engine_->observer != nullptr);
+  if (observer) scheduler_->check_idle("observe()");
+  scheduler_->observer = std::move(observer);
+  scheduler_->states.keep_hash(scheduler_->options.keep_hash || scheduler_->observer != nullptr);
 }
 
 }  // namespace skybody

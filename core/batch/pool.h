@@ -138,8 +138,8 @@ class Pool {
 
  private:
   void ask(const PoolRequest& request);
-  class Engine;
-  std::unique_ptr<Engine> engine_;
+  class Scheduler;
+  std::unique_ptr<Scheduler> scheduler_;
 };
 
 }  // namespace skybody

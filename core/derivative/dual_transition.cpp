@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/plugin_instance.h"
-#include "core/model/held_together.h"
+#include "core/model/combine_held_inputs.h"
 
 namespace skybody {
 namespace {

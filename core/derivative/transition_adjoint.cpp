@@ -34,7 +34,7 @@ std::vector<int> motion_rows(const Layout& l, const DualGroup& dual) {
   return rows;
 }
 
-LinearMap task_map(const CompiledScenario& c, const DualGroup& dual, bool with_reward) {
+SparseJacobian task_map(const CompiledScenario& c, const DualGroup& dual, bool with_reward) {
   const Layout& l = c.layout();
   std::vector<int> inputs = motion_rows(l, dual), outputs;
   add_block(inputs, l.action);
@@ -46,7 +46,7 @@ LinearMap task_map(const CompiledScenario& c, const DualGroup& dual, bool with_r
   return {inputs, outputs};
 }
 
-LinearMap chain_map(const CompiledScenario& c, const DualGroup& dual) {
+SparseJacobian chain_map(const CompiledScenario& c, const DualGroup& dual) {
   const Layout& l = c.layout();
   std::vector<int> inputs = motion_rows(l, dual), outputs;
   add_block(inputs, l.action);
@@ -65,7 +65,7 @@ LinearMap chain_map(const CompiledScenario& c, const DualGroup& dual) {
   return {inputs, outputs};
 }
 
-LinearMap effects_map(const CompiledScenario& c, const DualGroup& dual) {
+SparseJacobian effects_map(const CompiledScenario& c, const DualGroup& dual) {
   const Layout& l = c.layout();
   std::vector<int> inputs = motion_rows(l, dual), outputs;
   for (std::vector<int>* rows : {&inputs, &outputs}) {
@@ -80,7 +80,7 @@ LinearMap effects_map(const CompiledScenario& c, const DualGroup& dual) {
   return {inputs, outputs};
 }
 
-LinearMap motion_map(const Layout& l, const DualGroup& dual) {
+SparseJacobian motion_map(const Layout& l, const DualGroup& dual) {
   std::vector<int> inputs, outputs;
   add_block(inputs, l.q);
   add_block(inputs, l.u);
@@ -89,7 +89,7 @@ LinearMap motion_map(const Layout& l, const DualGroup& dual) {
 }
 
 /// Of what effects hold that alone which depends on the motion.
-LinearMap step_map(const Layout& l, const LinearMap& effects) {
+SparseJacobian step_map(const Layout& l, const SparseJacobian& effects) {
   std::vector<int> inputs, outputs;
   for (std::vector<int>* rows : {&inputs, &outputs}) {
     for (const Block& b : {l.q, l.u, l.rotor_speed, l.joint_state}) add_block(*rows, b);
@@ -128,9 +128,9 @@ TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps
 void TransitionAdjoint::require(const PluginInstance& plugin, bool is_there,
                                 const char* remedy) const {
   if (is_there) return;
-  throw MarkedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name +
-                                     ") has no derivatives that a policy can be taught by: " +
-                                     remedy + ", or take --algo fast-ppo");
+  throw LocatedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name +
+                                      ") has no derivatives that a policy can be taught by: " +
+                                      remedy + ", or take --algo fast-ppo");
 }
 
 void TransitionAdjoint::require_smooth() const {
@@ -170,7 +170,7 @@ bool TransitionAdjoint::is_observed(const PluginInstance& sensor) const {
 
 // --- forward ------------------------------------------------------------------------------------
 
-void TransitionAdjoint::step(StateGroup& group, GroupWork& work, std::uint32_t mask,
+void TransitionAdjoint::step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                              const float* actions, int action_stride, const Rows& rows, int t) {
   const CompiledScenario& c = compiled_;
   // Without effects, and with controllers that look at the command alone, the motion says all.
@@ -178,7 +178,7 @@ void TransitionAdjoint::step(StateGroup& group, GroupWork& work, std::uint32_t m
   work.clear_faults();
   group.refresh(mask, work.physics);
   SkybodyLanes lanes = c.view(group, work, mask);
-  c.act(group, work, lanes, actions, action_stride);
+  c.apply_action(group, work, lanes, actions, action_stride);
   c.make_command(group, work, lanes);
   for (int k = 0; k < repeat_ && lanes.active != 0; ++k) {
     records_.remember(group, t, k, k == 0 || !is_short ? RecordPart::kAll : RecordPart::kMotion);
@@ -191,10 +191,11 @@ void TransitionAdjoint::step(StateGroup& group, GroupWork& work, std::uint32_t m
   count(group, kStep, mask);
   records_.remember(group, t, repeat_, RecordPart::kAll);
   c.evaluate(group, work, lanes, rows.info != nullptr);
-  c.conclude(group, work, mask, false, rows);
+  c.finish_transition(group, work, mask, false, rows);
 }
 
-void TransitionAdjoint::goal(StateGroup& group, GroupWork& work, std::uint32_t mask, double* out) {
+void TransitionAdjoint::goal(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
+                             double* out) {
   const PluginInstance& task = compiled_.task();
   const SkybodyLanes v = compiled_.view(group, work, mask);
   call_plugin(task.kernels.goal, task, group, v, no_sizes, out);
@@ -237,15 +238,15 @@ bool TransitionAdjoint::has_periods() const {
   return false;
 }
 
-void TransitionAdjoint::depend_as(const TransitionAdjoint& other) {
-  task_.depend_as(other.task_);
-  chain_.depend_as(other.chain_);
-  effects_.depend_as(other.effects_);
-  motion_.depend_as(other.motion_);
+void TransitionAdjoint::copy_sparsity(const TransitionAdjoint& other) {
+  task_.copy_sparsity(other.task_);
+  chain_.copy_sparsity(other.chain_);
+  effects_.copy_sparsity(other.effects_);
+  motion_.copy_sparsity(other.motion_);
 }
 
-void TransitionAdjoint::arrange() {
-  for (LinearMap* map : {&task_, &chain_, &effects_, &motion_}) map->arrange();
+void TransitionAdjoint::color_columns() {
+  for (SparseJacobian* map : {&task_, &chain_, &effects_, &motion_}) map->color_columns();
   std::vector<int> changing = motion_rows(layout_, dual_);
   add_block(changing, layout_.plugin_state);
   is_chain_constant_ = !chain_.depends_on(changing);
@@ -254,7 +255,7 @@ void TransitionAdjoint::arrange() {
   // may be seen later.
   step_ = step_map(layout_, effects_);
   step_.take_all();
-  step_.arrange();
+  step_.color_columns();
 }
 
 TransitionAdjoint::Evaluations TransitionAdjoint::evaluations() const {

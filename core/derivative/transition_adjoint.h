@@ -3,7 +3,7 @@
 //
 // Forward, transitions are the engine's own, taken phase by phase, and what they go through is
 // remembered (transition_records.h). Backward, plugins go by their own code on dual numbers
-// (dual_transition.h, linear_map.h). A physics step goes by a closed form where one is known
+// (dual_transition.h, sparse_jacobian.h). A physics step goes by a closed form where one is known
 // (core/physics/step/step_adjoint.h), else by the engine's own step on dual numbers, one direction
 // at a time. Contact is left out of derivatives: a step near the ground counts as one in free air.
 #pragma once
@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "core/derivative/dual_transition.h"
-#include "core/derivative/linear_map.h"
+#include "core/derivative/sparse_jacobian.h"
 #include "core/derivative/transition_records.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/physics/step/step_adjoint.h"
 
 namespace skybody {
@@ -32,20 +32,20 @@ class TransitionAdjoint {
   TransitionAdjoint(const CompiledScenario& compiled, int steps, bool with_reward);
 
   /// Transition `t` of the lanes in `mask`, as CompiledScenario::step, remembered.
-  void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
+  void step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, const float* actions,
             int action_stride, const Rows& rows, int t);
 
   /// Where the task wants its goal's body now.
   /// @param out  7 rows in lanes: position and heading, and where the task says how its goal moves
   ///             the velocity [m/s]; else that stays as it is
-  void goal(StateGroup& group, GroupWork& work, std::uint32_t mask, double* out);
+  void goal(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, double* out);
 
   /// Learns from the remembered transitions which values of plugins depend on which.
   void look(const StateGroup& group, std::uint32_t mask, int steps);
   /// Instead of look(): the dependences that another adjoint of the same scenario has found.
-  void depend_as(const TransitionAdjoint& other);
+  void copy_sparsity(const TransitionAdjoint& other);
   /// After all look(): plugins are asked as seldom as these dependences allow.
-  void arrange();
+  void color_columns();
 
   /// Makes ready to go back through the transitions of a group.
   void begin(const StateGroup& group, std::uint32_t lanes);
@@ -69,7 +69,7 @@ class TransitionAdjoint {
   struct Evaluations {
     int task, controllers, effects, physics;
   };
-  /// After arrange().
+  /// After color_columns().
   Evaluations evaluations() const;
 
  private:
@@ -91,7 +91,7 @@ class TransitionAdjoint {
   DualTransition transition_;
   int repeat_;  ///< physics steps of a transition
   int goal_motion_;
-  LinearMap task_, chain_, effects_, motion_, step_;
+  SparseJacobian task_, chain_, effects_, motion_, step_;
   bool is_chain_constant_ = false;  ///< over the physics steps of an action
   AlignedArray<double> derived_, goal_motion_values_;
 };

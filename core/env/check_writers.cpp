@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include "core/env/use_marks.h"
-#include "core/model/marked_error.h"
+#include "core/env/error_location.h"
+#include "core/model/located_error.h"
 
 namespace skybody {
 namespace {
@@ -13,7 +13,7 @@ const std::string& path_of(const Writers& w, int param) {
 }
 
 /// Where a randomizer or the task is told to write it.
-SourceMark mark_of(const Writers& w, const PluginInstance& p, int param) {
+SourceLocation mark_of(const Writers& w, const PluginInstance& p, int param) {
   const EnvParam& info = w.layout.param_info[static_cast<std::size_t>(param)];
   if (p.kind == SKYBODY_TASK) return mark_of_writer(w.scenario, w.scenario.task, info);
   const auto place = static_cast<std::size_t>(&p - w.randomizers.data());
@@ -21,7 +21,7 @@ SourceMark mark_of(const Writers& w, const PluginInstance& p, int param) {
 }
 
 /// " (line 7)"; nothing for a mark that has no line.
-std::string line_of(const SourceMark& mark) {
+std::string line_of(const SourceLocation& mark) {
   return mark.line == 0 ? "" : " (line " + std::to_string(mark.line) + ")";
 }
 
@@ -38,8 +38,8 @@ void check_task(const Writers& w) {
   const Block& own = w.task_params;
   for (const int param : w.task.writes) {
     if (param >= own.offset && param < own.offset + own.size) continue;
-    throw MarkedError(w.task.mark, "task `" + w.task.plugin + "` draws " + path_of(w, param) +
-                                       ", but a task may draw its own parameters alone");
+    throw LocatedError(w.task.mark, "task `" + w.task.plugin + "` draws " + path_of(w, param) +
+                                        ", but a task may draw its own parameters alone");
   }
 }
 
@@ -52,10 +52,11 @@ void check_single(const Writers& w) {
       if (fresh || it->second == &p) continue;
       const bool is_task = it->second->kind == SKYBODY_TASK;
       const std::string line = line_of(mark_of(w, *it->second, param));
-      throw MarkedError(mark_of(w, p, param),
-                        described(*it->second, line, p) + " both draw " + path_of(w, param) +
-                            ": leave it to one of them" +
-                            (is_task ? "; a task draws no parameter that the scenario gives" : ""));
+      throw LocatedError(
+          mark_of(w, p, param),
+          described(*it->second, line, p) + " both draw " + path_of(w, param) +
+              ": leave it to one of them" +
+              (is_task ? "; a task draws no parameter that the scenario gives" : ""));
     }
   };
   add(w.task);
@@ -68,10 +69,10 @@ void check_starts_in_time(const Writers& w) {
     if (!r.draws_in_time) continue;
     for (const int param : r.writes) {
       if (!w.starts.has(param)) continue;
-      throw MarkedError(mark_of(w, r, param),
-                        "randomizer `" + r.name + "` draws " + path_of(w, param) +
-                            " at a time within the episode, but a start is read at "
-                            "resets alone: draw it with `when: reset`");
+      throw LocatedError(mark_of(w, r, param),
+                         "randomizer `" + r.name + "` draws " + path_of(w, param) +
+                             " at a time within the episode, but a start is read at "
+                             "resets alone: draw it with `when: reset`");
     }
   }
 }

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/env/initial_states.h"
 #include "core/env/plugin_instance.h"
-#include "core/env/start_places.h"
 
 namespace skybody {
 
@@ -13,12 +13,12 @@ struct Writers {
   const std::vector<PluginInstance>& randomizers;
   const PluginInstance& task;
   Block task_params;  ///< the task's own, within the parameter block
-  const StartPlaces& starts;
+  const InitialStates& starts;
   const Layout& layout;
   const Scenario& scenario;
 };
 
-/// @throws MarkedError that names the parameter, who draws it and the remedy, where two draw one,
+/// @throws LocatedError that names the parameter, who draws it and the remedy, where two draw one,
 ///         a task draws another's, or a start is drawn in mid-episode
 void check_writers(const Writers& writers);
 

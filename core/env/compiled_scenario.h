@@ -11,9 +11,9 @@
 
 #include "core/base/hash.h"
 #include "core/env/controller_chains.h"
+#include "core/env/initial_states.h"
 #include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
-#include "core/env/start_places.h"
 #include "core/env/state_group.h"
 #include "core/physics/contact/contact.h"
 #include "core/physics/world/lane_state.h"
@@ -21,7 +21,7 @@
 
 namespace skybody {
 
-class GroupWork;
+class GroupWorkspace;
 class ParamRequest;
 class StartOverlaps;
 class StateValues;
@@ -57,8 +57,9 @@ enum class Checking { kNo, kYes };
 class CompiledScenario {
  public:
   /// Configures the plugins and builds the world.
-  /// @throws MarkedError with the scenario's line if a plugin refuses or signals do not fit
-  /// @param checking  kYes: checked mode. Groups have one lane, and calls throw MarkedError where a
+  /// @throws LocatedError with the scenario's line if a plugin refuses or signals do not fit
+  /// @param checking  kYes: checked mode. Groups have one lane, and calls throw LocatedError where
+  /// a
   ///                  plugin touches values beyond those that it may
   CompiledScenario(Scenario scenario, PluginFactory& factory, Checking checking = Checking::kNo);
   ~CompiledScenario();
@@ -90,7 +91,7 @@ class CompiledScenario {
   const std::vector<ObservedImage>& images() const { return plan_.images; }
   int info_size() const { return value_count(info_channels_); }
   /// Where robots begin, as EnvParams.
-  const StartPlaces& starts() const { return starts_; }
+  const InitialStates& starts() const { return starts_; }
   /// Words of what a StateGroup saves of an environment: state words, then images.
   std::size_t saved_words() const {
     return static_cast<std::size_t>(layout().words) + image_words_;
@@ -109,53 +110,55 @@ class CompiledScenario {
   /// @param lanes  1 or kGroupLanes
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
-  std::unique_ptr<GroupWork> make_work(int lanes) const;
+  std::unique_ptr<GroupWorkspace> make_workspace(int lanes) const;
 
   /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
   /// must follow.
   void initialize(StateGroup& group, int lane, std::uint64_t seed, std::uint64_t stream_env) const;
 
   /// Begins the next episode of the lanes in `mask`; writes their first observation, reward 0.
-  void reset(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const;
+  void reset(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, const Rows& rows) const;
 
   /// One transition of the lanes in `mask`: exactly K physics steps, unless a fault ends the
   /// episode.
   /// @param actions  row of lane l at actions + l * action_stride, each in [-1, 1] (clipped)
-  void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
+  void step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, const float* actions,
             int action_stride, const Rows& rows) const;
 
   /// Physics steps of the lanes in `mask` under the commands in the group, without action and task.
   /// Lanes whose physics gives up stay in their last finite state, their status a fault.
   /// @returns the lanes that came through
-  std::uint32_t advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
+  std::uint32_t advance(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                         std::int64_t physics_steps) const;
 
   /// Ends a transition made by advance(): counts one step and asks the task.
-  void evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const;
+  void evaluate(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
+                const Rows& rows) const;
 
   /// Draws from all randomizers now, whatever their schedule; episode and motion go on.
-  void randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
+  void randomize(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const;
   /// Does in one lane what a caller asks for; episode and motion go on. What is asked for at a
-  /// reset goes to GroupWork::requests instead.
-  void apply(StateGroup& group, GroupWork& work, int lane, const ParamRequest& request) const;
+  /// reset goes to GroupWorkspace::requests instead.
+  void apply(StateGroup& group, GroupWorkspace& work, int lane, const ParamRequest& request) const;
 
   /// Makes the work's bodies and sensors' view current after state words were changed from outside.
-  void update(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
+  void update(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const;
 
   /// Generalised accelerations of one lane now, with the rotor commands, wrenches and drives of the
   /// last physics step.
   /// @param udot  one per u
   /// @throws std::runtime_error if the dynamics gives up
-  void accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const;
+  void accelerations(StateGroup& group, GroupWorkspace& work, int lane, double* udot) const;
 
   /// What the bodies of one lane touch: the ground, obstacles and one another.
-  std::vector<Contact> contacts(StateGroup& group, GroupWork& work, int lane) const;
+  std::vector<Contact> contacts(StateGroup& group, GroupWorkspace& work, int lane) const;
 
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
-  void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
+  void goal(StateGroup& group, GroupWorkspace& work, int lane, std::vector<double>& out) const;
   /// How they move: 6 values per declared goal, velocity [m/s] and acceleration [m/s^2], W axes; 0
   /// where the task does not say.
-  void goal_motion(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
+  void goal_motion(StateGroup& group, GroupWorkspace& work, int lane,
+                   std::vector<double>& out) const;
 
   /// Why an episode ended as a fault, in words. @param status  EpisodeStatus bits
   /// @returns the reasons, separated by "; "; empty: no fault
@@ -168,73 +171,77 @@ class CompiledScenario {
  private:
   /// goal() or goal_motion() of the task, `size` values per declared goal; null: zeros.
   template <class Function>
-  void ask_goals(StateGroup& group, GroupWork& work, int lane, Function function, int size,
+  void ask_goals(StateGroup& group, GroupWorkspace& work, int lane, Function function, int size,
                  const char* what, std::vector<double>& out) const;
   friend class TransitionAdjoint;  // takes steps phase by phase, to go back through them
   friend class DualTransition;     // goes through the same phases
   struct Builder;
   SkybodyChecks make_checks() const;
-  void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;
-  void make_command(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  void process(StateGroup&, GroupWork&, const SkybodyLanes&) const;
+  void apply_action(StateGroup&, GroupWorkspace&, const SkybodyLanes&, const float* actions,
+                    int stride) const;
+  void make_command(StateGroup&, GroupWorkspace&, const SkybodyLanes&) const;
+  void process(StateGroup&, GroupWorkspace&, const SkybodyLanes&) const;
   void scale_action(const StateGroup&, std::uint32_t mask, double* out) const;
-  void move_command(StateGroup&, const GroupWork&, std::uint32_t mask, int step, int steps,
+  void move_command(StateGroup&, const GroupWorkspace&, std::uint32_t mask, int step, int steps,
                     bool is_first) const;
-  void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  void control(StateGroup&, GroupWork&, const SkybodyLanes&, const ControllerChain&) const;
+  void control(StateGroup&, GroupWorkspace&, const SkybodyLanes&) const;
+  void control(StateGroup&, GroupWorkspace&, const SkybodyLanes&, const ControllerChain&) const;
   void apply_effects(StateGroup&, const SkybodyLanes&) const;
   void add_up_held(StateGroup&, std::uint32_t mask, int input) const;
   void clear_held(StateGroup&, std::uint32_t mask) const;
   std::uint32_t due(const PluginInstance&, const StateGroup&, std::uint32_t mask) const;
-  void fly_action(StateGroup&, GroupWork&, SkybodyLanes lanes) const;
-  void fly(StateGroup&, GroupWork&, SkybodyLanes& lanes, std::int64_t steps_left) const;
-  std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void fly_action(StateGroup&, GroupWorkspace&, SkybodyLanes lanes) const;
+  void physics_step(StateGroup&, GroupWorkspace&, SkybodyLanes& lanes,
+                    std::int64_t steps_left) const;
+  std::uint32_t advance(StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
   void sense(StateGroup&, const SkybodyLanes&, std::int64_t steps_left) const;
   void sense(StateGroup&, const SkybodyLanes&, const PluginInstance&) const;
-  void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
-  std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
+  void finish_transition(StateGroup&, GroupWorkspace&, std::uint32_t mask, bool is_reset,
+                         const Rows&) const;
+  std::uint32_t finite_robot_rewards(const GroupWorkspace&, std::uint32_t mask) const;
   std::uint64_t bad_state_bits(const StateGroup& group, int lane) const;
   std::string reason_of_body(std::uint64_t status) const;
-  void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
-                       const Rows&) const;
-  std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;
+  void finish_faults(StateGroup&, GroupWorkspace&, std::uint32_t faults, std::uint32_t finite,
+                     const Rows&) const;
+  std::uint32_t write_observation(GroupWorkspace&, std::uint32_t mask, const Rows&) const;
   void write_images(const StateGroup&, std::uint32_t mask, const Rows&) const;
   void write_last_observation(const StateGroup&, std::uint32_t mask, const Rows&) const;
   std::uint32_t write_row(std::uint32_t mask, int lanes, const double* values, float* rows) const;
-  void keep_observation(StateGroup&, const GroupWork&, std::uint32_t mask) const;
-  void gather_observation(const StateGroup&, GroupWork&) const;
-  void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
-  void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;
-  void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
+  void keep_observation(StateGroup&, const GroupWorkspace&, std::uint32_t mask) const;
+  void gather_observation(const StateGroup&, GroupWorkspace&) const;
+  void write_agent_rewards(GroupWorkspace&, std::uint32_t mask, const Rows&) const;
+  void evaluate(StateGroup&, GroupWorkspace&, const SkybodyLanes&, bool wants_info) const;
+  void check(const StateGroup&, const GroupWorkspace&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, const SkybodyLanes&, SkybodyOccasion) const;
-  void draw_in_time(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  void draw_with_requests(StateGroup&, const GroupWork&, const SkybodyLanes&, int repetition) const;
-  void draw_start(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void draw_task(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void draw_again(StateGroup&, GroupWork&, int lane) const;
-  void keep_undrawn(const StateGroup&, GroupWork&) const;
-  void put_back_undrawn(StateGroup&, const GroupWork&, int lane) const;
-  std::optional<StartOverlap> find_overlap(StateGroup&, GroupWork&, int lane) const;
+  void draw_in_time(StateGroup&, GroupWorkspace&, const SkybodyLanes&) const;
+  void draw_with_requests(StateGroup&, const GroupWorkspace&, const SkybodyLanes&,
+                          int repetition) const;
+  void draw_start(StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
+  void draw_task(StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
+  void draw_again(StateGroup&, GroupWorkspace&, int lane) const;
+  void keep_undrawn(const StateGroup&, GroupWorkspace&) const;
+  void put_back_undrawn(StateGroup&, const GroupWorkspace&, int lane) const;
+  std::optional<StartOverlap> find_overlap(StateGroup&, GroupWorkspace&, int lane) const;
   void look_for_bad_starts();
   bool draws_bodies() const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
-  void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
-  const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void reset_plugin(const PluginInstance&, StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
+  const std::uint64_t* number_requests(StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void settle_joint_drives(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
   /// Whether a plugin asks for contacts.
   bool senses_contacts() const { return needs_contacts_ || !contact_pairs_.empty(); }
-  void find_contacts(StateGroup&, GroupWork&, int lane) const;
+  void find_contacts(StateGroup&, GroupWorkspace&, int lane) const;
   void add_up_bodies(StateGroup&, const std::vector<Contact>&, int lane) const;
   void add_up_pairs(StateGroup&, const std::vector<Contact>&, int lane) const;
-  void sense_joint_reactions(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void sense_contacts(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void write_reports(const StateGroup&, GroupWork&) const;
-  SkybodyLanes view(const StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void sense_joint_reactions(StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
+  void sense_contacts(StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
+  void write_reports(const StateGroup&, GroupWorkspace&) const;
+  SkybodyLanes view(const StateGroup&, GroupWorkspace&, std::uint32_t mask) const;
 
   std::unique_ptr<const World> world_;
   std::unique_ptr<const GroupPhysics> physics_;
@@ -248,7 +255,7 @@ class CompiledScenario {
   bool needs_contacts_ = false;
   bool draws_in_time_ = false;  ///< a randomizer does
   bool draws_bodies_ = false;   ///< randomizers write what a rigid body is made of
-  StartPlaces starts_;
+  InitialStates starts_;
   Block task_params_;                       ///< the task's own, within the parameter block
   std::vector<ContactPair> contact_pairs_;  ///< that plugins ask for
   std::vector<int> joint_reactions_;        ///< bodies whose joints plugins ask about

@@ -9,13 +9,13 @@
 #include "core/env/check_declarations.h"
 #include "core/env/check_writers.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_work.h"
+#include "core/env/error_location.h"
+#include "core/env/group_workspace.h"
 #include "core/env/param_access.h"
 #include "core/env/setup_tables.h"
 #include "core/env/start_overlaps.h"
 #include "core/env/state_values.h"
-#include "core/env/use_marks.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/coupling/coupling_start.h"
 #include "core/physics/world/lane_values.h"
@@ -50,7 +50,7 @@ struct CompiledScenario::Builder {
 
   void build() {
     collect_uses();
-    env.starts_ = StartPlaces(topology, plan.layout);
+    env.starts_ = InitialStates(topology, plan.layout);
     for (BoundUse& use : uses) add_params(use);
     SetupTables tables(topology, plan.layout);
     configure_kind(SKYBODY_SENSOR, tables);
@@ -171,8 +171,8 @@ struct CompiledScenario::Builder {
       made.file = result.file;
       check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
-      throw MarkedError(blamed(scenario, *bound.use, e.what()),
-                        with_nearest_param(plan.layout, e.what()));
+      throw LocatedError(blamed(scenario, *bound.use, e.what()),
+                         with_nearest_param(plan.layout, e.what()));
     }
     return made;
   }
@@ -191,9 +191,10 @@ struct CompiledScenario::Builder {
     for (const ControllerChain& chain : env.chains_) {
       const bool has_quaternion = chain.signal == SKYBODY_ATTITUDE || chain.signal == SKYBODY_POSE;
       if (chain.is_fed || !has_quaternion) continue;
-      throw MarkedError(scenario.task.mark,
-                        "task `" + env.task().plugin + "` changes commands in equal parts, which " +
-                            signal_name(chain.signal) + " does not allow: it has a quaternion");
+      throw LocatedError(scenario.task.mark, "task `" + env.task().plugin +
+                                                 "` changes commands in equal parts, which " +
+                                                 signal_name(chain.signal) +
+                                                 " does not allow: it has a quaternion");
     }
   }
 
@@ -298,7 +299,7 @@ struct CompiledScenario::Builder {
         env.info_channels_.push_back({info.path, info.unit, 1, info.min, info.max});
       }
     } catch (const Error& error) {
-      throw MarkedError(scenario.infos.mark, "`infos`: " + std::string(error.what()));
+      throw LocatedError(scenario.infos.mark, "`infos`: " + std::string(error.what()));
     }
   }
 
@@ -399,9 +400,9 @@ SkybodyChecks CompiledScenario::make_checks() const {
   return checks;
 }
 
-std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
+std::unique_ptr<GroupWorkspace> CompiledScenario::make_workspace(int lanes) const {
   constexpr std::size_t kFewContacts = 64;
-  auto work = std::make_unique<GroupWork>();
+  auto work = std::make_unique<GroupWorkspace>();
   const auto n = static_cast<std::size_t>(lanes);
   const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };
   work->lanes = lanes;

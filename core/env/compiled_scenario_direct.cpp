@@ -1,20 +1,20 @@
 // Direct control: physics steps and the task's judgement one by one, and what moves an environment
 // at this instant.
 #include "core/base/fp_environment.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 
 namespace skybody {
-std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
+std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                                         std::int64_t physics_steps) const {
   check(group, work, mask);
   const FpEnvironment guard;
   update(group, work, mask);
   SkybodyLanes lanes = view(group, work, mask);
   for (std::int64_t k = 0; k < physics_steps && lanes.active != 0; ++k) {
-    fly(group, work, lanes, physics_steps - 1 - k);
+    physics_step(group, work, lanes, physics_steps - 1 - k);
   }
   each_lane(mask & ~lanes.active, [&](int lane) {
     group.writable(kStatus)[lane] = kTruncated | kFault | bad_state_bits(group, lane);
@@ -22,7 +22,7 @@ std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work, std:
   return lanes.active;
 }
 
-void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
+void CompiledScenario::evaluate(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                                 const Rows& rows) const {
   check(group, work, mask);
   const FpEnvironment guard;
@@ -33,10 +33,10 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, std::uint32_
   });
   update(group, work, mask);
   evaluate(group, work, view(group, work, mask), rows.info != nullptr);
-  conclude(group, work, mask, false, rows);
+  finish_transition(group, work, mask, false, rows);
 }
 
-void CompiledScenario::accelerations(StateGroup& group, GroupWork& work, int lane,
+void CompiledScenario::accelerations(StateGroup& group, GroupWorkspace& work, int lane,
                                      double* udot) const {
   const FpEnvironment guard;
   group.accelerations(lane, work.physics, udot);

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "core/base/fp_environment.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/base/random.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/fault_cause.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"
 #include "core/env/start_overlaps.h"
 #include "core/model/fault_reason.h"
@@ -34,7 +34,7 @@ constexpr int kMostBodyDraws = 64;
 constexpr int kMostUnchanged = 4;
 
 /// The same number for all lanes.
-const std::uint64_t* number_repetition(GroupWork& work, int repetition) {
+const std::uint64_t* number_repetition(GroupWorkspace& work, int repetition) {
   const std::uint64_t number = kRepeatedDraw | static_cast<std::uint64_t>(repetition);
   std::fill_n(work.request.data(), work.lanes, number);
   return work.request.data();
@@ -54,7 +54,7 @@ void CompiledScenario::look_for_bad_starts() {
   }
   if (!may_overlap) return;
   StateGroup group = make_state(1);
-  const std::unique_ptr<GroupWork> work = make_work(1);
+  const std::unique_ptr<GroupWorkspace> work = make_workspace(1);
   initialize(group, 0, 0, 0);
   start_overlaps_ = std::make_unique<const StartOverlaps>(*world_, contacts(group, *work, 0));
 }
@@ -144,7 +144,7 @@ void put_request(const Layout& layout, StateGroup& group, int lane, RequestNumbe
 
 }  // namespace
 
-void CompiledScenario::apply(StateGroup& group, GroupWork& work, int lane,
+void CompiledScenario::apply(StateGroup& group, GroupWorkspace& work, int lane,
                              const ParamRequest& request) const {
   if (request.redraws()) randomize(group, work, 1u << lane);
   if (request.changes().empty()) return;
@@ -153,7 +153,7 @@ void CompiledScenario::apply(StateGroup& group, GroupWork& work, int lane,
 }
 
 /// What randomizers draw at a reset, then what callers asked for.
-void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWork& work,
+void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWorkspace& work,
                                           const SkybodyLanes& lanes, int repetition) const {
   draw(group, lanes, SKYBODY_AT_RESET);
   each_lane(lanes.active, [&](int lane) {
@@ -189,7 +189,7 @@ void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
 
 /// Lets the randomizers that ask for it draw parameters before a physics step. Lanes in which
 /// nothing changes stay as they are, and so does what was made of their parameters.
-void CompiledScenario::draw_in_time(StateGroup& group, GroupWork& work,
+void CompiledScenario::draw_in_time(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& lanes) const {
   const Layout& l = layout();
   const int width = group.lanes();
@@ -228,7 +228,8 @@ void CompiledScenario::hold_to_bounds(StateGroup& group, std::uint32_t mask, int
 
 /// Draws the start of an episode. Lanes where anything may touch are looked at one by one: nearly
 /// all robots begin in the air.
-void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::draw_start(StateGroup& group, GroupWorkspace& work,
+                                  std::uint32_t mask) const {
   update(group, work, mask);  // randomizers may look at the bodies
   std::uint32_t asked = 0;
   each_lane(mask, [&](int lane) {
@@ -251,7 +252,8 @@ void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint3
 
 /// Lets the task draw parameters of its own, once the robots are placed. Callers have the last
 /// word.
-void CompiledScenario::draw_task(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::draw_task(StateGroup& group, GroupWorkspace& work,
+                                 std::uint32_t mask) const {
   if (task().kernels.randomize == nullptr) return;
   const Layout& l = layout();
   const SkybodyStart where{group.unmarked(l.q), group.unmarked(l.u), group.unmarked(l.rotor_speed),
@@ -271,7 +273,7 @@ void CompiledScenario::draw_task(StateGroup& group, GroupWork& work, std::uint32
 /// As long as the lane's bodies are none that can be, or its robots begin inside something, all
 /// randomizers draw again from where they were before the reset, with the numbers of this
 /// repetition. What is still so then is a fault: of the first step, or of the start.
-void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) const {
+void CompiledScenario::draw_again(StateGroup& group, GroupWorkspace& work, int lane) const {
   const std::uint32_t mask = 1u << lane;
   const auto is_unphysical = [&] { return (group.unphysical() & mask) != 0; };
   const auto look = [&] {
@@ -306,7 +308,7 @@ void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) 
 }
 
 /// Nothing where the dynamics gives up: the first step is a fault then.
-std::optional<StartOverlap> CompiledScenario::find_overlap(StateGroup& group, GroupWork& work,
+std::optional<StartOverlap> CompiledScenario::find_overlap(StateGroup& group, GroupWorkspace& work,
                                                            int lane) const {
   try {
     find_contacts(group, work, lane);
@@ -318,12 +320,13 @@ std::optional<StartOverlap> CompiledScenario::find_overlap(StateGroup& group, Gr
 
 /// Keeps what draws change and a reset does not put back: parameters that stay until they are due,
 /// and the randomizers' own words, which count resets.
-void CompiledScenario::keep_undrawn(const StateGroup& group, GroupWork& work) const {
+void CompiledScenario::keep_undrawn(const StateGroup& group, GroupWorkspace& work) const {
   std::uint64_t* to = work.undrawn.data();
   for (const int word : drawn_words_) to = std::copy_n(group.bits(word), group.lanes(), to);
 }
 
-void CompiledScenario::put_back_undrawn(StateGroup& group, const GroupWork& work, int lane) const {
+void CompiledScenario::put_back_undrawn(StateGroup& group, const GroupWorkspace& work,
+                                        int lane) const {
   const std::uint64_t* from = work.undrawn.data() + lane;
   for (const int word : drawn_words_) {
     std::memcpy(group.writable({word, 1}, 1u << lane) + lane, from, sizeof *from);
@@ -332,7 +335,7 @@ void CompiledScenario::put_back_undrawn(StateGroup& group, const GroupWork& work
 }
 
 /// So that requested draws differ from one another and from the reset's.
-const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupWork& work,
+const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupWorkspace& work,
                                                        std::uint32_t mask) const {
   std::uint64_t* requests = group.writable(kRequests);
   for (int lane = 0; lane < group.lanes(); ++lane) {
@@ -342,7 +345,8 @@ const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupW
   return work.request.data();
 }
 
-void CompiledScenario::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::randomize(StateGroup& group, GroupWorkspace& work,
+                                 std::uint32_t mask) const {
   check(group, work, mask);
   const FpEnvironment guard;
   update(group, work, mask);

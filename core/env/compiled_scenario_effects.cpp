@@ -1,12 +1,12 @@
 // What effects hold over a physics step. An effect adds to inputs of its own; where several hold
 // one input, these are put together afterwards. What is not due holds what it gave last, and so
 // does what is steady while nobody writes parameters.
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_rows.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"
-#include "core/model/held_together.h"
+#include "core/model/combine_held_inputs.h"
 
 namespace skybody {
 namespace {
@@ -27,9 +27,9 @@ void check_held(const StateGroup& group, const PluginInstance& effect) {
       const double value = group.reals(block)[k];
       const double neutral = neutral_value(i, k % kHeldInputs[static_cast<std::size_t>(i)].size);
       if (value == value || neutral != neutral) continue;
-      blame(effect, "gives NaN as value " + std::to_string(k) + " of " +
-                        std::to_string(block.size) + " of the held input `" +
-                        kHeldInputs[static_cast<std::size_t>(i)].name + "`");
+      throw_plugin_error(effect, "gives NaN as value " + std::to_string(k) + " of " +
+                                     std::to_string(block.size) + " of the held input `" +
+                                     kHeldInputs[static_cast<std::size_t>(i)].name + "`");
     }
   }
 }

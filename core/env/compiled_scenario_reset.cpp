@@ -1,9 +1,9 @@
 // Beginning an episode: the scenario's start, randomizers (compiled_scenario_draw.cpp), what bodies
 // feel, reset() of controllers, task, effects and sensors, then sense, evaluate and conclude.
 #include "core/base/fp_environment.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"
 
 namespace skybody {
@@ -27,11 +27,11 @@ void CompiledScenario::place_at_start(StateGroup& group, int lane) const {
   group.scatter(lane, l.drive, initial_.drive.data());
   group.scatter(lane, l.joint_command, initial_.joint_command.data());
   group.scatter(lane, l.joint_state, initial_.joint_state.data());
-  group.scatter(lane, l.pulls, initial_.pulls.data());
+  group.scatter(lane, l.coupling_forces, initial_.coupling_forces.data());
   group.scatter(lane, l.bristles, initial_.bristles.data());
 }
 
-void CompiledScenario::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
+void CompiledScenario::reset(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                              const Rows& rows) const {
   check(group, work, mask);
   work.clear_faults();
@@ -51,7 +51,7 @@ void CompiledScenario::reset(StateGroup& group, GroupWork& work, std::uint32_t m
   const SkybodyLanes lanes = view(group, work, mask);
   for (const PluginInstance& sensor : plugins_[SKYBODY_SENSOR]) sense(group, lanes, sensor);
   evaluate(group, work, lanes, rows.info != nullptr);
-  conclude(group, work, mask, true, rows);
+  finish_transition(group, work, mask, true, rows);
 }
 
 /// Counters, robots where their EnvParams put them, and no commands. Drawn parameters stay until a
@@ -96,7 +96,7 @@ void CompiledScenario::clear_plugin_states(StateGroup& group, std::uint32_t mask
 }
 
 void CompiledScenario::reset_plugin(const PluginInstance& plugin, StateGroup& group,
-                                    GroupWork& work, std::uint32_t mask) const {
+                                    GroupWorkspace& work, std::uint32_t mask) const {
   if (plugin.kernels.reset == nullptr) return;
   const SkybodyLanes v = view(group, work, mask);
   call_plugin(plugin.kernels.reset, plugin, group, v, no_sizes);

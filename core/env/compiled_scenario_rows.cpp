@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 
 namespace skybody {
 namespace {
 
 /// Reason bits of a lane's fault, but for those of its state.
-std::uint64_t reason_bits(const GroupWork& work, int lane, std::uint32_t finite) {
+std::uint64_t reason_bits(const GroupWorkspace& work, int lane, std::uint32_t finite) {
   const auto bit = [lane](std::uint32_t lanes, std::uint64_t reason) {
     return ((lanes >> lane) & 1u) != 0 ? reason : std::uint64_t{0};
   };
@@ -26,8 +26,9 @@ std::uint64_t reason_bits(const GroupWork& work, int lane, std::uint32_t finite)
 }  // namespace
 
 /// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.
-void CompiledScenario::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                                bool is_reset, const Rows& rows) const {
+void CompiledScenario::finish_transition(StateGroup& group, GroupWorkspace& work,
+                                         std::uint32_t mask, bool is_reset,
+                                         const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
   const int lanes = group.lanes();
   std::uint32_t finite = write_observation(work, mask, rows) &
@@ -42,14 +43,14 @@ void CompiledScenario::conclude(StateGroup& group, GroupWork& work, std::uint32_
               static_cast<std::uint64_t>(scenario().stepping.horizon), group.writable(kStatus),
               rows.status);
   const std::uint32_t faults = mask & (work.bad_action | work.bad_state | work.bad_start | ~finite);
-  if (faults != 0) conclude_faults(group, work, faults, finite, rows);
+  if (faults != 0) finish_faults(group, work, faults, finite, rows);
   if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size(), rows.info);
   if (rows.images != nullptr) write_images(group, mask, rows);
   if (rows.agent_reward != nullptr) write_agent_rewards(work, mask, rows);
 }
 
 /// Into the state; of values that repeat others nothing is kept.
-void CompiledScenario::keep_observation(StateGroup& group, const GroupWork& work,
+void CompiledScenario::keep_observation(StateGroup& group, const GroupWorkspace& work,
                                         std::uint32_t mask) const {
   const double* from = work.observation.data();
   double* to = group.writable(layout().last_observation, mask);
@@ -73,7 +74,7 @@ std::uint32_t CompiledScenario::write_row(std::uint32_t mask, int lanes, const d
 }
 
 /// @returns the lanes whose values are finite, the privileged ones included
-std::uint32_t CompiledScenario::write_observation(GroupWork& work, std::uint32_t mask,
+std::uint32_t CompiledScenario::write_observation(GroupWorkspace& work, std::uint32_t mask,
                                                   const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
   const int lanes = work.lanes, size = observation_size();
@@ -112,7 +113,7 @@ void CompiledScenario::write_last_observation(const StateGroup& group, std::uint
 }
 
 /// The lanes whose agents all have a finite reward of their own.
-std::uint32_t CompiledScenario::finite_robot_rewards(const GroupWork& work,
+std::uint32_t CompiledScenario::finite_robot_rewards(const GroupWorkspace& work,
                                                      std::uint32_t mask) const {
   for (const int robot : agents_) {
     const double* reward = work.robot_reward.data() + robot * work.lanes;
@@ -122,8 +123,8 @@ std::uint32_t CompiledScenario::finite_robot_rewards(const GroupWork& work,
 }
 
 /// @param finite  lanes whose observation and rewards are: theirs is the last observation
-void CompiledScenario::conclude_faults(StateGroup& group, GroupWork& work, std::uint32_t faults,
-                                       std::uint32_t finite, const Rows& rows) const {
+void CompiledScenario::finish_faults(StateGroup& group, GroupWorkspace& work, std::uint32_t faults,
+                                     std::uint32_t finite, const Rows& rows) const {
   write_last_observation(group, faults & ~finite, rows);
   each_lane(faults, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
@@ -139,7 +140,7 @@ void CompiledScenario::conclude_faults(StateGroup& group, GroupWork& work, std::
 }
 
 /// Each agent's own reward where the task says it, else the team's.
-void CompiledScenario::write_agent_rewards(GroupWork& work, std::uint32_t mask,
+void CompiledScenario::write_agent_rewards(GroupWorkspace& work, std::uint32_t mask,
                                            const Rows& rows) const {
   double* to = work.agent_reward.data();
   for (const int robot : agents_) {

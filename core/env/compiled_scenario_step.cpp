@@ -6,11 +6,11 @@
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"
 #include "core/physics/world/lane_values.h"
 
@@ -18,21 +18,22 @@ namespace skybody {
 
 static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other groups");
 
-void CompiledScenario::step(StateGroup& group, GroupWork& work, std::uint32_t mask,
+void CompiledScenario::step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                             const float* actions, int action_stride, const Rows& rows) const {
   check(group, work, mask);
   work.clear_faults();
   group.refresh(mask, work.physics);
   const SkybodyLanes lanes = view(group, work, mask);
-  act(group, work, lanes, actions, action_stride);
+  apply_action(group, work, lanes, actions, action_stride);
   fly_action(group, work, lanes);
   count(group, kStep, mask);
   evaluate(group, work, lanes, rows.info != nullptr);
-  conclude(group, work, mask, false, rows);
+  finish_transition(group, work, mask, false, rows);
 }
 
 /// The physics steps of an action.
-void CompiledScenario::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes lanes) const {
+void CompiledScenario::fly_action(StateGroup& group, GroupWorkspace& work,
+                                  SkybodyLanes lanes) const {
   const int steps = scenario().stepping.action_repeat;
   const int period = task().period > 0 ? task().period : steps;  // of the command
   for (int k = 0; k < steps && lanes.active != 0; ++k) {
@@ -40,14 +41,14 @@ void CompiledScenario::fly_action(StateGroup& group, GroupWork& work, SkybodyLan
     if (task().interpolates) {
       move_command(group, work, lanes.active, k % period + 1, period, k < period);
     }
-    fly(group, work, lanes, steps - 1 - k);
+    physics_step(group, work, lanes, steps - 1 - k);
   }
 }
 
 /// One physics step. Lanes that do not come through are active no longer.
 /// @param steps_left  behind this one, before anybody but plugins looks
-void CompiledScenario::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes,
-                           std::int64_t steps_left) const {
+void CompiledScenario::physics_step(StateGroup& group, GroupWorkspace& work, SkybodyLanes& lanes,
+                                    std::int64_t steps_left) const {
   if (draws_in_time_) draw_in_time(group, work, lanes);
   control(group, work, lanes);
   apply_effects(group, lanes);
@@ -55,13 +56,13 @@ void CompiledScenario::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lan
   sense(group, lanes, steps_left);
 }
 
-void CompiledScenario::check(const StateGroup& group, const GroupWork& work,
+void CompiledScenario::check(const StateGroup& group, const GroupWorkspace& work,
                              std::uint32_t mask) const {
   SKYBODY_DEMAND(work.lanes == group.lanes(), "a work of another group size");
   SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
-SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWork& work,
+SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWorkspace& work,
                                     std::uint32_t mask) const {
   const Layout& l = layout();
   SkybodyLanes v{};
@@ -89,14 +90,15 @@ SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWork& work,
   return v;
 }
 
-void CompiledScenario::update(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::update(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const {
   group.refresh(mask, work.physics);
 }
 
 /// P_i: clip the action. A row that is not finite keeps the last action instead and makes this
 /// transition a fault.
-void CompiledScenario::act(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
-                           const float* actions, int action_stride) const {
+void CompiledScenario::apply_action(StateGroup& group, GroupWorkspace& work,
+                                    const SkybodyLanes& view, const float* actions,
+                                    int action_stride) const {
   const Block& action = layout().action;
   work.bad_action =
       view.active & ~row_kernels().read_clipped(view.active, group.lanes(), actions, action_stride,
@@ -104,7 +106,7 @@ void CompiledScenario::act(StateGroup& group, GroupWork& work, const SkybodyLane
 }
 
 /// Turns the action into the command.
-void CompiledScenario::make_command(StateGroup& group, GroupWork& work,
+void CompiledScenario::make_command(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& view) const {
   const Layout& l = layout();
   const auto values = static_cast<std::size_t>(commanded_ * group.lanes());
@@ -135,8 +137,8 @@ void CompiledScenario::scale_action(const StateGroup& group, std::uint32_t mask,
 /// there was none.
 /// @param step      1..steps
 /// @param is_first  of the action
-void CompiledScenario::move_command(StateGroup& group, const GroupWork& work, std::uint32_t mask,
-                                    int step, int steps, bool is_first) const {
+void CompiledScenario::move_command(StateGroup& group, const GroupWorkspace& work,
+                                    std::uint32_t mask, int step, int steps, bool is_first) const {
   const Block& block = layout().command;
   const double share = static_cast<double>(step) / steps;
   const std::uint64_t* actions = group.bits(kStep);
@@ -152,7 +154,8 @@ void CompiledScenario::move_command(StateGroup& group, const GroupWork& work, st
 }
 
 /// The task makes the command, from physical values where it has an action of its own.
-void CompiledScenario::process(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+void CompiledScenario::process(StateGroup& group, GroupWorkspace& work,
+                               const SkybodyLanes& view) const {
   const bool has_own = !task().actions.empty();
   if (has_own) scale_action(group, view.active, work.action.data());
   const double* action = has_own ? work.action.data() : view.action;
@@ -175,11 +178,12 @@ std::uint32_t CompiledScenario::due(const PluginInstance& plugin, const StateGro
 }
 
 /// C_i: every chain's controllers in order, from the latest state.
-void CompiledScenario::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+void CompiledScenario::control(StateGroup& group, GroupWorkspace& work,
+                               const SkybodyLanes& view) const {
   for (const ControllerChain& chain : chains_) control(group, work, view, chain);
 }
 
-void CompiledScenario::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+void CompiledScenario::control(StateGroup& group, GroupWorkspace& work, const SkybodyLanes& view,
                                const ControllerChain& chain) const {
   const int lanes = group.lanes();
   const double* input = group.reals(layout().command) + chain.command * lanes;
@@ -223,7 +227,7 @@ void CompiledScenario::control(StateGroup& group, GroupWork& work, const Skybody
 /// x_{k-1} -> x_k with the command held; lanes whose physics gives up stay in their last finite
 /// state.
 /// @returns the lanes that came through
-std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work,
+std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWorkspace& work,
                                         std::uint32_t mask) const {
   remember_bodies(group, mask);
   const std::uint32_t through = group.advance(mask, work.physics);
@@ -269,7 +273,7 @@ void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
 }
 
 /// Psi_i: what the task says about the final state.
-void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+void CompiledScenario::evaluate(StateGroup& group, GroupWorkspace& work, const SkybodyLanes& view,
                                 bool wants_info) const {
   work.clear_outcome(wants_info);
   AlignedArray<double>& values = plan_.is_task_in_place ? work.observation : work.task_values;
@@ -293,7 +297,7 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, const Skybod
 
 /// Values beside the observation that other plugins keep in their buffers, and randomizable ones,
 /// behind the task's.
-void CompiledScenario::write_reports(const StateGroup& group, GroupWork& work) const {
+void CompiledScenario::write_reports(const StateGroup& group, GroupWorkspace& work) const {
   const int lanes = group.lanes();
   double* to = work.info.data() + value_count(task().infos) * lanes;
   for (const auto& list : plugins_) {
@@ -310,7 +314,7 @@ void CompiledScenario::write_reports(const StateGroup& group, GroupWork& work) c
 }
 
 /// Puts the observation together where the task has not written all of it to its place.
-void CompiledScenario::gather_observation(const StateGroup& group, GroupWork& work) const {
+void CompiledScenario::gather_observation(const StateGroup& group, GroupWorkspace& work) const {
   const int lanes = group.lanes();
   for (const ValueCopy& copy : plan_.task_copies) {
     double* const values = work.task_values.data();
@@ -325,8 +329,9 @@ void CompiledScenario::gather_observation(const StateGroup& group, GroupWork& wo
 }
 
 template <class Function>
-void CompiledScenario::ask_goals(StateGroup& group, GroupWork& work, int lane, Function function,
-                                 int size, const char* what, std::vector<double>& out) const {
+void CompiledScenario::ask_goals(StateGroup& group, GroupWorkspace& work, int lane,
+                                 Function function, int size, const char* what,
+                                 std::vector<double>& out) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
   out.assign(task().goals.size() * static_cast<std::size_t>(size), 0.0);
@@ -345,12 +350,12 @@ void CompiledScenario::ask_goals(StateGroup& group, GroupWork& work, int lane, F
   }
 }
 
-void CompiledScenario::goal(StateGroup& group, GroupWork& work, int lane,
+void CompiledScenario::goal(StateGroup& group, GroupWorkspace& work, int lane,
                             std::vector<double>& out) const {
   ask_goals(group, work, lane, task().kernels.goal, 4, "goal", out);
 }
 
-void CompiledScenario::goal_motion(StateGroup& group, GroupWork& work, int lane,
+void CompiledScenario::goal_motion(StateGroup& group, GroupWorkspace& work, int lane,
                                    std::vector<double>& out) const {
   ask_goals(group, work, lane, task().kernels.goal_motion, 6, "goal motion", out);
 }
@@ -362,7 +367,7 @@ void CompiledScenario::hash(const StateGroup& group, int lane, const Rows& rows,
   const int first_observed = layout().last_observation.offset;
   for (int k = 0; k < layout().words; ++k) {
     const int word = first_observed + plan_.row.source_of(k - first_observed);
-    chain.update(one_nan(words[static_cast<std::size_t>(word) * lanes]));
+    chain.update(canonical_nan(words[static_cast<std::size_t>(word) * lanes]));
   }
   const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * observation_size();
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/env/size_remedy.h"
+#include "core/env/size_mismatch_hint.h"
 #include "core/physics/world/world_layout.h"
 #include "plugins/api/text.h"
 
@@ -64,7 +64,7 @@ class ChainMaker {
   }
 
   [[noreturn]] void refuse(int i, const std::string& message) const {
-    throw MarkedError(uses_[static_cast<std::size_t>(i)].mark, message);
+    throw LocatedError(uses_[static_cast<std::size_t>(i)].mark, message);
   }
 
   /// The chain of the robot itself that takes a team's output, or null.
@@ -108,14 +108,16 @@ class ChainMaker {
     }
     const PluginOutput& given = c.outputs[0];
     if (after.input_signal != given.signal || after.input_count() != given.count) {
-      const std::string remedy = after.input_signal == given.signal
-                                     ? size_remedy(given.signal, given.count, after.input_count())
-                                     : "";
-      throw ChainGap(uses_[static_cast<std::size_t>(i) + 1].mark,
-                     "controller `" + after.name + "` takes " +
-                         with_size(after.input_signal, after.input_count()) + ", but `" + c.name +
-                         "` before it gives " + with_size(given.signal, given.count) + remedy,
-                     given.signal, after.input_signal);
+      const std::string remedy =
+          after.input_signal == given.signal
+              ? size_mismatch_hint(given.signal, given.count, after.input_count())
+              : "";
+      throw ChainMismatchError(uses_[static_cast<std::size_t>(i) + 1].mark,
+                               "controller `" + after.name + "` takes " +
+                                   with_size(after.input_signal, after.input_count()) + ", but `" +
+                                   c.name + "` before it gives " +
+                                   with_size(given.signal, given.count) + remedy,
+                               given.signal, after.input_signal);
     }
   }
 
@@ -129,7 +131,7 @@ class ChainMaker {
                       "`, whose chain that takes it is fed by another output already");
       }
       if (!actuates(output.signal)) {
-        throw ChainGap(
+        throw ChainMismatchError(
             uses_[static_cast<std::size_t>(i)].mark,
             "the last controller, `" + c.name + "`, gives " +
                 with_size(output.signal, output.count) +

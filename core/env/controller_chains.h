@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/env/plugin_instance.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/world/world.h"
 
 namespace skybody {
@@ -36,13 +36,13 @@ struct ControllerChain {
 
 /// Levels of a chain that do not meet: nothing takes what a controller gives. Whoever knows all
 /// plugins can say which of them lead from one level to the other.
-class ChainGap : public MarkedError {
+class ChainMismatchError : public LocatedError {
  public:
   /// @param given  signal of the controller before the gap
   /// @param taken  signal of the one behind it; -1: there is none, and actuators do not take
   /// `given`
-  ChainGap(SourceMark where, const std::string& message, int given, int taken)
-      : MarkedError(std::move(where), message), given_(given), taken_(taken) {}
+  ChainMismatchError(SourceLocation where, const std::string& message, int given, int taken)
+      : LocatedError(std::move(where), message), given_(given), taken_(taken) {}
   int given() const { return given_; }
   int taken() const { return taken_; }
 
@@ -57,7 +57,8 @@ class ChainGap : public MarkedError {
 ///                     command on gets the range of the one that takes it
 /// @returns those that actions command, in robot order, then those that are fed: a chain comes
 ///          behind the one that feeds it
-/// @throws MarkedError at the scenario's line where they do not fit; ChainGap where levels do not
+/// @throws LocatedError at the scenario's line where they do not fit; ChainMismatchError where
+/// levels do not
 ///         meet
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
                                                  std::vector<PluginInstance>& controllers,

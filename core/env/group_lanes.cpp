@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/group_rows.h"
 
 namespace skybody {

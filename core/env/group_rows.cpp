@@ -1,6 +1,6 @@
 // Needs: a batch moves every row in every step, so whole groups must be quick. A lane must get the
 // same bits whether it goes alone or beside others.
-// Idea: whole octets (core/base/octets.h) go in packs. Every other lane goes alone, by the same
+// Idea: whole octets (core/base/lane_mask.h) go in packs. Every other lane goes alone, by the same
 // template with Real = double. Only rows of floats need code of their own for packs: there four
 // values of several lanes are transposed in registers.
 // Limits: groups have 1 or kGroupLanes lanes. Only the latter have octets, so that the distance
@@ -11,8 +11,8 @@
 #include <cstring>
 
 #include "core/base/kernels.h"
+#include "core/base/lane_mask.h"
 #include "core/base/math_basic.h"
-#include "core/base/octets.h"
 #include "core/base/pack.h"
 #include "core/model/layout.h"
 #include "core/physics/world/lane_values.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/base/suggestion.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 
 namespace skybody {
 namespace {
@@ -113,7 +113,7 @@ class Planner {
     return owner.channels[static_cast<std::size_t>(source.channel)];
   }
 
-  /// @throws MarkedError if no sensor has such a channel
+  /// @throws LocatedError if no sensor has such a channel
   ColumnSource find(const ObservedChannel& observed) const {
     std::vector<std::string> known;
     for (std::size_t s = 0; s < sensors_.size(); ++s) {
@@ -124,27 +124,27 @@ class Planner {
       }
     }
     const std::string hint = suggestion(observed.channel, known, "there are");
-    throw MarkedError(observed.mark, "no sensor has a channel `" + observed.channel + "`" +
-                                         (hint.empty() ? "; the scenario has no sensors" : hint));
+    throw LocatedError(observed.mark, "no sensor has a channel `" + observed.channel + "`" +
+                                          (hint.empty() ? "; the scenario has no sensors" : hint));
   }
 
   void check(const ObservedChannel& observed, const ObservationColumn& column) const {
     for (const ObservationColumn& other : plan.columns) {
       if (other.name != column.name) continue;
-      throw MarkedError(observed.mark, "the observation has a column `" + column.name +
-                                           "` already; give this one another `name`");
+      throw LocatedError(observed.mark, "the observation has a column `" + column.name +
+                                            "` already; give this one another `name`");
     }
     if (column.privileged && channel_of(column.source).is_image()) {
-      throw MarkedError(observed.mark, "`" + column.name +
-                                           "` is an image and cannot be privileged: privileged "
-                                           "columns are vectors; leave `privileged` out");
+      throw LocatedError(observed.mark, "`" + column.name +
+                                            "` is an image and cannot be privileged: privileged "
+                                            "columns are vectors; leave `privileged` out");
     }
     if (column.low <= column.high) return;
     const Channel& own = channel_of(column.source);
-    throw MarkedError(observed.mark, "the bounds of `" + column.name + "` are " +
-                                         range_text(column.low, column.high) +
-                                         "; give `low` and `high` that fit (the sensor declares " +
-                                         range_text(own.low, own.high) + ")");
+    throw LocatedError(observed.mark, "the bounds of `" + column.name + "` are " +
+                                          range_text(column.low, column.high) +
+                                          "; give `low` and `high` that fit (the sensor declares " +
+                                          range_text(own.low, own.high) + ")");
   }
 
   void place_image(ObservationColumn& column) {

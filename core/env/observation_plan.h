@@ -44,7 +44,7 @@ struct ObservationPlan {
   int size() const { return observation_size + privileged_size; }
 };
 
-/// @throws MarkedError at the entry of `observe` that names no channel of a sensor, gives a column
+/// @throws LocatedError at the entry of `observe` that names no channel of a sensor, gives a column
 ///         the name of another one or bounds upside down, or makes an image privileged
 ObservationPlan plan_observation(const PluginInstance& task,
                                  const std::vector<PluginInstance>& sensors,

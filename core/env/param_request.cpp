@@ -131,18 +131,18 @@ void ParamRequest::add(const EnvParam& info, int param, std::size_t change, bool
     throw Error("`" + changes_[change].path + "` names " + info.path +
                 " a second time: name each value once");
   }
-  const ParamChange& wish = changes_[change];
-  const double factor = wish.form == ChangeForm::kScale ? info.nominal : 1.0;
-  const double offset = wish.form == ChangeForm::kShift ? info.nominal : 0.0;
-  const double a = wish.distribution.low * factor + offset;
-  const double b = wish.distribution.high * factor + offset;
+  const ParamChange& setpoint = changes_[change];
+  const double factor = setpoint.form == ChangeForm::kScale ? info.nominal : 1.0;
+  const double offset = setpoint.form == ChangeForm::kShift ? info.nominal : 0.0;
+  const double a = setpoint.distribution.low * factor + offset;
+  const double b = setpoint.distribution.high * factor + offset;
   if (!(std::min(a, b) >= info.min && std::max(a, b) <= info.max)) {
     throw Error(info.path + " would be in [" + exact_text(std::min(a, b)) + ", " +
                 exact_text(std::max(a, b)) + "]" + (info.unit.empty() ? "" : " " + info.unit) +
                 ": allowed is [" + exact_text(info.min) + ", " + exact_text(info.max) +
                 "]; ask for less");
   }
-  targets_.push_back({param, change, factor, offset, is_first || !wish.is_shared});
+  targets_.push_back({param, change, factor, offset, is_first || !setpoint.is_shared});
 }
 
 }  // namespace skybody

@@ -27,7 +27,7 @@ enum class RequestTime {
   kNextReset  ///< when the next episode begins
 };
 
-/// One wish: values by path, and what they are drawn from.
+/// One setpoint: values by path, and what they are drawn from.
 struct ParamChange {
   std::string path;  ///< of one or several, as randomizers name them (docs/scenarios.md)
   Distribution distribution;
@@ -52,7 +52,7 @@ class ParamRequest {
                bool redraws);
 
   bool redraws() const { return redraws_; }
-  /// Places of starts (core/env/start_places.h) that it changes.
+  /// Places of starts (core/env/initial_states.h) that it changes.
   const std::vector<int>& starts() const { return starts_; }
   /// What it was made of.
   const std::vector<ParamChange>& changes() const { return changes_; }

@@ -5,21 +5,21 @@
 #include <optional>
 #include <string>
 
-#include "core/base/breadcrumb.h"
 #include "core/base/fp_environment.h"
 #include "core/base/math_double.h"
-#include "core/env/group_work.h"
+#include "core/base/plugin_call_trace.h"
+#include "core/env/group_workspace.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 
 namespace skybody {
 
 /// At the line that names the plugin.
 /// @param what  such as "throws `x`"
-[[noreturn]] inline void blame(const PluginInstance& plugin, const std::string& what) {
-  throw MarkedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name + ") " + what +
-                                     "; this is a mistake in the plugin");
+[[noreturn]] inline void throw_plugin_error(const PluginInstance& plugin, const std::string& what) {
+  throw LocatedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name + ") " + what +
+                                      "; this is a mistake in the plugin");
 }
 
 /// What a call hands over, for checked mode.
@@ -77,7 +77,7 @@ class CheckedCall {
     mark(sizes.informed, sizes.info);
   }
 
-  /// @throws MarkedError if the plugin touched values beyond those that it may, left one out, gave
+  /// @throws LocatedError if the plugin touched values beyond those that it may, left one out, gave
   /// a NaN, or changed the floating-point mode
   void finish() const {
     check_fp_mode();
@@ -102,8 +102,8 @@ class CheckedCall {
   void check(const double* values, int count, const char* word) const {
     for (int k = 0; values != nullptr && k < count; ++k) {
       if (bit_cast_word(values[k]) != kUnwritten) continue;
-      blame(plugin_, "has not written " + std::string(word) + " value " + std::to_string(k) +
-                         " of " + std::to_string(count));
+      throw_plugin_error(plugin_, "has not written " + std::string(word) + " value " +
+                                      std::to_string(k) + " of " + std::to_string(count));
     }
   }
 
@@ -113,8 +113,8 @@ class CheckedCall {
     const double* const values = sizes_.written != nullptr ? sizes_.written : sizes_.kept;
     for (int k = 0; values != nullptr && k < sizes_.output; ++k) {
       if (values[k] == values[k]) continue;
-      blame(plugin_, "gives NaN as " + std::string(sizes_.word) + " value " + std::to_string(k) +
-                         " of " + std::to_string(sizes_.output));
+      throw_plugin_error(plugin_, "gives NaN as " + std::string(sizes_.word) + " value " +
+                                      std::to_string(k) + " of " + std::to_string(sizes_.output));
     }
   }
 
@@ -122,9 +122,10 @@ class CheckedCall {
     const std::string changed = changed_fp_mode();
     if (changed.empty()) return;
     set_fp_environment();  // what tells of it computes, too
-    blame(plugin_, "changes the floating-point mode in a step (" + changed +
-                       "), on which the bits of all flights rest: what a method changes it puts "
-                       "back before it returns");
+    throw_plugin_error(
+        plugin_, "changes the floating-point mode in a step (" + changed +
+                     "), on which the bits of all flights rest: what a method changes it puts "
+                     "back before it returns");
   }
 
   [[noreturn]] void blame_touch() const {
@@ -132,8 +133,9 @@ class CheckedCall {
     std::string allowed = checks_.size == 0 ? "none" : "0 to " + std::to_string(checks_.size - 1);
     if (touched == "held input") allowed += ", what configure() has not named by `holds()`";
     if (touched == "robot reward") allowed += ", unless configure() calls `robot_rewards()`";
-    blame(plugin_, "asks for " + (touched == "output" ? std::string(sizes_.word) : touched) +
-                       " value " + std::to_string(checks_.index) + "; allowed: " + allowed);
+    throw_plugin_error(plugin_,
+                       "asks for " + (touched == "output" ? std::string(sizes_.word) : touched) +
+                           " value " + std::to_string(checks_.index) + "; allowed: " + allowed);
   }
 
   const PluginInstance& plugin_;
@@ -145,7 +147,7 @@ class CheckedCall {
 /// Calls one step function of an instance.
 /// @param view   of the group
 /// @param sizes  sizes() gives those of the arguments behind the buffer; asked in checked mode only
-/// @throws MarkedError where the plugin throws; in checked mode as CheckedCall, too
+/// @throws LocatedError where the plugin throws; in checked mode as CheckedCall, too
 template <class Function, class Sizes, class... Arguments>
 void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& group,
                  const SkybodyLanes& view, const Sizes& sizes, Arguments... arguments) {
@@ -160,9 +162,9 @@ void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& g
     function(plugin.self.get(), plugin.memo > 0 ? &own : &view, group.plugin_bits(plugin.state),
              group.plugin_reals(plugin.buffer), arguments...);
   } catch (const std::exception& error) {
-    blame(plugin, "throws in a step: " + std::string(error.what()));
+    throw_plugin_error(plugin, "throws in a step: " + std::string(error.what()));
   } catch (...) {
-    blame(plugin, "throws in a step something that is no std::exception");
+    throw_plugin_error(plugin, "throws in a step something that is no std::exception");
   }
   if (checked) checked->finish();
 }

@@ -83,7 +83,7 @@ struct PluginInstance {
   std::string name;       ///< instance, as in paths
   std::string plugin;     ///< the plugin's own name
   std::vector<int> team;  ///< controllers: the robots that they serve, in order
-  SourceMark mark;        ///< where the scenario names it
+  SourceLocation mark;    ///< where the scenario names it
   std::string file;       ///< its library; empty: a test's own
 
   std::shared_ptr<const void> self;  ///< keeps the library loaded
@@ -106,7 +106,7 @@ struct PluginInstance {
   std::vector<Goal> goals;
   bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
   std::vector<int> writes;     ///< EnvParams that a randomizer or the task writes
-  std::vector<int> starts;     ///< places of StartPlaces that these belong to
+  std::vector<int> starts;     ///< places of InitialStates that these belong to
   bool draws_in_time = false;  ///< randomizers: is called before every physics step, too
   std::vector<int> reads;      ///< sensors' values that it looks at, the first of each channel
   std::vector<Report> reports;

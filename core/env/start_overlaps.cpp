@@ -53,10 +53,10 @@ StartOverlaps::StartOverlaps(const World& world, std::vector<Contact> nominal)
     give_of_bodies_[static_cast<std::size_t>(body.body)] = body.give;
   }
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    const ContactSolid& solid = scene.obstacles[i];
-    if (solid.rounding == kNoSolid || is_endless(solid.type)) continue;
+    const ContactShape& solid = scene.obstacles[i];
+    if (solid.rounding == kNoShape || is_unbounded_below(solid.type)) continue;
     double& give = give_of_obstacles_[static_cast<std::size_t>(scene.obstacle_owners[i])];
-    give = min(give, give_of(solid.half, solid.rounding));
+    give = min(give, penetration_limit(solid.half, solid.rounding));
   }
 }
 

@@ -253,7 +253,7 @@ class List {
   }
 
   void add_couplings() {
-    Block pull{layout_.pulls.offset, 3};
+    Block pull{layout_.coupling_forces.offset, 3};
     for (const Coupling& coupling : world_.scenario.couplings) {
       add_words("couplings." + coupling.name + ".force", "N", "W", pull, {3},
                 "on its first end, in the last physics step");

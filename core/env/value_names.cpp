@@ -41,7 +41,7 @@ class StateNames {
     name_block(layout_.drive, "drive");
     name_block(layout_.joint_command, "joint_command");
     name_block(layout_.joint_state, "joint_state");
-    name_block(layout_.pulls, "pulls");
+    name_block(layout_.coupling_forces, "coupling_forces");
     name_block(layout_.bristles, "bristles");
     for (std::size_t i = 0; i < layout_.held.size(); ++i) {
       name_block(layout_.held[i], std::string("held ") + kHeldInputs[i].name);

@@ -28,7 +28,7 @@ class Loader {
       : budget_(budget), diagnostics_(diagnostics) {}
 
   /// The file with what it includes, or null after errors. It stays the loader's.
-  ConfigNode* load(const std::string& path, const SourceMark& used_at, Quoting quoting) {
+  ConfigNode* load(const std::string& path, const SourceLocation& used_at, Quoting quoting) {
     const std::string identity = identity_of(path);
     const auto same = [&](const OpenFile& file) { return file.identity == identity; };
     if (std::any_of(chain_.begin(), chain_.end(), same)) {
@@ -50,9 +50,10 @@ class Loader {
 
  private:
   std::optional<ConfigNode> parse(const std::string& text, const std::string& path,
-                                  const SourceMark& used_at, Quoting quoting) {
+                                  const SourceLocation& used_at, Quoting quoting) {
     if (!budget_.take_file(text.size())) {
-      diagnostics_.error(used_at.file.empty() ? SourceMark{path, 0, 0} : used_at, too_much_text());
+      diagnostics_.error(used_at.file.empty() ? SourceLocation{path, 0, 0} : used_at,
+                         too_much_text());
       return std::nullopt;
     }
     std::optional<ConfigNode> root = parse_yaml(text, path, diagnostics_, budget_, quoting);

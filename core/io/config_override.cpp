@@ -139,7 +139,7 @@ class Override {
     return entry_called(list, step.key, path, mark_, diagnostics_);
   }
 
-  SourceMark mark_;
+  SourceLocation mark_;
   Diagnostics& diagnostics_;
   InputBudget& budget_;
 };

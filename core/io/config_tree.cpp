@@ -76,7 +76,7 @@ const std::string& name_of(const ConfigNode& item) {
 }
 
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
-                         const SourceMark& mark, Diagnostics& diagnostics) {
+                         const SourceLocation& mark, Diagnostics& diagnostics) {
   ConfigNode* found = nullptr;
   for (ConfigNode& item : list.items) {
     if (name.empty() || name_of(item) != name) continue;

@@ -20,7 +20,7 @@ struct ConfigNode {
   enum class Kind { kNull, kScalar, kSequence, kMap };
 
   Kind kind = Kind::kNull;
-  SourceMark mark;
+  SourceLocation mark;
   std::string scalar;                ///< text of a scalar, unquoted
   bool quoted = false;               ///< the scalar was quoted: it is text whatever it spells
   std::vector<ConfigNode> items;     ///< of a sequence
@@ -44,7 +44,7 @@ struct ConfigNode {
 /// A key of a map with its value.
 struct ConfigEntry {
   std::string key;
-  SourceMark key_mark;
+  SourceLocation key_mark;
   ConfigNode value;
 };
 
@@ -94,7 +94,7 @@ const std::string& name_of(const ConfigNode& item);
 /// The entry of a list that is called `name`. Null and an error, which calls the list `path`, where
 /// there is none or several.
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
-                         const SourceMark& mark, Diagnostics& diagnostics);
+                         const SourceLocation& mark, Diagnostics& diagnostics);
 
 /// Merges `over` into `base`. A map over a list of named entries patches those that its keys name.
 /// A key without a value (`~`) removes what `base` has under it, as in JSON merge patches (RFC

@@ -89,7 +89,7 @@ class CouplingReader {
     return diagnostics_.error_count() == errors_before;
   }
 
-  int find_robot(const std::string& name, const SourceMark& mark) {
+  int find_robot(const std::string& name, const SourceLocation& mark) {
     std::vector<std::string> names;
     for (const RobotUse& robot : robots_) names.push_back(robot.name);
     const auto found = std::find(names.begin(), names.end(), name);
@@ -116,7 +116,7 @@ class CouplingReader {
     end.point = transform(link.pose, end.point);
   }
 
-  void check_ends(const SourceMark& mark) {
+  void check_ends(const SourceLocation& mark) {
     const CouplingEnd &a = coupling_.ends[0], &b = coupling_.ends[1];
     if (a.robot != b.robot || (a.robot >= 0 && a.body != b.body)) {
       if (stands(a) && stands(b)) {

@@ -32,7 +32,7 @@ std::string joined_errors(const std::vector<Diagnostic>& list) {
 
 }  // namespace
 
-std::string to_string(const SourceMark& mark) {
+std::string to_string(const SourceLocation& mark) {
   std::string text = mark.file;
   if (mark.line > 0) text += ':' + std::to_string(mark.line);
   if (mark.line > 0 && mark.column > 0) text += ':' + std::to_string(mark.column);
@@ -48,7 +48,7 @@ std::string Diagnostic::to_string() const {
 InputError::InputError(std::vector<Diagnostic> list)
     : Error(joined_errors(list)), diagnostics_(std::move(list)) {}
 
-void Diagnostics::add(Severity severity, const SourceMark& mark, const std::string& message) {
+void Diagnostics::add(Severity severity, const SourceLocation& mark, const std::string& message) {
   Diagnostic added{severity, mark, shortened(printable(message), kLongestMessage)};
   added.mark.file = shortened(printable(mark.file), kLongestPlace);
   for (const Diagnostic& known : list_) {
@@ -84,11 +84,11 @@ void Diagnostics::add(const Diagnostics& other) {
   count_only(warnings_, Severity::kWarning, other.warnings_.left_out);
 }
 
-void Diagnostics::error(const SourceMark& mark, const std::string& message) {
+void Diagnostics::error(const SourceLocation& mark, const std::string& message) {
   add(Severity::kError, mark, message);
 }
 
-void Diagnostics::warning(const SourceMark& mark, const std::string& message) {
+void Diagnostics::warning(const SourceLocation& mark, const std::string& message) {
   add(Severity::kWarning, mark, message);
 }
 

@@ -15,7 +15,7 @@ enum class Severity { kError, kWarning };
 /// One message about one place.
 struct Diagnostic {
   Severity severity = Severity::kError;
-  SourceMark mark;
+  SourceLocation mark;
   std::string message;  ///< what is wrong with the value, what is allowed, what helps; one line
 
   /// `file:line:column: error: message`. Column and line are left out where they are 0.
@@ -45,8 +45,8 @@ class Diagnostics {
   /// @param most  messages of each severity beyond which the rest are only counted
   explicit Diagnostics(int most) : most_(most) {}
 
-  void error(const SourceMark& mark, const std::string& message);
-  void warning(const SourceMark& mark, const std::string& message);
+  void error(const SourceLocation& mark, const std::string& message);
+  void warning(const SourceLocation& mark, const std::string& message);
 
   /// Adds all messages of another list.
   void add(const Diagnostics& other);
@@ -71,7 +71,7 @@ class Diagnostics {
     bool is_note(std::size_t index) const { return left_out > 0 && index == note; }
   };
 
-  void add(Severity severity, const SourceMark& mark, const std::string& message);
+  void add(Severity severity, const SourceLocation& mark, const std::string& message);
   void count_only(Shown& shown, Severity severity, int count);
 
   int most_ = 100;  ///< nobody mends more before the next try
@@ -82,6 +82,6 @@ class Diagnostics {
 };
 
 /// `file:line:column`, without what is 0.
-std::string to_string(const SourceMark& mark);
+std::string to_string(const SourceLocation& mark);
 
 }  // namespace skybody

@@ -112,7 +112,7 @@ Field short_form(std::string key, Field field) {
   return field;
 }
 
-MapReader::MapReader(const ConfigNode* node, const MapSpec& spec, const SourceMark& owner,
+MapReader::MapReader(const ConfigNode* node, const MapSpec& spec, const SourceLocation& owner,
                      Diagnostics& diagnostics)
     : node_(node),
       spec_(spec),
@@ -150,7 +150,7 @@ const ConfigNode* MapReader::node(const std::string& key) const {
   return node_ == nullptr ? nullptr : node_->find(key);
 }
 
-SourceMark MapReader::mark(const std::string& key) const {
+SourceLocation MapReader::mark(const std::string& key) const {
   const ConfigNode* found = node(key);
   return found == nullptr ? mark_ : found->mark;
 }

@@ -71,7 +71,7 @@ class MapReader {
  public:
   /// `node` may be null (absent): everything is its default then, and a missing required key is an
   /// error at `owner`. Unknown keys are reported here. The arguments must outlive the reader.
-  MapReader(const ConfigNode* node, const MapSpec& spec, const SourceMark& owner,
+  MapReader(const ConfigNode* node, const MapSpec& spec, const SourceLocation& owner,
             Diagnostics& diagnostics);
 
   double real(const std::string& key) const;
@@ -89,8 +89,8 @@ class MapReader {
   /// The node of `key`, or null.
   const ConfigNode* node(const std::string& key) const;
   /// Where `key` was written, or else the map.
-  SourceMark mark(const std::string& key) const;
-  SourceMark mark() const { return mark_; }
+  SourceLocation mark(const std::string& key) const;
+  SourceLocation mark() const { return mark_; }
 
  private:
   const Field& field(const std::string& key) const;
@@ -98,7 +98,7 @@ class MapReader {
 
   const ConfigNode* node_;
   const MapSpec& spec_;
-  SourceMark mark_;
+  SourceLocation mark_;
   Diagnostics& diagnostics_;
 };
 

@@ -86,7 +86,7 @@ std::string read_regular_file(const std::string& path, std::size_t most_bytes, s
   return problem.empty() ? read_into(path, most_bytes, text) : problem;
 }
 
-std::optional<std::string> read_file(const std::string& path, const SourceMark& used_at,
+std::optional<std::string> read_file(const std::string& path, const SourceLocation& used_at,
                                      Diagnostics& diagnostics) {
   std::string text;
   const std::string problem = read_regular_file(path, kLargestFile, text);
@@ -103,7 +103,7 @@ bool is_from_command_line(const std::string& file) {
   return file.rfind(kOverridePrefix, 0) == 0 || file.rfind(kReferencePrefix, 0) == 0;
 }
 
-std::string resolve_path(const std::string& path, const SourceMark& mark) {
+std::string resolve_path(const std::string& path, const SourceLocation& mark) {
   if (path.empty() || fs::path(path).is_absolute() || is_from_command_line(mark.file)) return path;
   return (fs::path(mark.file).parent_path() / path).lexically_normal().string();
 }

@@ -26,12 +26,12 @@ std::string read_regular_file(const std::string& path, std::size_t most_bytes, s
 /// The contents of `path`, or nothing and an error at `used_at` (or at the file, if `used_at` names
 /// none). Only regular files of up to 16 MiB are read; anything else (folders,
 /// devices, pipes) is an error, and nothing is waited for.
-std::optional<std::string> read_file(const std::string& path, const SourceMark& used_at,
+std::optional<std::string> read_file(const std::string& path, const SourceLocation& used_at,
                                      Diagnostics& diagnostics);
 
 /// `path` as written at `mark`: relative paths start at the folder of the file that holds them, or
 /// at the working directory when they come from the command line.
-std::string resolve_path(const std::string& path, const SourceMark& mark);
+std::string resolve_path(const std::string& path, const SourceLocation& mark);
 
 /// `path` from the root of the file system on, for files that are read from another folder.
 std::string absolute_path(const std::string& path);

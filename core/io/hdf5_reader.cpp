@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 
 namespace skybody {
 namespace {
@@ -41,14 +41,16 @@ void Hdf5Reader::open(const std::filesystem::path& name, hid_t access) {
 void check_regular_file(const std::filesystem::path& file) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(file, ignored);
-  const auto fail = [&](const char* message) { throw MarkedError({file.string(), 0, 0}, message); };
+  const auto fail = [&](const char* message) {
+    throw LocatedError({file.string(), 0, 0}, message);
+  };
   if (!std::filesystem::exists(status)) fail("the file does not exist");
   if (std::filesystem::is_directory(status)) fail("this is a folder; give a file");
   if (!std::filesystem::is_regular_file(status)) fail("this is not a regular file");
 }
 
 void Hdf5Reader::fail(const std::string& message) const {
-  throw MarkedError({path_.string(), 0, 0}, message);
+  throw LocatedError({path_.string(), 0, 0}, message);
 }
 
 void Hdf5Reader::check_format(std::int64_t version, const std::string& remedy) const {

@@ -11,7 +11,7 @@
 namespace skybody {
 
 /// One file, open for reading. Objects are named by their path within it ("/" is the root). Numbers
-/// are converted to the type that is asked for. Every member throws MarkedError with the file's
+/// are converted to the type that is asked for. Every member throws LocatedError with the file's
 /// name where something is missing or of another kind or shape.
 ///
 /// The file may be hostile. Nothing outside of it is opened: links other than hard ones, external
@@ -26,7 +26,8 @@ class Hdf5Reader {
   Hdf5Reader(std::filesystem::path path, std::string what, const std::string& bytes);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Whether there is such an object. @throws MarkedError where a link on the way is not a hard one
+  /// Whether there is such an object. @throws LocatedError where a link on the way is not a hard
+  /// one
   bool has(const std::string& object) const;
 
   std::string text(const std::string& object, const char* attribute) const;
@@ -69,7 +70,7 @@ class Hdf5Reader {
     return values;
   }
 
-  /// @throws MarkedError with the file's name before the message
+  /// @throws LocatedError with the file's name before the message
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
@@ -94,7 +95,7 @@ class Hdf5Reader {
   Hdf5Id file_;
 };
 
-/// @throws MarkedError unless `file` is a regular file, which devices, pipes and folders are not
+/// @throws LocatedError unless `file` is a regular file, which devices, pipes and folders are not
 void check_regular_file(const std::filesystem::path& file);
 
 }  // namespace skybody

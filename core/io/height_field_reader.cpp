@@ -6,10 +6,10 @@
 
 #include "core/io/field.h"
 #include "core/io/file.h"
+#include "core/io/plausibility_limits.h"
 #include "core/io/ranges.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
-#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -101,7 +101,7 @@ class HeightsReader {
 std::shared_ptr<const HeightField> heights_of_file(const MapReader& reader, InputBudget& budget,
                                                    Diagnostics& diagnostics) {
   const std::string written = reader.text("file");
-  const SourceMark mark = reader.mark("file");
+  const SourceLocation mark = reader.mark("file");
   const bool is_csv =
       written.size() > kExtension.size() &&
       written.compare(written.size() - kExtension.size(), written.npos, kExtension) == 0;
@@ -167,8 +167,8 @@ bool read_height_field(const ConfigNode& node, InputBudget& budget, Diagnostics&
   const std::vector<double>& heights = shape.heights->heights();
   const auto is_higher = [](double a, double b) { return std::fabs(a) < std::fabs(b); };
   const double farthest = *std::max_element(heights.begin(), heights.end(), is_higher);
-  warn_unless_usual(Usual::kHeight, farthest, "the height farthest from 0", {}, node.mark,
-                    diagnostics);
+  warn_if_implausible(PlausibilityLimit::kHeight, farthest, "the height farthest from 0", {},
+                      node.mark, diagnostics);
   return true;
 }
 

@@ -94,7 +94,7 @@ bool attribute_is(const XMLElement& element, const char* attribute, const char* 
 
 std::vector<double> dae_numbers(const XMLElement& element) {
   std::vector<double> numbers;
-  for_each_word(element, [&](std::string_view word, const MeshWords& words) {
+  for_each_word(element, [&](std::string_view word, const MeshTokenizer& words) {
     numbers.push_back(words.coordinate(word));
   });
   return numbers;

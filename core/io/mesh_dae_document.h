@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/io/mesh_words.h"
+#include "core/io/mesh_tokenizer.h"
 
 namespace skybody {
 
@@ -54,7 +54,7 @@ template <class Visit>
 void for_each_word(const tinyxml2::XMLElement& element, const Visit& visit) {
   for (const auto* child = element.FirstChild(); child; child = child->NextSibling()) {
     if (child->ToText() == nullptr) continue;
-    MeshWords words(child->Value(), child->GetLineNum());
+    MeshTokenizer words(child->Value(), child->GetLineNum());
     for (auto word = words.next(); !word.empty(); word = words.next()) visit(word, words);
   }
 }

@@ -47,7 +47,7 @@ void check_corners(const XMLElement& primitives, std::uint64_t corners) {
   if (kind == "polylist") {
     said = 0;
     for_each_child(primitives, "vcount", [&](const XMLElement& vcount) {
-      for_each_word(vcount, [&](std::string_view word, const MeshWords& words) {
+      for_each_word(vcount, [&](std::string_view word, const MeshTokenizer& words) {
         const auto count = parse_integer<std::uint32_t>(word);
         if (!count) words.refuse("a count of corners is no whole number from 0 on");
         said += *count;
@@ -100,7 +100,7 @@ DaePart DaeGeometries::read_part(const XMLElement& primitives) {
 std::uint64_t DaeGeometries::add_positions(const XMLElement& p, const Corners& corners,
                                            const Accessor& from, DaePart& part) {
   std::uint64_t k = 0;
-  for_each_word(p, [&](std::string_view word, const MeshWords& words) {
+  for_each_word(p, [&](std::string_view word, const MeshTokenizer& words) {
     if (k++ % corners.width != corners.place) return;
     const auto index = parse_integer<std::uint32_t>(word);
     if (!index || *index >= from.count) {

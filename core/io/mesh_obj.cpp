@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "core/io/mesh_words.h"
+#include "core/io/mesh_tokenizer.h"
 
 namespace skybody {
 namespace {
@@ -81,7 +81,7 @@ class ObjReader {
     line_of_largest_ = words_.line();
   }
 
-  MeshWords words_;
+  MeshTokenizer words_;
   std::vector<Vec3<double>> vertices_;
   std::vector<bool> used_;
   std::size_t largest_ = 0;  ///< number of a vertex that is used; 0: none is

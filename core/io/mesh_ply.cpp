@@ -5,7 +5,7 @@
 
 #include "core/io/mesh_bytes.h"
 #include "core/io/mesh_ply_header.h"
-#include "core/io/mesh_words.h"
+#include "core/io/mesh_tokenizer.h"
 
 namespace skybody {
 namespace {
@@ -29,7 +29,7 @@ class TextValues {
   [[noreturn]] void refuse(const std::string& reason) const { words_.refuse(reason); }
 
  private:
-  MeshWords words_;
+  MeshTokenizer words_;
 };
 
 /// Values that are bytes.

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/printable.h"
-#include "core/io/mesh_words.h"
+#include "core/io/mesh_tokenizer.h"
 
 namespace skybody {
 namespace {
@@ -134,7 +134,7 @@ class HeaderReader {
   static constexpr std::size_t kMostElements = 100;
 
   const std::string& bytes_;
-  MeshWords words_;
+  MeshTokenizer words_;
   PlyHeader header_;
 };
 

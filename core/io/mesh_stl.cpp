@@ -2,7 +2,7 @@
 // "solid NAME facet normal X Y Z outer loop (vertex X Y Z) x 3 endloop endfacet ... endsolid NAME".
 // Binary files may begin with "solid", too: size and NUL bytes tell the two apart.
 #include "core/io/mesh_bytes.h"
-#include "core/io/mesh_words.h"
+#include "core/io/mesh_tokenizer.h"
 
 namespace skybody {
 namespace {
@@ -84,7 +84,7 @@ class StlText {
     expect("endfacet");
   }
 
-  MeshWords words_;
+  MeshTokenizer words_;
   VertexBox box_;
 };
 

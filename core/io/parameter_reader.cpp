@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/io/file.h"
+#include "core/io/plausibility_limits.h"
 #include "core/io/text.h"
-#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -116,7 +116,8 @@ class ValueReader {
       return complain(node, name, node.scalar);
     }
     if (is_angle()) {
-      warn_unless_usual(Usual::kAngle, *number, "`" + name + "`", {}, node.mark, diagnostics_);
+      warn_if_implausible(PlausibilityLimit::kAngle, *number, "`" + name + "`", {}, node.mark,
+                          diagnostics_);
     }
     value_.numbers.push_back(*number);
     return true;
@@ -139,7 +140,7 @@ class ValueReader {
 
 }  // namespace
 
-ParameterValue default_value(const ParameterSpec& spec, const SourceMark& mark) {
+ParameterValue default_value(const ParameterSpec& spec, const SourceLocation& mark) {
   ParameterValue value;
   value.name = spec.name;
   value.type = spec.type;

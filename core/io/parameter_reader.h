@@ -22,7 +22,7 @@ namespace skybody {
 std::string describe_allowed(const ParameterSpec& spec);
 
 /// The default value of `spec` (empty where it has none), marked with `mark`.
-ParameterValue default_value(const ParameterSpec& spec, const SourceMark& mark);
+ParameterValue default_value(const ParameterSpec& spec, const SourceLocation& mark);
 
 /// Whether a single number may stand for a list of fixed length.
 enum class Broadcast { kNo, kYes };

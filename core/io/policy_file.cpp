@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/io/hdf5_reader.h"
-#include "core/io/policy_seal.h"
+#include "core/io/policy_checksum.h"
 #include "core/io/text.h"
 
 namespace skybody {

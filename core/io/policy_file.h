@@ -91,7 +91,7 @@ struct PolicyFile {
 /// Why a policy whose sizes fit together is none that a learner makes; empty: it is one.
 std::string fault_of(const PolicyFile& policy);
 
-/// @throws MarkedError with the file's name: missing, no policy, damaged, another version, sizes
+/// @throws LocatedError with the file's name: missing, no policy, damaged, another version, sizes
 ///         that do not fit together, values that are not finite, fault_of()
 PolicyFile read_policy(const std::filesystem::path& file);
 

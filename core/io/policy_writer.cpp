@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/io/atomic_file.h"
 #include "core/io/flight_log_hdf5.h"
-#include "core/io/policy_seal.h"
-#include "core/io/whole_file.h"
+#include "core/io/policy_checksum.h"
 #include "core/version.h"
 
 namespace skybody {
@@ -192,7 +192,7 @@ std::string policy_bytes(const PolicyFile& policy, std::uint64_t seed) {
 }
 
 void write_policy(const std::filesystem::path& file, const PolicyFile& policy, std::uint64_t seed) {
-  write_whole_file(file, policy_bytes(policy, seed));
+  write_file_atomically(file, policy_bytes(policy, seed));
 }
 
 }  // namespace skybody

@@ -91,7 +91,7 @@ void add_burst(HashChain& chain, std::uint64_t rows, const void* values, std::si
 using ReplayRows = std::array<std::size_t, kReplayColumnCount>;
 
 /// The rows of the complete bursts of a file.
-/// @throws MarkedError where a column is missing, is of another type or width, or has other values
+/// @throws LocatedError where a column is missing, is of another type or width, or has other values
 ///         than were written
 ReplayRows check_bursts(const Hdf5Reader& reader, const ReplayHeader& header);
 

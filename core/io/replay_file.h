@@ -94,7 +94,7 @@ class ReplayWriter {
 /// Reads a replay file. Actions and rows are read when asked for; all have been hashed before.
 class ReplayReader {
  public:
-  /// @throws MarkedError with the file's name: missing, no replay, another version, damaged
+  /// @throws LocatedError with the file's name: missing, no replay, another version, damaged
   explicit ReplayReader(const std::filesystem::path& file);
   ~ReplayReader();
   ReplayReader(const ReplayReader&) = delete;

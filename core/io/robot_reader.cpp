@@ -155,7 +155,7 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
 }
 
 /// Each robot has a copy of its model: all together must fit.
-bool RobotReader::take_parts(const RobotModel& model, const SourceMark& mark) {
+bool RobotReader::take_parts(const RobotModel& model, const SourceLocation& mark) {
   const bool fitted = bodies_ <= kMostBodies && parts_ <= kMostParts;
   bodies_ += model.bodies.size();
   parts_ += model.links.size() + model.rotors.size();
@@ -179,7 +179,7 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
     }
     return nullptr;
   }
-  const SourceMark mark = reader.mark("model");
+  const SourceLocation mark = reader.mark("model");
   std::string file = resolve_path(written, mark);
   if (!is_file(file)) {
     if (const auto shipped = find_shipped_model(written)) file = shipped->string();
@@ -250,7 +250,7 @@ bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model, Diagnos
   const std::string written = reader.text("rotors");
   if (written == "none") return true;
   std::string file;
-  SourceMark used_at;
+  SourceLocation used_at;
   if (!written.empty()) {
     used_at = reader.mark("rotors");
     file = resolve_path(written, used_at);
@@ -268,7 +268,7 @@ bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model, Diagnos
 void RobotReader::read_rotor_speed(const MapReader& reader, RobotUse& robot) {
   const std::optional<double> speed = reader.real_or_word("rotor_speed");
   robot.rotor_speed = speed.value_or(-1.0);
-  const SourceMark mark = reader.mark("rotor_speed");
+  const SourceLocation mark = reader.mark("rotor_speed");
   const std::vector<Rotor>& rotors = robot.model.rotors;
   if (reader.node("rotor_speed") != nullptr && rotors.empty() && robot.rotor_speed != 0.0) {
     diagnostics_.error(mark, "`rotor_speed` is given, but `" + robot.name +

@@ -38,7 +38,7 @@ class RobotReader {
   void read_joint_position(const MapReader& reader, const std::string& name, Joint& joint);
   void read_rotor_speed(const MapReader& reader, RobotUse& robot);
   void note(const std::string& text);
-  bool take_parts(const RobotModel& model, const SourceMark& mark);
+  bool take_parts(const RobotModel& model, const SourceLocation& mark);
 
   const PluginCatalog& catalog_;
   InputBudget& budget_;

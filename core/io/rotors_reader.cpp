@@ -99,7 +99,7 @@ class RotorsReader {
                                              "; allowed: " + kLagRange.text());
   }
 
-  void check_name(const std::string& name, const SourceMark& mark) {
+  void check_name(const std::string& name, const SourceLocation& mark) {
     if (name.empty() || names_.insert(name).second) return;
     diagnostics_.error(mark, "a second rotor called `" + name + "`; names must differ");
   }
@@ -143,7 +143,7 @@ class RotorsReader {
 
 }  // namespace
 
-bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel& model,
+bool read_rotors(const std::string& file, const SourceLocation& used_at, RobotModel& model,
                  std::string& text, Diagnostics& diagnostics, InputBudget& budget) {
   if (!is_file(file) && !used_at.file.empty()) {
     read_file(file, used_at, diagnostics);  // says why not, where the file was named

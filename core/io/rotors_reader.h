@@ -20,7 +20,7 @@ namespace skybody {
 /// Reads `file` and puts its rotors into `model`, whose links must be there already. `text`
 /// receives the merged file for hashes. Returns false after errors, each with its place; `used_at`
 /// says who named the file.
-bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel& model,
+bool read_rotors(const std::string& file, const SourceLocation& used_at, RobotModel& model,
                  std::string& text, Diagnostics& diagnostics, InputBudget& budget);
 
 }  // namespace skybody

@@ -12,11 +12,11 @@
 #include "core/io/file.h"
 #include "core/io/height_field_reader.h"
 #include "core/io/observed_reader.h"
+#include "core/io/plausibility_limits.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/robot_reader.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
-#include "core/io/usual.h"
 
 namespace skybody {
 namespace {
@@ -54,8 +54,8 @@ class ScenarioReader {
     if (scenario_.name.empty()) scenario_.name = stem_of(scenario_.file);
     read_stepping(reader);
     read_constants(reader, kWorldConstants, scenario_.constants.data());
-    warn_unless_usual(Usual::kGravity, scenario_.gravity().z, "`gravity[2]`", {},
-                      reader.mark("gravity"), diagnostics_);
+    warn_if_implausible(PlausibilityLimit::kGravity, scenario_.gravity().z, "`gravity[2]`", {},
+                        reader.mark("gravity"), diagnostics_);
     read_contact(reader);
     read_robots(reader);
     read_teams(reader);
@@ -236,7 +236,7 @@ class ScenarioReader {
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string& name = names[i];
-      const SourceMark& mark = team.node("robots")->items[i].mark;
+      const SourceLocation& mark = team.node("robots")->items[i].mark;
       const auto found = std::find(known.begin(), known.end(), name);
       const auto place = static_cast<int>(found - known.begin());
       if (found == known.end()) {

@@ -60,7 +60,7 @@ class Checker {
   }
 
  private:
-  SourceMark mark(const XMLElement& e) const { return {file_, e.GetLineNum(), 0}; }
+  SourceLocation mark(const XMLElement& e) const { return {file_, e.GetLineNum(), 0}; }
   void error(const XMLElement& e, const std::string& message) {
     diagnostics_.error(mark(e), message);
   }

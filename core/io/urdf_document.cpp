@@ -148,7 +148,7 @@ class DocumentBuilder {
   }
 
   bool keep_mesh(Shape& shape, const XMLElement& e, const std::string& link) {
-    const SourceMark mark = document_.mark(shape_element(e)->GetLineNum());
+    const SourceLocation mark = document_.mark(shape_element(e)->GetLineNum());
     const std::string what = "the mesh `" + shape.mesh + "` of the link `" + link + "` ";
     const MeshFile& file = meshes_.look_up(shape.mesh);
     const MeshState state = file.state;
@@ -169,7 +169,7 @@ class DocumentBuilder {
 
   /// Reads the box by which a mesh takes part in contact.
   /// @param what  "the mesh `x` of the link `y` "
-  bool take_box(const std::string& file, const std::string& what, const SourceMark& mark,
+  bool take_box(const std::string& file, const std::string& what, const SourceLocation& mark,
                 Shape& shape) {
     const std::string remedy = ", and contact needs the box about it; ";
     const MeshFormat* const format = find_mesh_format(shape.mesh);

@@ -51,7 +51,7 @@ struct UrdfDocument {
   std::vector<UrdfJoint> joints;
   int root = 0;  ///< link index
 
-  SourceMark mark(int line) const { return {file, line, 0}; }
+  SourceLocation mark(int line) const { return {file, line, 0}; }
 };
 
 /// Reads the text of a URDF: tinyxml2 for elements with their lines and for checks, urdfdom for

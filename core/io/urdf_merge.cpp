@@ -71,7 +71,7 @@ class Merger {
   }
 
   void check_world(const UrdfLink& world) {
-    const SourceMark mark = document_.mark(world.line);
+    const SourceLocation mark = document_.mark(world.line);
     if (world.has_inertial && !world.is_massless()) {
       diagnostics_.error(mark,
                          "the root link `world` stands for the world and can have no mass; "
@@ -250,7 +250,7 @@ class Merger {
                                 inertia_text(inertia) + ": its principal moments are " +
                                 moments_text(eigenvalues(inertia)) + " kg m^2; " +
                                 bound_text(inertia);
-    const SourceMark mark = document_.mark(source.line);
+    const SourceLocation mark = document_.mark(source.line);
     if (only_warn) {
       diagnostics_.warning(mark, message + " (the body that it merges into is sound)");
     } else {

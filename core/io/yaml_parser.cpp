@@ -36,7 +36,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   ConfigNode take_root() { return std::move(root_); }
 
-  SourceMark to_mark(const YAML::Mark& mark) const {
+  SourceLocation to_mark(const YAML::Mark& mark) const {
     if (!positions_ || mark.is_null()) return {file_, 0, 0};
     return {file_, mark.line + 1, mark.column + 1};
   }
@@ -100,7 +100,7 @@ class TreeBuilder : public YAML::EventHandler {
     ConfigCost cost;
   };
 
-  [[noreturn]] void fail(const SourceMark& mark, const std::string& message) {
+  [[noreturn]] void fail(const SourceLocation& mark, const std::string& message) {
     diagnostics_.error(mark, message);
     throw Stop();
   }
@@ -181,7 +181,7 @@ class TreeBuilder : public YAML::EventHandler {
     }
     const auto [known, is_new] = top.places.emplace(node.scalar, top.node.entries.size());
     if (is_new) return;
-    const SourceMark& first = top.node.entries[known->second].key_mark;
+    const SourceLocation& first = top.node.entries[known->second].key_mark;
     diagnostics_.error(node.mark, "duplicate key `" + node.scalar + "`; it stands at " +
                                       to_string(first) + " already; remove one");
     top.drop_value = true;

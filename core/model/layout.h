@@ -71,16 +71,16 @@ struct EnvParam {
 
 /// The order of state words. Blocks follow one another in the order of the members.
 struct Layout {
-  Block header;         ///< kHeaderSize words
-  Block q, u;           ///< coordinates of all robots, in body order
-  Block rotor_speed;    ///< [rad/s], >= 0, every rotor of every robot
-  Block rotor_command;  ///< the reference held during the physics step [rad/s]
-  Block wrench;         ///< 6 per wrench site (force, moment), held during the physics step
-  Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
-  Block joint_command;  ///< 1 per joint drive, held during the physics step
-  Block joint_state;    ///< 1 per joint drive: the command behind its lag
-  Block pulls;          ///< 3 per coupling: its force on the first end, W [N]
-  Block bristles;       ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
+  Block header;           ///< kHeaderSize words
+  Block q, u;             ///< coordinates of all robots, in body order
+  Block rotor_speed;      ///< [rad/s], >= 0, every rotor of every robot
+  Block rotor_command;    ///< the reference held during the physics step [rad/s]
+  Block wrench;           ///< 6 per wrench site (force, moment), held during the physics step
+  Block drive;            ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
+  Block joint_command;    ///< 1 per joint drive, held during the physics step
+  Block joint_state;      ///< 1 per joint drive: the command behind its lag
+  Block coupling_forces;  ///< 3 per coupling: its force on the first end, W [N]
+  Block bristles;         ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block
       bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if nobody asks

@@ -111,7 +111,7 @@ struct Shape {
 Shape contact_shape(const Shape& shape);
 
 /// Whether a shape is solid all the way down: nothing can pass it, however deep it gets in.
-constexpr bool is_endless(ShapeType type) {
+constexpr bool is_unbounded_below(ShapeType type) {
   return type == ShapeType::kPlane || type == ShapeType::kHeightField;
 }
 

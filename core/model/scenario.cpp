@@ -4,7 +4,7 @@
 
 namespace skybody {
 
-std::vector<Shape> solids_of(const Obstacle& obstacle) {
+std::vector<Shape> obstacle_shapes_of(const Obstacle& obstacle) {
   Shape shape = obstacle.shape;
   shape.pose = Pose{};
   if (!obstacle.is_gate) return {shape};

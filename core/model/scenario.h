@@ -13,7 +13,7 @@
 namespace skybody {
 
 /// Where a value was written: file and position, or "--set path=value" with line 0.
-struct SourceMark {
+struct SourceLocation {
   std::string file;
   int line = 0;    ///< from 1; 0: not from a file
   int column = 0;  ///< from 1
@@ -28,15 +28,15 @@ struct ParameterValue {
   std::vector<double> numbers;     ///< reals, integers and booleans (0, 1); one or more
   std::vector<std::string> texts;  ///< texts; one or more
   bool is_given = true;            ///< the scenario says so, else it is the default
-  SourceMark mark;
+  SourceLocation mark;
 };
 
 /// A plugin as a scenario names it, with validated parameters (defaults filled in).
 struct PluginUse {
   std::string plugin;  ///< the plugin's own name
   std::string
-      instance;     ///< its name in paths such as controllers.rate_pd.kp; unique per kind and robot
-  SourceMark mark;  ///< of the `plugin:` value
+      instance;  ///< its name in paths such as controllers.rate_pd.kp; unique per kind and robot
+  SourceLocation mark;  ///< of the `plugin:` value
   std::vector<ParameterValue> parameters;
 };
 
@@ -66,8 +66,8 @@ struct Stepping {
   int horizon = 0;        ///< steps (actions) until truncation; 0: none
   DynamicsChoice dynamics = DynamicsChoice::kAuto;
   IntegratorChoice integrator = IntegratorChoice::kMidpoint;
-  SolverSettings solver;     ///< of an error-controlled integrator
-  SourceMark dynamics_mark;  ///< of `dynamics`: not every world can have every choice
+  SolverSettings solver;         ///< of an error-controlled integrator
+  SourceLocation dynamics_mark;  ///< of `dynamics`: not every world can have every choice
 };
 
 /// Contact law, beside the world's constants. Stiffness is not given: it follows from `penetration`
@@ -87,11 +87,11 @@ struct Obstacle {
   bool is_gate =
       false;  ///< a frame of four bars about a way through along x; a box whose size is
               ///< width and height of the opening, along y and z, and the bars' thickness
-  SourceMark mark = {};  ///< of the whole
+  SourceLocation mark = {};  ///< of the whole
 };
 
 /// The solids of an obstacle, in its own frame: itself, or the bars of a gate.
-std::vector<Shape> solids_of(const Obstacle& obstacle);
+std::vector<Shape> obstacle_shapes_of(const Obstacle& obstacle);
 
 enum class CouplingKind {
   kRod,    ///< keeps its ends at a distance
@@ -115,7 +115,7 @@ struct Coupling {
   std::array<double, kCouplingParamCount> constants =
       fallbacks<kCouplingParamCount>(kCouplingConstants);  ///< values of kCouplingConstants
   bool has_length = false;  ///< the length is given; else it is what the start has
-  SourceMark mark;          ///< of its length, or of the whole
+  SourceLocation mark;      ///< of its length, or of the whole
 };
 
 /// How many of kCouplingConstants, from the first on, apply to a kind.
@@ -131,13 +131,13 @@ struct ObservedChannel {
   bool privileged = false;    ///< for a critic only
   std::optional<double> low;  ///< least value, in place of what the sensor declares
   std::optional<double> high;
-  SourceMark mark;
+  SourceLocation mark;
 };
 
 /// Randomizable values that join the infos.
 struct InfoUse {
   std::vector<std::string> paths;
-  SourceMark mark;
+  SourceLocation mark;
 };
 
 /// One robot of a scenario.
@@ -148,7 +148,7 @@ struct RobotUse {
   double rotor_speed = 0.0;  ///< of every rotor at reset [rad/s]; negative: hover speed
   std::array<double, kRobotParamCount> constants{};  ///< values of kRobotConstants
   std::vector<PluginUse> controllers;                ///< in the order in which they are evaluated
-  SourceMark mark;                                   ///< of the whole
+  SourceLocation mark;                               ///< of the whole
 };
 
 /// Robots that controllers serve together.

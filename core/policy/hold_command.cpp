@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/base/math.h"
-#include "core/policy/hold_wish.h"
+#include "core/policy/hold_setpoint.h"
 #include "core/policy/pseudo_inverse.h"
 
 namespace skybody {
@@ -28,82 +28,83 @@ double HoldPolicy::nominal_weight(const Robot& robot) const {
   return mass * norm(gravity_of(params));
 }
 
-/// The wish in the words of the robot's first controller.
+/// The setpoint in the words of the robot's first controller.
 std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
-                                        const Wish& wish) const {
-  const V& p = wish.position;
+                                        const Setpoint& setpoint) const {
+  const V& p = setpoint.position;
   switch (robot.signal) {
     case SKYBODY_CTBR:
-      return {wish.thrust, wish.rates.x, wish.rates.y, wish.rates.z};
+      return {setpoint.thrust, setpoint.rates.x, setpoint.rates.y, setpoint.rates.z};
     case SKYBODY_CTBT:
-      return {wish.thrust, wish.torque.x, wish.torque.y, wish.torque.z};
+      return {setpoint.thrust, setpoint.torque.x, setpoint.torque.y, setpoint.torque.z};
     case SKYBODY_SRT:
-      return rotor_thrusts(robot, view, wish);
+      return rotor_thrusts(robot, view, setpoint);
     case SKYBODY_ROTOR_SPEED:
     case SKYBODY_THROTTLE:
-      return rotor_speeds(robot, view, wish);
+      return rotor_speeds(robot, view, setpoint);
     case SKYBODY_WRENCH:
-      return wrench(robot, view, wish);
+      return wrench(robot, view, setpoint);
     case SKYBODY_VELOCITY: {
       const V v = rotate_inverse(
           view.base.rotation,
-          kPositionBandwidth * shortened(p - view.base.position, kMaxError) + wish.velocity);
-      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation,
+          kPositionBandwidth * shortened(p - view.base.position, kMaxError) + setpoint.velocity);
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, setpoint.yaw), view.base.rotation,
                                 BandwidthScale());
       return {v.x, v.y, v.z, r.x, r.y, r.z};
     }
     case SKYBODY_POSE: {
-      const Quat<double> q = attitude_along({0.0, 0.0, 1.0}, wish.yaw);
+      const Quat<double> q = attitude_along({0.0, 0.0, 1.0}, setpoint.yaw);
       return {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
     }
     case SKYBODY_ATTITUDE: {
-      const Quat<double>& q = wish.attitude;
-      std::vector<double> values{wish.thrust, q.w, q.x, q.y, q.z};
+      const Quat<double>& q = setpoint.attitude;
+      std::vector<double> values{setpoint.thrust, q.w, q.x, q.y, q.z};
       values.resize(robot.low.size());  // rates of 0, where it takes them
       return values;
     }
     case SKYBODY_FORCE: {
       // A range that goes below 0 is that of a force on top of the nominal weight.
       const double carried = robot.low[2] < 0.0 ? nominal_weight(robot) : 0.0;
-      std::vector<double> values{wish.force.x, wish.force.y, wish.force.z - carried, wish.yaw};
+      std::vector<double> values{setpoint.force.x, setpoint.force.y, setpoint.force.z - carried,
+                                 setpoint.yaw};
       values.resize(robot.low.size());
       return values;
     }
     case SKYBODY_ACCELERATION: {
-      const V a = wish.force / view.mass + view.gravity;
-      return {a.x, a.y, a.z, wish.yaw};
+      const V a = setpoint.force / view.mass + view.gravity;
+      return {a.x, a.y, a.z, setpoint.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {
       const V v =
           view.scale.all * kPositionBandwidth * shortened(p - view.base.position, kMaxError) +
-          wish.velocity;
-      const V r =
-          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, view.scale);
+          setpoint.velocity;
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, setpoint.yaw), view.base.rotation,
+                                view.scale);
       return {v.x, v.y, v.z, r.z};
     }
     case SKYBODY_JOINT:
-      return joint_commands(robot, view, wish);
+      return joint_commands(robot, view, setpoint);
     case SKYBODY_NONE:
       return {};
     case SKYBODY_POSITION:
-      return {p.x, p.y, p.z, wish.yaw};
+      return {p.x, p.y, p.z, setpoint.yaw};
     default:  // SKYBODY_TRAJECTORY
-      return trajectory(robot, wish);
+      return trajectory(robot, setpoint);
   }
 }
 
 /// The goal's motion: all points ahead have its present acceleration. Rates of the yaw, jerk and
 /// snap are unknown: 0.
-std::vector<double> HoldPolicy::trajectory(const Robot& robot, const Wish& wish) const {
+std::vector<double> HoldPolicy::trajectory(const Robot& robot, const Setpoint& setpoint) const {
   std::vector<double> values(robot.low.size());
   double ahead = 0.0;  // [s]
   for (std::size_t k = 0; k + SKYBODY_REFERENCE_VALUES <= values.size();
        k += SKYBODY_REFERENCE_VALUES) {
-    const V velocity = wish.velocity + ahead * wish.acceleration;
-    put(wish.position + (0.5 * ahead) * (wish.velocity + velocity), values, k);
+    const V velocity = setpoint.velocity + ahead * setpoint.acceleration;
+    put(setpoint.position + (0.5 * ahead) * (setpoint.velocity + velocity), values, k);
     put(velocity, values, k + 3);
-    put(wish.acceleration, values, k + 6);
-    values[k + 15] = wish.yaw;
+    put(setpoint.acceleration, values, k + 6);
+    values[k + 15] = setpoint.yaw;
     ahead += robot.spacing;
   }
   return values;
@@ -111,22 +112,22 @@ std::vector<double> HoldPolicy::trajectory(const Robot& robot, const Wish& wish)
 
 /// Of the arm's joints what reaches, of others what the scenario has.
 std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& view,
-                                               const Wish& wish) const {
+                                               const Setpoint& setpoint) const {
   std::vector<double> commands = robot.joints;
   for (std::size_t k = 0; k < std::min(commands.size(), robot.drives.size()); ++k) {
     const int joint = robot.arm.joint_of(robot.drives[k]);
     if (joint < 0) continue;
     const auto place = static_cast<std::size_t>(joint);
-    commands[k] = robot.arm.command(view, place, wish.reach[place]);
+    commands[k] = robot.arm.command(view, place, setpoint.reach[place]);
   }
   return commands;
 }
 
-/// Single thrusts [N] that give the wished collective thrust and torque, none pulling but those of
+/// Single thrusts [N] that give the desired collective thrust and torque, none pulling but those of
 /// reversible rotors. Of the torque about z, for which rotors have little to give, what leaves them
 /// within their limits: beyond them it would cost lift.
 std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& view,
-                                              const Wish& wish) const {
+                                              const Setpoint& setpoint) const {
   const std::vector<double> allocation = allocation_of(compiled_.world(), robot.index, view.params);
   std::vector<double> thrusts(robot.low.size());  // 0 where a draw leaves no allocation
   std::vector<double> turning(thrusts.size());
@@ -141,8 +142,8 @@ std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& vi
     const double* row = allocation.data() + 4 * i;
     const double* rotor = rotor_params(robot, view, i);
     const double full = rotor[kThrustConstant] * rotor[kMaxSpeed] * rotor[kMaxSpeed];
-    thrusts[i] = row[0] * wish.thrust + row[1] * wish.torque.x + row[2] * wish.torque.y;
-    turning[i] = row[3] * wish.torque.z;
+    thrusts[i] = row[0] * setpoint.thrust + row[1] * setpoint.torque.x + row[2] * setpoint.torque.y;
+    turning[i] = row[3] * setpoint.torque.z;
     const double room = turning[i] > 0.0 ? full - thrusts[i] : thrusts[i] - least(i);
     if (std::abs(turning[i]) > room)
       share = std::min(share, std::max(0.0, room) / std::abs(turning[i]));
@@ -155,8 +156,8 @@ std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& vi
 
 /// The same as speeds [rad/s], or as shares of the rotors' largest ones.
 std::vector<double> HoldPolicy::rotor_speeds(const Robot& robot, const View& view,
-                                             const Wish& wish) const {
-  std::vector<double> speeds = rotor_thrusts(robot, view, wish);
+                                             const Setpoint& setpoint) const {
+  std::vector<double> speeds = rotor_thrusts(robot, view, setpoint);
   for (std::size_t i = 0; i < speeds.size(); ++i) {
     const double* rotor = rotor_params(robot, view, i);
     speeds[i] = copysign(sqrt(abs(speeds[i]) / rotor[kThrustConstant]), speeds[i]);
@@ -174,13 +175,14 @@ const double* HoldPolicy::rotor_params(const Robot& robot, const View& view, std
 
 /// The whole robot hangs, level, on the first site; the others stay idle.
 std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view,
-                                       const Wish& wish) const {
+                                       const Setpoint& setpoint) const {
   const Quat<double>& q = view.base.rotation;
-  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q, BandwidthScale());
+  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, setpoint.yaw), q, BandwidthScale());
   const V moment =
       rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia, BandwidthScale()));
   std::vector<double> values(robot.low.size(), 0.0);
-  const double first[6] = {wish.force.x, wish.force.y, wish.force.z, moment.x, moment.y, moment.z};
+  const double first[6] = {setpoint.force.x, setpoint.force.y, setpoint.force.z,
+                           moment.x,         moment.y,         moment.z};
   std::copy(first, first + 6, values.begin());
   return values;
 }

@@ -1,5 +1,5 @@
 // The hold baseline by robots: what each is told at the start, and its actions at every step. The
-// loops are in hold_wish.cpp, the words of each control mode in hold_command.cpp.
+// loops are in hold_setpoint.cpp, the words of each control mode in hold_command.cpp.
 #include "core/policy/hold_policy.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/env/setup_tables.h"
 #include "core/physics/coupling/coupling_scene.h"
-#include "core/policy/hold_wish.h"
+#include "core/policy/hold_setpoint.h"
 #include "core/policy/pseudo_inverse.h"
 
 namespace skybody {
@@ -165,7 +165,7 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
     const View view =
         view_of(robot, {compiled_.world(), simulation.bodies(), params, gravity_of(params)}, goals,
                 motions);
-    const std::vector<double> wanted = command(robot, view, wish(robot, view));
+    const std::vector<double> wanted = command(robot, view, setpoint(robot, view));
     for (std::size_t k = 0; k < robot.low.size(); ++k) {
       const double range = robot.high[k] - robot.low[k];
       const double a = range > 0.0 ? 2.0 * (wanted[k] - robot.low[k]) / range - 1.0 : 0.0;

@@ -53,7 +53,7 @@ class HoldPolicy : public Policy {
     std::vector<double> joints;      ///< commands of a chain that drives joints, arms apart
     std::vector<JointDrive> drives;  ///< of that chain
   };
-  struct Wish;
+  struct Setpoint;
   struct View;
   Robot commanded_robot(const ControllerChain& chain) const;
   void take_goal(Robot& robot) const;
@@ -63,18 +63,21 @@ class HoldPolicy : public Policy {
                const std::vector<double>& motions) const;
   Vec3<double> gravity_of(const std::vector<double>& params) const;
   double nominal_weight(const Robot& robot) const;
-  void share_reach(const Robot& robot, const View& view, Wish& wish) const;
+  void share_reach(const Robot& robot, const View& view, Setpoint& setpoint) const;
   Vec3<double> torque_of_arm(const Robot& robot, const View& view, double thrust) const;
-  std::vector<double> joint_commands(const Robot& robot, const View& view, const Wish& wish) const;
-  Wish wish(const Robot& robot, const View& view) const;
-  Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;
-  Vec3<double> swing(const Robot& robot, const View& view, const Wish& wish) const;
-  std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;
-  std::vector<double> rotor_thrusts(const Robot& robot, const View& view, const Wish& wish) const;
-  std::vector<double> rotor_speeds(const Robot& robot, const View& view, const Wish& wish) const;
-  std::vector<double> trajectory(const Robot& robot, const Wish& wish) const;
+  std::vector<double> joint_commands(const Robot& robot, const View& view,
+                                     const Setpoint& setpoint) const;
+  Setpoint setpoint(const Robot& robot, const View& view) const;
+  Vec3<double> acceleration(const Robot& robot, const View& view, const Setpoint& setpoint) const;
+  Vec3<double> swing(const Robot& robot, const View& view, const Setpoint& setpoint) const;
+  std::vector<double> command(const Robot& robot, const View& view, const Setpoint& setpoint) const;
+  std::vector<double> rotor_thrusts(const Robot& robot, const View& view,
+                                    const Setpoint& setpoint) const;
+  std::vector<double> rotor_speeds(const Robot& robot, const View& view,
+                                   const Setpoint& setpoint) const;
+  std::vector<double> trajectory(const Robot& robot, const Setpoint& setpoint) const;
   const double* rotor_params(const Robot& robot, const View& view, std::size_t i) const;
-  std::vector<double> wrench(const Robot& robot, const View& view, const Wish& wish) const;
+  std::vector<double> wrench(const Robot& robot, const View& view, const Setpoint& setpoint) const;
 
   const CompiledScenario& compiled_;
   std::vector<Robot> robots_;

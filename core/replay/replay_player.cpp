@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/printable.h"
-#include "core/batch/fleet.h"
+#include "core/batch/environment_states.h"
 #include "core/io/file.h"
 #include "core/replay/replay_recorder.h"
 
@@ -35,25 +35,26 @@ class Comparer : public PoolObserver {
         count_(static_cast<std::size_t>(replay.header().envs)),
         parted_(count_.size()) {}
 
-  void received(const Batch& rows, const Fleet& fleet) override {
+  void received(const Batch& rows, const EnvironmentStates& environments) override {
     for (int k = 0; k < rows.rows; ++k) {
       const int env = rows.env_id[static_cast<std::size_t>(k)];
       const std::size_t number = count_[static_cast<std::size_t>(env)]++;
       if (number >= replay_.transitions(env)) continue;  // was in flight when the recording ended
       ++report_.transitions;
       if (parted_[static_cast<std::size_t>(env)] != 0) continue;
-      compare(rows, k, fleet, env, number);
+      compare(rows, k, environments, env, number);
     }
   }
 
  private:
-  void compare(const Batch& rows, int k, const Fleet& fleet, int env, std::size_t number) {
+  void compare(const Batch& rows, int k, const EnvironmentStates& environments, int env,
+               std::size_t number) {
     ReplayParting parting;
     parting.place = replay_.place(env, number);
     parting.transition = number + 1;
     parting.first = replay_.row(parting.place);
     const bool states = !replay_.header().state_names.empty();
-    read_row(rows, k, fleet, same_step_, states, parting.second);
+    read_row(rows, k, environments, same_step_, states, parting.second);
     parting.differences = compare_rows(replay_.header(), parting.first, parting.second);
     const bool same_hash = parting.first.hash == parting.second.hash;
     if (same_hash && parting.differences.empty()) return;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/batch/fleet.h"
+#include "core/batch/environment_states.h"
 #include "core/env/value_names.h"
 #include "core/io/file.h"
 #include "core/version.h"
@@ -47,11 +47,11 @@ void append_row(const Column<float>& rows, int row, int width, std::vector<float
 
 }  // namespace
 
-void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool states,
-              ReplayRow& out) {
+void read_row(const Batch& rows, int k, const EnvironmentStates& environments, bool same_step,
+              bool states, ReplayRow& out) {
   const auto at = static_cast<std::size_t>(k);
   out.env = rows.env_id[at];
-  out.hash = fleet.hash(out.env);
+  out.hash = environments.hash(out.env);
   out.episode_step = rows.episode_step[at];
   out.was_reset = rows.was_reset[at] != 0;
   out.status = rows.status[at];
@@ -61,8 +61,8 @@ void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool
   append_row(rows.privileged, k, rows.width.privileged, out.observation);
   // Under kSameStep the state is already that of the next episode where one has ended.
   const bool has_moved_on = same_step && out.status != kRunning && !out.was_reset;
-  out.episode = fleet.episode(out.env) - (has_moved_on ? 1 : 0);
-  if (states) out.state = fleet.words(out.env);
+  out.episode = environments.episode(out.env) - (has_moved_on ? 1 : 0);
+  if (states) out.state = environments.words(out.env);
 }
 
 ReplayRecorder::ReplayRecorder(const Pool& envs, const std::filesystem::path& file,
@@ -188,10 +188,10 @@ void ReplayRecorder::requested(const PoolRequest& request) {
   add(std::move(event));
 }
 
-void ReplayRecorder::received(const Batch& rows, const Fleet& fleet) {
+void ReplayRecorder::received(const Batch& rows, const EnvironmentStates& environments) {
   write([&](ReplayWriter& writer) {
     for (int k = 0; k < rows.rows; ++k) {
-      read_row(rows, k, fleet, same_step_, states_, row_);
+      read_row(rows, k, environments, same_step_, states_, row_);
       writer.add(row_);
     }
   });

@@ -43,7 +43,7 @@ class ReplayRecorder : public PoolObserver {
   void forked(int source, std::span<const std::int32_t> targets, bool rekey) override;
   void param_set(int env, const std::string& path, double value) override;
   void requested(const PoolRequest& request) override;
-  void received(const Batch& rows, const Fleet& fleet) override;
+  void received(const Batch& rows, const EnvironmentStates& environments) override;
 
  private:
   friend std::shared_ptr<ReplayRecorder> start_recording(Pool&, const std::filesystem::path&,
@@ -70,9 +70,9 @@ std::shared_ptr<ReplayRecorder> start_recording(Pool& envs, const std::filesyste
 /// Ends a recording and detaches it from its Pool. @throws Error if the file cannot be finished
 void stop_recording(Pool& envs, ReplayRecorder& recorder);
 
-/// The row of a batch and what the fleet knows beside it.
+/// The row of a batch and what the environments knows beside it.
 /// @param states  whether to take all state words
-void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool states,
-              ReplayRow& out);
+void read_row(const Batch& rows, int k, const EnvironmentStates& environments, bool same_step,
+              bool states, ReplayRow& out);
 
 }  // namespace skybody

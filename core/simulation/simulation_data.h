@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {
@@ -12,7 +12,7 @@ namespace skybody {
 struct Simulation::Data {
   Data(const CompiledScenario& compiled, std::uint64_t seed, std::uint64_t env_id)
       : group(compiled.make_state(1)),
-        work(compiled.make_work(1)),
+        work(compiled.make_workspace(1)),
         observation(static_cast<std::size_t>(compiled.observation_size())),
         agent_reward(compiled.agents().size()),
         info(static_cast<std::size_t>(compiled.info_size())),
@@ -26,7 +26,7 @@ struct Simulation::Data {
   }
 
   StateGroup group;
-  std::unique_ptr<GroupWork> work;
+  std::unique_ptr<GroupWorkspace> work;
   std::vector<BodyState> bodies;  ///< as last asked for
   std::vector<float> observation, agent_reward, info, privileged;
   float reward = 0.0f;

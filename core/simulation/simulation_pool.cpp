@@ -9,8 +9,8 @@
 #include "core/base/arguments.h"
 #include "core/base/error.h"
 #include "core/base/processors.h"
-#include "core/batch/crew.h"
 #include "core/batch/pool_options.h"
+#include "core/batch/thread_pool.h"
 
 namespace skybody {
 namespace {
@@ -31,7 +31,7 @@ class SimulationPool::Simulations final : GroupRunner {
  public:
   Simulations(const std::shared_ptr<const CompiledScenario>& compiled,
               const SimulationPoolOptions& options)
-      : crew_(options.threads, options.envs, options.pin_threads, *this) {
+      : threads_(options.threads, options.envs, options.pin_threads, *this) {
     failures_.resize(static_cast<std::size_t>(options.envs));
     simulations_.reserve(failures_.size());
     for (int i = 0; i < options.envs; ++i) {
@@ -40,7 +40,7 @@ class SimulationPool::Simulations final : GroupRunner {
     }
   }
 
-  const Crew& crew() const { return crew_; }
+  const ThreadPool& threads() const { return threads_; }
   Simulation& operator[](int sim) { return simulations_[static_cast<std::size_t>(sim)]; }
 
   /// Does the work in some environments and waits for all of them. @returns what each threw, in the
@@ -49,9 +49,9 @@ class SimulationPool::Simulations final : GroupRunner {
     chosen_ = chosen;
     work_ = &work;
     left_.store(static_cast<int>(chosen.size()), std::memory_order_relaxed);
-    crew_.submit_unknown(static_cast<int>(chosen.size()));
-    crew_.wait([this] { return left_.load(std::memory_order_seq_cst) == 0; },
-               Crew::Clock::time_point::max());
+    threads_.submit_unknown(static_cast<int>(chosen.size()));
+    threads_.wait([this] { return left_.load(std::memory_order_seq_cst) == 0; },
+                  ThreadPool::Clock::time_point::max());
     return std::span(failures_).first(chosen.size());
   }
 
@@ -67,7 +67,7 @@ class SimulationPool::Simulations final : GroupRunner {
       }
     }
     left_.fetch_sub(count, std::memory_order_seq_cst);
-    crew_.announce();
+    threads_.announce();
   }
 
   std::vector<Simulation> simulations_;
@@ -75,7 +75,7 @@ class SimulationPool::Simulations final : GroupRunner {
   std::span<const int> chosen_;
   const Work* work_ = nullptr;
   std::atomic<int> left_{0};  ///< chosen environments that are not yet done
-  Crew crew_;                 ///< last: its threads use the rest
+  ThreadPool threads_;        ///< last: its threads use the rest
 };
 
 SimulationPool::SimulationPool(std::shared_ptr<const CompiledScenario> compiled,
@@ -86,8 +86,8 @@ SimulationPool::SimulationPool(std::shared_ptr<const CompiledScenario> compiled,
   std::iota(all_.begin(), all_.end(), 0);
   rows_.resize(all_.size());
   simulations_ = std::make_unique<Simulations>(compiled_, completed);
-  threads_ = simulations_->crew().threads();
-  pinned_ = simulations_->crew().pinned();
+  threads_ = simulations_->threads().threads();
+  pinned_ = simulations_->threads().pinned();
 }
 
 SimulationPool::~SimulationPool() = default;

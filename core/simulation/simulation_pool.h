@@ -1,6 +1,6 @@
-// Many environments under direct control, on the threads of a Crew. For learning at speed there is
-// Pool (core/batch), which steps environments side by side in lanes; this pool is for work that its
-// caller writes, environment by environment.
+// Many environments under direct control, on the threads of a ThreadPool. For learning at speed
+// there is Pool (core/batch), which steps environments side by side in lanes; this pool is for work
+// that its caller writes, environment by environment.
 #pragma once
 
 #include <cstdint>

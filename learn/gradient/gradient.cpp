@@ -8,7 +8,7 @@
 #include "core/base/hash.h"
 #include "core/base/number_text.h"
 #include "learn/common/flushed_denormals.h"
-#include "learn/common/policy_head.h"
+#include "learn/common/policy_metadata.h"
 #include "learn/common/schedule.h"
 #include "learn/common/slice_plan.h"
 #include "learn/common/state_blocks.h"
@@ -68,7 +68,8 @@ std::vector<std::string> training_overrides(const CompiledScenario& compiled,
           "stepping.action_repeat=" + std::to_string(steps.count)};
 }
 
-Gradient::Gradient(const LearnerOptions& options, std::shared_ptr<const CompiledScenario> training)
+AnalyticGradientLearner::AnalyticGradientLearner(const LearnerOptions& options,
+                                                 std::shared_ptr<const CompiledScenario> training)
     : compiled_(options.compiled),
       training_((check(options.hyper, Algorithm::kGradient),
                  checked_training(std::move(training), *options.compiled, options.hyper))),
@@ -84,7 +85,7 @@ Gradient::Gradient(const LearnerOptions& options, std::shared_ptr<const Compiled
               : nullptr),
       scale_(moments_.mean.size()),
       average_(network_.parameter_count(), hyper_.averaging_steps),
-      crew_(options.threads, kSlices) {
+      threads_(options.threads, kSlices) {
   network_.initialize({parameters_.data(), parameters_.size()}, kLastLayerGain, options.seed, 0);
   const SlicePlan plan(hyper_.envs, hyper_.rollout_steps, hyper_.envs);
   slices_.resize(static_cast<std::size_t>(plan.slices()));
@@ -94,7 +95,7 @@ Gradient::Gradient(const LearnerOptions& options, std::shared_ptr<const Compiled
                                         plan.first_env(s), plan.envs(s), value_.get(), alike);
   };
   make_slice(0, nullptr);
-  crew_.run(plan.slices() - 1, [&](int s, int) { make_slice(s + 1, slices_[0].get()); });
+  threads_.run(plan.slices() - 1, [&](int s, int) { make_slice(s + 1, slices_[0].get()); });
   for (const auto& slice : slices_) {
     gradients_.push_back(slice->gradient().data());
     if (value_ != nullptr) value_gradients_.push_back(slice->value()->gradient().data());
@@ -102,17 +103,17 @@ Gradient::Gradient(const LearnerOptions& options, std::shared_ptr<const Compiled
   sums_.resize(slices_[0]->sums().size());
 }
 
-Report Gradient::iterate() {
+Report AnalyticGradientLearner::iterate() {
   const Clock::time_point begin = Clock::now();
-  const FlushedDenormals guard;  // as on the threads of the crew
+  const FlushedDenormals guard;  // as on the threads of the threads
   const std::span<float> parameters{parameters_.data(), parameters_.size()};
   network_.transpose(parameters, transposed_);
   for (std::size_t k = 0; k < scale_.size(); ++k) {
     scale_[k] = 1.0 / std::sqrt(moments_.variance[k] + kLeastVariance);
   }
   const GradientInputs inputs{parameters, &transposed_, moments_.mean, scale_, counters_.iteration};
-  crew_.run(static_cast<int>(slices_.size()),
-            [&](int s, int) { slices_[static_cast<std::size_t>(s)]->run(inputs); });
+  threads_.run(static_cast<int>(slices_.size()),
+               [&](int s, int) { slices_[static_cast<std::size_t>(s)]->run(inputs); });
   const Clock::time_point middle = Clock::now();
   add_up();
   adam_.sum(gradients_);
@@ -124,7 +125,7 @@ Report Gradient::iterate() {
         " steps: the cost or its gradient is not finite; take a smaller learning_rate, a "
         "shorter rollout_steps, or --algo fast-ppo");
   }
-  const double value_loss = value_ != nullptr ? teach_value() : 0.0;
+  const double value_loss = value_ != nullptr ? update_value() : 0.0;
   normalize();
   average_.add(parameters, sums_[kSumSteps]);
   counters_.steps += static_cast<std::int64_t>(sums_[kSumSteps]);
@@ -153,11 +154,12 @@ Report Gradient::iterate() {
 }
 
 /// Some steps of the optimiser over all transitions of the iteration. @returns the last loss
-double Gradient::teach_value() {
+double AnalyticGradientLearner::update_value() {
   double loss = 0.0;
   for (int epoch = 0; epoch < hyper_.value_epochs; ++epoch) {
-    crew_.run(static_cast<int>(slices_.size()),
-              [&](int s, int) { slices_[static_cast<std::size_t>(s)]->value()->find_gradient(); });
+    threads_.run(static_cast<int>(slices_.size()), [&](int s, int) {
+      slices_[static_cast<std::size_t>(s)]->value()->find_gradient();
+    });
     loss = 0.0;
     for (const auto& slice : slices_) loss += slice->value()->loss();
     const double norm = value_->step(value_gradients_, hyper_.learning_rate);
@@ -171,14 +173,14 @@ double Gradient::teach_value() {
   return loss;
 }
 
-void Gradient::add_up() {
+void AnalyticGradientLearner::add_up() {
   std::fill(sums_.begin(), sums_.end(), 0.0);
   for (const auto& slice : slices_) {
     for (std::size_t k = 0; k < sums_.size(); ++k) sums_[k] += slice->sums()[k];
   }
 }
 
-void Gradient::normalize() {
+void AnalyticGradientLearner::normalize() {
   const bool is_over = hyper_.normalization_steps > 0.0 &&
                        static_cast<double>(counters_.steps) >= hyper_.normalization_steps;
   if (is_over) return;
@@ -189,8 +191,8 @@ void Gradient::normalize() {
                sums.subspan(kGradientSums + seen, seen));
 }
 
-PolicyFile Gradient::policy() const {
-  PolicyFile file = policy_head(*compiled_, Algorithm::kGradient, counters_.steps);
+PolicyFile AnalyticGradientLearner::policy() const {
+  PolicyFile file = policy_metadata(*compiled_, Algorithm::kGradient, counters_.steps);
   file.squash = ActionSquash::kTanh;
   file.mean = moments_.mean;
   for (const double variance : moments_.variance) {
@@ -201,7 +203,7 @@ PolicyFile Gradient::policy() const {
   return file;
 }
 
-std::uint64_t Gradient::parameter_hash() const {
+std::uint64_t AnalyticGradientLearner::parameter_hash() const {
   HashChain chain;
   for (std::size_t k = 0; k < parameters_.size(); ++k) {
     chain.update(static_cast<double>(parameters_[k]));
@@ -212,7 +214,7 @@ std::uint64_t Gradient::parameter_hash() const {
 // --- checkpoints --------------------------------------------------------------------------------
 
 template <class Self, class Visitor>
-void Gradient::visit(Self& self, Visitor& visitor) {
+void AnalyticGradientLearner::visit(Self& self, Visitor& visitor) {
   visitor("counters", &self.counters_, 1);
   visitor("policy", self.parameters_.data(), self.parameters_.size());
   Adam::visit(self.adam_, "policy.adam", visitor);
@@ -224,7 +226,7 @@ void Gradient::visit(Self& self, Visitor& visitor) {
   }
 }
 
-LearnerState Gradient::state() const {
+LearnerState AnalyticGradientLearner::state() const {
   LearnerState state;
   StateWriter writer(state.blocks);
   visit(*this, writer);
@@ -232,7 +234,7 @@ LearnerState Gradient::state() const {
   return state;
 }
 
-void Gradient::restore(const LearnerState& state) {
+void AnalyticGradientLearner::restore(const LearnerState& state) {
   StateReader check(state.blocks, StateReader::Mode::kCheck);
   visit(*this, check);
   std::size_t words = 0;

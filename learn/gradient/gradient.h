@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "learn/common/task_crew.h"
+#include "learn/common/task_threads.h"
 #include "learn/gradient/gradient_slice.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
@@ -22,13 +22,14 @@ std::vector<std::string> training_overrides(const CompiledScenario& compiled,
 
 /// A deterministic policy, tanh(network(normalised observation)), taught by the gradient of
 /// GoalCost. The same bits for any number of threads.
-class Gradient : public Learner {
+class AnalyticGradientLearner : public Learner {
  public:
   /// make_learner() compiles `training` and calls this.
   /// @param training  the scenario as it is trained in: options.compiled with training_overrides()
   /// @throws Error (naming what) where derivatives are not known (TransitionAdjoint), or where
   ///         `training` has other physics steps than `physics_steps` asks for
-  Gradient(const LearnerOptions& options, std::shared_ptr<const CompiledScenario> training);
+  AnalyticGradientLearner(const LearnerOptions& options,
+                          std::shared_ptr<const CompiledScenario> training);
 
   std::int64_t steps() const override { return counters_.steps; }
   Report iterate() override;
@@ -42,7 +43,7 @@ class Gradient : public Learner {
   static void visit(Self& self, Visitor& visitor);
   void add_up();
   void normalize();
-  double teach_value();
+  double update_value();
 
   struct Counters {
     std::int64_t steps = 0, iteration = 0;
@@ -60,7 +61,7 @@ class Gradient : public Learner {
   std::vector<double> scale_;             ///< that observations are normalised by
   WeightAverage average_;
   Counters counters_;
-  TaskCrew crew_;
+  TaskThreads threads_;
   std::vector<std::unique_ptr<GradientSlice>> slices_;
   std::vector<const float*> gradients_, value_gradients_;
   std::vector<double> sums_;

@@ -6,8 +6,8 @@
 
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
+#include "core/base/lane_mask.h"
 #include "core/base/math.h"
-#include "core/base/octets.h"
 #include "learn/network/kernels/kernel_table.h"
 #include "learn/network/kernels/kernels.h"
 
@@ -46,7 +46,7 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       goal_weight_(hyper.goal_weight),
       end_weight_(hyper.end_value_weight),
       discounts_(static_cast<std::size_t>(hyper.rollout_steps + 1), 1.0),
-      work_(compiled_->make_work(kGroupLanes)),
+      work_(compiled_->make_workspace(kGroupLanes)),
       adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0) {
   const FpEnvironment guard;
   const auto steps = static_cast<std::size_t>(horizon_);
@@ -85,11 +85,11 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
         std::make_unique<HorizonValue>(*value, hyper, stride_, weight_, envs * hyper.rollout_steps);
   }
   if (alike != nullptr) {
-    adjoint_.depend_as(alike->adjoint_);
+    adjoint_.copy_sparsity(alike->adjoint_);
   } else {
     look();
   }
-  adjoint_.arrange();
+  adjoint_.color_columns();
   begin();
 }
 
@@ -148,7 +148,7 @@ void GradientSlice::run(const GradientInputs& inputs) {
     look_at_ends(group, inputs);
     const Clock::time_point begin = Clock::now();
     go_back(group, inputs);
-    teach_value();
+    update_value();
     add_seconds(kSumReturnSeconds, begin);
     begin_anew(group, inputs.iteration);
   }

@@ -1,5 +1,5 @@
-// One of the eight slices of a Gradient's environments: flies a horizon of transitions and goes
-// back through them.
+// One of the eight slices of a AnalyticGradientLearner's environments: flies a horizon of
+// transitions and goes back through them.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/derivative/transition_adjoint.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "learn/common/running_moments.h"
 #include "learn/common/wall_clock.h"
 #include "learn/gradient/goal_cost.h"
@@ -94,7 +94,7 @@ class GradientSlice {
   void add_observations(const float* slopes, double weight, std::uint32_t lanes,
                         const GradientInputs& inputs);
   void look_at_ends(Group& group, const GradientInputs& inputs);
-  void teach_value();
+  void update_value();
   std::uint32_t ending(int t) const;
   void begin_anew(Group& group, std::int64_t iteration);
   void add_seconds(GradientSum sum, Clock::time_point begin);
@@ -116,7 +116,7 @@ class GradientSlice {
   double goal_weight_;             ///< likewise of the cost
   double end_weight_;              ///< likewise of the value behind the horizon
   std::vector<double> discounts_;  ///< of each transition
-  std::unique_ptr<GroupWork> work_;
+  std::unique_ptr<GroupWorkspace> work_;
   TransitionAdjoint adjoint_;
   std::vector<Group> groups_;
   std::vector<std::uint32_t> flying_, sound_;  ///< per transition: lanes that take it; those
@@ -129,7 +129,7 @@ class GradientSlice {
   AlignedArray<float> end_x_;         ///< likewise after the last transition, per lane
   AlignedArray<float> dx_, dy_, reward_, next_observation_;
   AlignedArray<std::uint64_t> status_;
-  std::vector<NetworkMemory> memory_;  ///< per transition
+  std::vector<NetworkActivations> memory_;  ///< per transition
   std::unique_ptr<HorizonValue> value_;
   AlignedArray<float> gradient_;
   std::vector<double> sums_, returns_;

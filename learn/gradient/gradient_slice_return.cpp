@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/base/fp_environment.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "learn/gradient/gradient_slice.h"
 
 namespace skybody::learn {
@@ -51,7 +51,7 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
   }
 }
 
-void GradientSlice::teach_value() {
+void GradientSlice::update_value() {
   if (value_ == nullptr) return;
   value_->add({horizon_, stride_, x_.data(), end_x_.data(), gain_.data(), sound_, terminated_});
 }

@@ -35,12 +35,13 @@ HorizonValue::HorizonValue(const ValueFunction& value, const Hyperparameters& hy
   }
   // The largest call, so that later ones allocate nothing.
   std::vector<float> zeros(static_cast<std::size_t>(kChunk) * static_cast<std::size_t>(stride));
-  value_.network().forward(value_.delayed(), zeros.data(), stride_, kChunk, memory_, output_.data(),
-                           1);
+  value_.network().forward(value_.target_parameters(), zeros.data(), stride_, kChunk, memory_,
+                           output_.data(), 1);
 }
 
 const float* HorizonValue::slopes(const float* end) {
-  value_.network().forward(value_.delayed(), end, stride_, kGroupLanes, memory_, output_.data(), 1);
+  value_.network().forward(value_.target_parameters(), end, stride_, kGroupLanes, memory_,
+                           output_.data(), 1);
   unused_gradient_.fill_zero();
   std::fill_n(error_.data(), kGroupLanes, static_cast<float>(value_.scale()));
   value_.network().backward(value_.delayed_transposed(), end, stride_, memory_, error_.data(), 1,
@@ -52,8 +53,8 @@ const float* HorizonValue::slopes(const float* end) {
 void HorizonValue::evaluate(const float* rows, int count, double* values) {
   for (int first = 0; first < count; first += kChunk) {
     const int some = std::min(kChunk, count - first);
-    value_.network().forward(value_.delayed(), rows + std::ptrdiff_t{1} * first * stride_, stride_,
-                             some, memory_, output_.data(), 1);
+    value_.network().forward(value_.target_parameters(), rows + std::ptrdiff_t{1} * first * stride_,
+                             stride_, some, memory_, output_.data(), 1);
     for (int k = 0; k < some; ++k) {
       values[first + k] =
           value_.scale() * static_cast<double>(output_[static_cast<std::size_t>(k)]);

@@ -50,7 +50,7 @@ class HorizonValue {
   const ValueFunction& value_;
   int stride_, count_ = 0;
   double discount_, lambda_, weight_;
-  NetworkMemory memory_;
+  NetworkActivations memory_;
   AlignedArray<float> rows_, targets_;  ///< of the iteration
   AlignedArray<float> gradient_, unused_gradient_, slopes_, output_, error_;
   std::vector<double> before_, after_end_;                    ///< delayed values of a group's rows

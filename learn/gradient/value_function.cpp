@@ -52,12 +52,12 @@ void ValueFunction::follow() {
   for (std::size_t k = 0; k < parameters_.size(); ++k) {
     delayed_[k] = std::fma(kFollow, parameters_[k] - delayed_[k], delayed_[k]);
   }
-  network_.transpose(delayed(), delayed_transposed_);
+  network_.transpose(target_parameters(), delayed_transposed_);
 }
 
 void ValueFunction::prepare() {
   network_.transpose(parameters(), transposed_);
-  network_.transpose(delayed(), delayed_transposed_);
+  network_.transpose(target_parameters(), delayed_transposed_);
 }
 
 }  // namespace skybody::learn

@@ -34,7 +34,7 @@ class ValueFunction {
 
   const Network& network() const { return network_; }
   std::span<const float> parameters() const { return {parameters_.data(), parameters_.size()}; }
-  std::span<const float> delayed() const { return {delayed_.data(), delayed_.size()}; }
+  std::span<const float> target_parameters() const { return {delayed_.data(), delayed_.size()}; }
   const TransposedWeights& transposed() const { return transposed_; }
   const TransposedWeights& delayed_transposed() const { return delayed_transposed_; }
   /// The value is the network's output times this.

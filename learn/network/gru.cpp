@@ -68,7 +68,7 @@ void Gru::transpose(std::span<const float> parameters, TransposedGru& transposed
   learn::transpose(state_weight_, parameters.data() + state_weight_at_, transposed.state.data());
 }
 
-void Gru::make_room(GruMemory& memory) const {
+void Gru::make_room(GruActivations& memory) const {
   const int rows = memory.sequences.rows();
   make_large_enough(memory.outputs, area(rows, padded_));
   make_large_enough(memory.before, area(rows, padded_));
@@ -79,7 +79,7 @@ void Gru::make_room(GruMemory& memory) const {
 
 void Gru::forward(std::span<const float> parameters, const float* x, int x_stride,
                   const Sequences& sequences, const std::uint8_t* begins, float* states,
-                  GruMemory& memory) const {
+                  GruActivations& memory) const {
   memory.sequences = sequences;
   make_room(memory);
   // Products with inputs do not wait for states: all rows at once.
@@ -106,7 +106,7 @@ void Gru::forward(std::span<const float> parameters, const float* x, int x_strid
 
 /// Puts the states before a step where it reads them.
 void Gru::begin_step(const Sequences& sequences, int step, const std::uint8_t* begins,
-                     const float* states, GruMemory& memory) const {
+                     const float* states, GruActivations& memory) const {
   for (int s = 0; s < sequences.count; ++s) {
     const int row = s * sequences.steps + step;
     float* before = memory.before.data() + area(row, padded_);
@@ -121,7 +121,7 @@ void Gru::begin_step(const Sequences& sequences, int step, const std::uint8_t* b
 }
 
 void Gru::forward_step(std::span<const float> parameters, const Sequences& sequences, int step,
-                       GruMemory& memory) const {
+                       GruActivations& memory) const {
   const int width = kGates * padded_;
   const std::size_t states_at = area(step, padded_), sums_at = area(step, width);
   kernels_->multiply({
@@ -150,8 +150,8 @@ void Gru::forward_step(std::span<const float> parameters, const Sequences& seque
 }
 
 void Gru::backward(const TransposedGru& transposed, const float* x, int x_stride,
-                   const std::uint8_t* begins, GruMemory& memory, const float* dy, int dy_stride,
-                   std::span<float> gradient, float* dx, int dx_stride) const {
+                   const std::uint8_t* begins, GruActivations& memory, const float* dy,
+                   int dy_stride, std::span<float> gradient, float* dx, int dx_stride) const {
   const Sequences& sequences = memory.sequences;
   const int rows = sequences.rows(), width = kGates * padded_;
   make_large_enough(memory.d_input, area(rows, width));
@@ -205,7 +205,7 @@ void Gru::backward(const TransposedGru& transposed, const float* x, int x_stride
 
 /// From the gradient at the states after a step, in memory.d_before, to that before it.
 void Gru::backward_step(const TransposedGru& transposed, int step, const std::uint8_t* begins,
-                        const float* dy, int dy_stride, GruMemory& memory) const {
+                        const float* dy, int dy_stride, GruActivations& memory) const {
   const Sequences& sequences = memory.sequences;
   const int width = kGates * padded_;
   const std::size_t states_at = area(step, padded_), sums_at = area(step, width);

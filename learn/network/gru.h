@@ -23,7 +23,7 @@ struct Sequences {
 
 /// Memory that forward() fills and backward() reads. One for each thread; only calls with more rows
 /// than any before allocate.
-struct GruMemory {
+struct GruActivations {
   AlignedArray<float> outputs;  ///< the states after each step, rows x Gru::state_stride()
   AlignedArray<float> before;   ///< the states before each step
   AlignedArray<float> from_input, from_state, gates;  ///< rows x 3 times that
@@ -69,14 +69,14 @@ class Gru {
   ///                because an episode begins
   void forward(std::span<const float> parameters, const float* x, int x_stride,
                const Sequences& sequences, const std::uint8_t* begins, float* states,
-               GruMemory& memory) const;
+               GruActivations& memory) const;
   /// Backpropagation through time. Adds to `gradient` what follows from the gradient at the outputs
   /// of the sequences that forward() was called with last; states at the beginning are constants.
   /// @param x,begins  as given to forward()
   /// @param dy        row r at dy + r * dy_stride, `units` wide
   /// @param dx        null, or where the gradient at the inputs goes
   void backward(const TransposedGru& transposed, const float* x, int x_stride,
-                const std::uint8_t* begins, GruMemory& memory, const float* dy, int dy_stride,
+                const std::uint8_t* begins, GruActivations& memory, const float* dy, int dy_stride,
                 std::span<float> gradient, float* dx = nullptr, int dx_stride = 0) const;
 
   /// As a layer of a policy file.
@@ -85,13 +85,13 @@ class Gru {
   void set_layer(const PolicyLayer& layer, std::span<float> parameters) const;
 
  private:
-  void make_room(GruMemory& memory) const;
+  void make_room(GruActivations& memory) const;
   void begin_step(const Sequences& sequences, int step, const std::uint8_t* begins,
-                  const float* states, GruMemory& memory) const;
+                  const float* states, GruActivations& memory) const;
   void forward_step(std::span<const float> parameters, const Sequences& sequences, int step,
-                    GruMemory& memory) const;
+                    GruActivations& memory) const;
   void backward_step(const TransposedGru& transposed, int step, const std::uint8_t* begins,
-                     const float* dy, int dy_stride, GruMemory& memory) const;
+                     const float* dy, int dy_stride, GruActivations& memory) const;
 
   int inputs_, units_, padded_;
   const KernelTable* kernels_;

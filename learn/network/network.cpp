@@ -128,13 +128,13 @@ void Network::transpose(std::span<const float> parameters, TransposedWeights& tr
 }
 
 Network::Rows Network::input_of(std::size_t layer, const Rows& x,
-                                const NetworkMemory& memory) const {
+                                const NetworkActivations& memory) const {
   if (layer == 0) return x;
   return {memory.outputs[layer - 1].data(), layers_[layer - 1].stride};
 }
 
 void Network::forward(std::span<const float> parameters, const float* x, int x_stride, int rows,
-                      NetworkMemory& memory, float* y, int y_stride) const {
+                      NetworkActivations& memory, float* y, int y_stride) const {
   memory.rows = rows;
   memory.outputs.resize(layers_.size());
   for (std::size_t k = 0; k < layers_.size(); ++k) {
@@ -147,7 +147,7 @@ void Network::forward(std::span<const float> parameters, const float* x, int x_s
 }
 
 void Network::forward_rows(std::span<const float> parameters, const Rows& x, int first, int rows,
-                           NetworkMemory& memory) const {
+                           NetworkActivations& memory) const {
   for (std::size_t k = 0; k < layers_.size(); ++k) {
     const Layer& layer = layers_[k];
     const Rows input = input_of(k, x, memory);
@@ -168,7 +168,7 @@ void Network::forward_rows(std::span<const float> parameters, const Rows& x, int
 }
 
 void Network::backward(const TransposedWeights& transposed, const float* x, int x_stride,
-                       NetworkMemory& memory, const float* dy, int dy_stride,
+                       NetworkActivations& memory, const float* dy, int dy_stride,
                        std::span<float> gradient, float* dx, int dx_stride) const {
   const int stride = std::max(widest_stride(), row_stride(padded(shape_.inputs)));
   make_large_enough(memory.gradient, area(chunk_, stride));
@@ -186,7 +186,7 @@ void Network::backward(const TransposedWeights& transposed, const float* x, int 
 }
 
 void Network::backward_rows(const TransposedWeights& transposed, const Rows& x, int first, int rows,
-                            NetworkMemory& memory, std::span<float> gradient, float* dx,
+                            NetworkActivations& memory, std::span<float> gradient, float* dx,
                             int dx_stride) const {
   for (std::size_t k = layers_.size(); k-- > 0;) {
     const Layer& layer = layers_[k];
@@ -212,7 +212,7 @@ void Network::backward_rows(const TransposedWeights& transposed, const Rows& x, 
 
 /// From the gradient at a layer's sums to that at the sums of the layer before.
 void Network::propagate(const TransposedWeights& transposed, std::size_t layer, int first, int rows,
-                        NetworkMemory& memory) const {
+                        NetworkActivations& memory) const {
   const PanelMatrix turned = layers_[layer].weight.transposed();
   const Rows output = input_of(layer, {nullptr, 0}, memory);
   kernels_->multiply({

@@ -26,7 +26,7 @@ struct NetworkShape {
 /// Memory that forward() fills and backward() reads: the layers' outputs for some rows.
 /// One for each thread; forward() and backward() make it as large as they need, so that only calls
 /// with more rows than any before allocate.
-struct NetworkMemory {
+struct NetworkActivations {
   std::vector<AlignedArray<float>> outputs;       ///< of each layer, rows x its stride
   AlignedArray<float> gradient, gradient_before;  ///< at a layer's output and at its input
   int rows = 0;                                   ///< of the last forward()
@@ -68,15 +68,15 @@ class Network {
   /// @param x    row r at x + r * x_stride, `inputs` wide   @param y  row r at y + r * y_stride,
   /// `outputs` wide
   void forward(std::span<const float> parameters, const float* x, int x_stride, int rows,
-               NetworkMemory& memory, float* y, int y_stride) const;
+               NetworkActivations& memory, float* y, int y_stride) const;
   /// Adds to `gradient` what follows from the gradient at the outputs of the rows that forward()
   /// was called with last.
   /// @param x   as given to forward()
   /// @param dy  row r at dy + r * dy_stride   @param dx  null, or where the gradient at the inputs
   /// goes
   void backward(const TransposedWeights& transposed, const float* x, int x_stride,
-                NetworkMemory& memory, const float* dy, int dy_stride, std::span<float> gradient,
-                float* dx = nullptr, int dx_stride = 0) const;
+                NetworkActivations& memory, const float* dy, int dy_stride,
+                std::span<float> gradient, float* dx = nullptr, int dx_stride = 0) const;
 
   /// As layers of a policy file.
   std::vector<PolicyLayer> layers(std::span<const float> parameters) const;
@@ -97,14 +97,14 @@ class Network {
     int stride;
   };
   void add_layer(int inputs, int outputs, Activation activation);
-  Rows input_of(std::size_t layer, const Rows& x, const NetworkMemory& memory) const;
+  Rows input_of(std::size_t layer, const Rows& x, const NetworkActivations& memory) const;
   void forward_rows(std::span<const float> parameters, const Rows& x, int first, int rows,
-                    NetworkMemory& memory) const;
+                    NetworkActivations& memory) const;
   void backward_rows(const TransposedWeights& transposed, const Rows& x, int first, int rows,
-                     NetworkMemory& memory, std::span<float> gradient, float* dx,
+                     NetworkActivations& memory, std::span<float> gradient, float* dx,
                      int dx_stride) const;
   void propagate(const TransposedWeights& transposed, std::size_t layer, int first, int rows,
-                 NetworkMemory& memory) const;
+                 NetworkActivations& memory) const;
   int widest_stride() const;
 
   NetworkShape shape_;

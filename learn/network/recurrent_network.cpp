@@ -25,7 +25,7 @@ void RecurrentNetwork::transpose(std::span<const float> parameters,
 
 void RecurrentNetwork::forward(std::span<const float> parameters, const float* x, int x_stride,
                                const Sequences& sequences, const std::uint8_t* begins,
-                               float* states, RecurrentMemory& memory, float* y,
+                               float* states, RecurrentActivations& memory, float* y,
                                int y_stride) const {
   gru_.forward(parameters, x, x_stride, sequences, begins, states, memory.gru);
   head_.forward(parameters.subspan(gru_.parameter_count()), memory.gru.outputs.data(),
@@ -33,7 +33,7 @@ void RecurrentNetwork::forward(std::span<const float> parameters, const float* x
 }
 
 void RecurrentNetwork::backward(const TransposedRecurrent& transposed, const float* x, int x_stride,
-                                const std::uint8_t* begins, RecurrentMemory& memory,
+                                const std::uint8_t* begins, RecurrentActivations& memory,
                                 const float* dy, int dy_stride, std::span<float> gradient,
                                 float* dx, int dx_stride) const {
   const int stride = gru_.state_stride();

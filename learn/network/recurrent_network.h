@@ -20,9 +20,9 @@ struct RecurrentShape {
 };
 
 /// Memory of both parts, one for each thread.
-struct RecurrentMemory {
-  GruMemory gru;
-  NetworkMemory head;
+struct RecurrentActivations {
+  GruActivations gru;
+  NetworkActivations head;
   AlignedArray<float> d_states;  ///< gradient at the head's inputs
 };
 
@@ -54,13 +54,14 @@ class RecurrentNetwork {
   /// @param y              row r at y + r * y_stride, `outputs` wide
   void forward(std::span<const float> parameters, const float* x, int x_stride,
                const Sequences& sequences, const std::uint8_t* begins, float* states,
-               RecurrentMemory& memory, float* y, int y_stride) const;
+               RecurrentActivations& memory, float* y, int y_stride) const;
   /// Adds to `gradient` what follows from the gradient at the outputs of the last forward().
   /// @param dy  row r at dy + r * dy_stride   @param dx  null, or where the gradient at the inputs
   /// goes
   void backward(const TransposedRecurrent& transposed, const float* x, int x_stride,
-                const std::uint8_t* begins, RecurrentMemory& memory, const float* dy, int dy_stride,
-                std::span<float> gradient, float* dx = nullptr, int dx_stride = 0) const;
+                const std::uint8_t* begins, RecurrentActivations& memory, const float* dy,
+                int dy_stride, std::span<float> gradient, float* dx = nullptr,
+                int dx_stride = 0) const;
 
   /// As layers of a policy file.
   std::vector<PolicyLayer> layers(std::span<const float> parameters) const;

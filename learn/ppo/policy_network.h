@@ -25,8 +25,8 @@ struct PolicySteps {
 class PolicyNetwork {
  public:
   struct Memory {
-    NetworkMemory dense;
-    RecurrentMemory recurrent;
+    NetworkActivations dense;
+    RecurrentActivations recurrent;
   };
   struct Transposed {
     TransposedWeights dense;

@@ -7,16 +7,16 @@
 namespace skybody::learn {
 Ppo::Ppo(const LearnerOptions& options)
     : setup_(std::make_shared<const PpoSetup>(options)),
-      crew_(std::make_unique<TaskCrew>(options.threads, kSlices)),
+      threads_(std::make_unique<TaskThreads>(options.threads, kSlices)),
       driver_(setup_),
-      slices_(std::make_unique<PpoSlices>(setup_, 0, setup_->plan.slices(), *crew_)),
+      slices_(std::make_unique<PpoSlices>(setup_, 0, setup_->plan.slices(), *threads_)),
       sums_(static_cast<std::size_t>(slices_->count())),
       policy_gradients_(sums_.size()),
       value_gradients_(sums_.size()) {}
 
 Ppo::Ppo(std::shared_ptr<const PpoSetup> setup, std::unique_ptr<SliceHolder> slices, int threads)
     : setup_(std::move(setup)),
-      crew_(std::make_unique<TaskCrew>(threads, kSlices)),
+      threads_(std::make_unique<TaskThreads>(threads, kSlices)),
       driver_(setup_),
       slices_(std::move(slices)),
       sums_(static_cast<std::size_t>(slices_->count())),
@@ -36,7 +36,7 @@ Report Ppo::iterate() {
   driver_.finish();
   Report report = driver_.report(seconds_between(begin, middle));
   add_episodes(report);
-  slices_->spread_starts(driver_.iteration());
+  slices_->stagger_resets(driver_.iteration());
   report.update_seconds = seconds_since(middle);
   return report;
 }
@@ -47,7 +47,7 @@ void Ppo::update() {
     slices_->find_gradients(minibatch, driver_.networks());
     const SliceGradients policy = gradients_of(&SliceOutputs::policy_gradient, policy_gradients_);
     const SliceGradients value = gradients_of(&SliceOutputs::value_gradient, value_gradients_);
-    crew_->run(2, [&](int network, int) {
+    threads_->run(2, [&](int network, int) {
       if (network == 0 && minibatch.policy) driver_.step_policy(policy);
       if (network == 1 && minibatch.value) driver_.step_value(value);
     });

@@ -7,7 +7,7 @@
 
 #include "core/base/hash.h"
 #include "core/base/math.h"
-#include "learn/common/policy_head.h"
+#include "learn/common/policy_metadata.h"
 #include "learn/common/schedule.h"
 
 namespace skybody::learn {
@@ -216,7 +216,7 @@ Report PpoDriver::report(double rollout_seconds) const {
 }
 
 PolicyFile PpoDriver::policy() const {
-  PolicyFile file = policy_head(*setup_->compiled, Algorithm::kFastPpo, counters_.steps);
+  PolicyFile file = policy_metadata(*setup_->compiled, Algorithm::kFastPpo, counters_.steps);
   const AgentTable& agents = setup_->agents;
   for (std::size_t k = 0; agents.is_shared && k < agents.observation.size(); ++k) {
     file.agents.push_back({agents.observation[k], agents.action[k]});

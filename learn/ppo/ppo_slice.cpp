@@ -287,7 +287,7 @@ void PpoSlice::value_cut_episodes(const PpoNetworks& networks, SliceScratch& scr
   }
 }
 
-void PpoSlice::spread_starts(std::int64_t iteration) {
+void PpoSlice::stagger_resets(std::int64_t iteration) {
   const std::int64_t parts = setup_->compiled->scenario().stepping.horizon / steps_;
   bool any = false;
   for (int env = 0; env < envs_; ++env) {

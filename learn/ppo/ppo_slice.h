@@ -26,7 +26,7 @@ struct SliceScratch {
   static constexpr int kRows = 128;  ///< that go through a network at a time
   int minibatch_rows;  ///< the same of a minibatch, where a policy with a memory sees sequences
   PolicyNetwork::Memory policy;
-  NetworkMemory value;
+  NetworkActivations value;
   AlignedArray<float> rows;              ///< of a minibatch, gathered
   AlignedArray<float> output, gradient;  ///< of either network, for so many rows
   std::vector<std::uint8_t> begins;      ///< of the gathered rows, where there is a memory
@@ -53,7 +53,7 @@ class PpoSlice {
   /// Begins the k-th of horizon / rollout_steps groups of environments anew after rollout k, so
   /// that later rollouts show all parts of an episode.
   /// @param iteration  rollouts done
-  void spread_starts(std::int64_t iteration);
+  void stagger_resets(std::int64_t iteration);
 
   std::span<const double> rollout_sums() const { return rollout_sums_; }
   std::span<const double> advantage_sums() const { return advantage_sums_; }

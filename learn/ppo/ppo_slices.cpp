@@ -4,8 +4,9 @@
 
 namespace skybody::learn {
 
-PpoSlices::PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskCrew& crew)
-    : crew_(crew) {
+PpoSlices::PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count,
+                     TaskThreads& threads)
+    : threads_(threads) {
   if (first < 0 || count < 1 || first + count > setup->plan.slices()) {
     throw Error("slices " + std::to_string(first) + " to " + std::to_string(first + count - 1) +
                 " are wanted; allowed: 0 to " + std::to_string(setup->plan.slices() - 1) +
@@ -14,35 +15,36 @@ PpoSlices::PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count
   for (int k = 0; k < count; ++k) {
     slices_.push_back(std::make_unique<PpoSlice>(setup, first + k));
   }
-  for (int t = 0; t < crew.threads(); ++t) {
+  for (int t = 0; t < threads.threads(); ++t) {
     scratch_.push_back(std::make_unique<SliceScratch>(*setup));
   }
 }
 
 void PpoSlices::collect(const RolloutInputs& inputs, const PpoNetworks& networks) {
-  crew_.run(count(), [&](int k, int thread) {
+  threads_.run(count(), [&](int k, int thread) {
     slices_[static_cast<std::size_t>(k)]->collect(inputs, networks,
                                                   *scratch_[static_cast<std::size_t>(thread)]);
   });
 }
 
 void PpoSlices::find_advantages(double reward_scale, const PpoNetworks& networks) {
-  crew_.run(count(), [&](int k, int thread) {
+  threads_.run(count(), [&](int k, int thread) {
     slices_[static_cast<std::size_t>(k)]->find_advantages(
         reward_scale, networks, *scratch_[static_cast<std::size_t>(thread)]);
   });
 }
 
 void PpoSlices::find_gradients(const Minibatch& minibatch, const PpoNetworks& networks) {
-  crew_.run(count(), [&](int k, int thread) {
+  threads_.run(count(), [&](int k, int thread) {
     slices_[static_cast<std::size_t>(k)]->find_gradients(
         minibatch, networks, *scratch_[static_cast<std::size_t>(thread)]);
   });
 }
 
-void PpoSlices::spread_starts(std::int64_t iteration) {
-  crew_.run(count(),
-            [&](int k, int) { slices_[static_cast<std::size_t>(k)]->spread_starts(iteration); });
+void PpoSlices::stagger_resets(std::int64_t iteration) {
+  threads_.run(count(), [&](int k, int) {
+    slices_[static_cast<std::size_t>(k)]->stagger_resets(iteration);
+  });
 }
 
 SliceOutputs PpoSlices::outputs(int k) const {

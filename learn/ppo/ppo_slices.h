@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "learn/common/state_blocks.h"
-#include "learn/common/task_crew.h"
+#include "learn/common/task_threads.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
@@ -17,21 +17,21 @@
 
 namespace skybody::learn {
 
-/// Runs the phases of its slices on the threads of a crew, in the order in which PpoDriver asks.
+/// Runs the phases of its slices on the threads of a threads, in the order in which PpoDriver asks.
 /// What a slice gives does not depend on who holds it, nor on what else he holds. Numbers go in and
 /// out as plain arrays: parameters (by PpoNetworks::set), RolloutInputs, Minibatch in; sums and
 /// gradients of each slice out, which stay until the next call.
 class PpoSlices : public SliceHolder {
  public:
   /// Slices `first` ... first + count - 1 of setup->plan.
-  /// @param crew  outlives this; may serve others between calls
-  PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskCrew& crew);
+  /// @param threads  outlives this; may serve others between calls
+  PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskThreads& threads);
 
   int count() const override { return static_cast<int>(slices_.size()); }
   void collect(const RolloutInputs& inputs, const PpoNetworks& networks) override;
   void find_advantages(double reward_scale, const PpoNetworks& networks) override;
   void find_gradients(const Minibatch& minibatch, const PpoNetworks& networks) override;
-  void spread_starts(std::int64_t iteration) override;
+  void stagger_resets(std::int64_t iteration) override;
   SliceOutputs outputs(int k) const override;
   std::vector<std::uint64_t> save(int k, StateBlocks& blocks) const override;
   void check(int k, const StateBlocks& blocks) override;
@@ -42,9 +42,9 @@ class PpoSlices : public SliceHolder {
   const PpoSlice& slice(int k) const { return *slices_[static_cast<std::size_t>(k)]; }
 
  private:
-  TaskCrew& crew_;
+  TaskThreads& threads_;
   std::vector<std::unique_ptr<PpoSlice>> slices_;
-  std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< of each thread of the crew
+  std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< of each thread of the threads
 };
 
 }  // namespace skybody::learn

@@ -39,7 +39,7 @@ class SliceHolder {
   virtual void find_advantages(double reward_scale, const PpoNetworks& networks) = 0;
   virtual void find_gradients(const Minibatch& minibatch, const PpoNetworks& networks) = 0;
   /// @param iteration  rollouts done
-  virtual void spread_starts(std::int64_t iteration) = 0;
+  virtual void stagger_resets(std::int64_t iteration) = 0;
   /// @param k  0 ... count() - 1
   virtual SliceOutputs outputs(int k) const = 0;
 

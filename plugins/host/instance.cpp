@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "core/base/breadcrumb.h"
 #include "core/base/fp_environment.h"
+#include "core/base/plugin_call_trace.h"
 
 namespace skybody {
 

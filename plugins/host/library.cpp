@@ -5,9 +5,9 @@
 #include <boost/dll/shared_library.hpp>
 #include <string>
 
-#include "core/base/breadcrumb.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
+#include "core/base/plugin_call_trace.h"
 #include "plugins/api/structures.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/elf_check.h"

@@ -13,7 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/installation.h"
 #include "core/base/plugin_kind.h"
-#include "plugins/host/places.h"
+#include "plugins/host/search_path.h"
 
 namespace skybody {
 namespace fs = std::filesystem;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/breadcrumb.h"
 #include "core/base/installation.h"
+#include "core/base/plugin_call_trace.h"
 #include "core/base/plugin_kind.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/elf_check.h"
@@ -66,14 +66,14 @@ PluginEntry unusable(const fs::path& file, const std::string& name, const std::s
 }
 
 /// How to make a library promise what it holds.
-std::string remedy(const PromisingFile& found) {
+std::string remedy(const PluginManifest& found) {
   if (!found.sidecar.empty()) return "mend " + found.sidecar.string();
   return "write the names of its plugins into " +
          fs::path(found.file).replace_extension(".plugins").string() + ", one a line";
 }
 
 /// What is said where a library does not hold the plugin `name` that `found` promises.
-std::string broken_promise(const PromisingFile& found, const std::string& name,
+std::string broken_promise(const PluginManifest& found, const std::string& name,
                            const std::vector<PluginEntry>& held) {
   std::string list;
   for (const PluginEntry& entry : held) list += (list.empty() ? "" : ", ") + described(entry);
@@ -83,7 +83,7 @@ std::string broken_promise(const PromisingFile& found, const std::string& name,
       .what();
 }
 
-std::string no_promise(const PromisingFile& found, const PluginEntry& entry) {
+std::string no_promise(const PluginManifest& found, const PluginEntry& entry) {
   return PluginLoadError(
              LoadFailure::kOtherPlugin, found.file,
              "holds " + described(entry) + ", which it does not promise: " + remedy(found))
@@ -106,13 +106,13 @@ bool is_skybody_writable() {
 
 bool PluginRegistry::File::promises(std::string_view name) const {
   return std::any_of(found.begin(), found.end(),
-                     [name](const PromisingFile& file) { return file.promises(name); });
+                     [name](const PluginManifest& file) { return file.promises(name); });
 }
 
 /// What a library holds, against what it promises.
 std::vector<PluginEntry> PluginRegistry::compare(const File& file, std::vector<PluginEntry> held) {
   std::vector<PluginEntry> entries;
-  for (const PromisingFile& found : file.found) {
+  for (const PluginManifest& found : file.found) {
     for (const std::string& name : found.names) {
       const bool holds = std::any_of(held.begin(), held.end(),
                                      [&name](const PluginEntry& e) { return e.name == name; });
@@ -149,7 +149,7 @@ void PluginRegistry::add_folder(const fs::path& folder) {
   }
   std::error_code ignored;
   const bool shipped = fs::equivalent(folder, shipped_plugin_folder(), ignored);
-  for (const PromisingFile& found : promising_files(folder)) {
+  for (const PluginManifest& found : plugin_manifests(folder)) {
     std::error_code failed;
     const fs::path path = fs::canonical(found.file, failed);
     if (failed) continue;
@@ -161,7 +161,7 @@ void PluginRegistry::add_folder(const fs::path& folder) {
     }
     file->shipped = file->shipped || shipped;
     const bool is_known =
-        std::any_of(file->found.begin(), file->found.end(), [&found](const PromisingFile& other) {
+        std::any_of(file->found.begin(), file->found.end(), [&found](const PluginManifest& other) {
           return other.names == found.names && other.problem == found.problem;
         });
     if (!is_known) file->found.push_back(found);
@@ -173,7 +173,7 @@ void PluginRegistry::add_folder(const fs::path& folder) {
 /// @throws PluginLoadError
 void PluginRegistry::check_trust(const File& file) const {
   std::string problem = trust_problem(file.path);
-  for (const PromisingFile& found : file.found) {
+  for (const PluginManifest& found : file.found) {
     if (!problem.empty()) break;
     std::error_code failed;  // gives an empty folder, which is not trusted
     const fs::path folder = fs::canonical(found.file.parent_path(), failed);
@@ -192,7 +192,7 @@ std::shared_ptr<PluginLibrary> PluginRegistry::load(const File& file) const {
     throw PluginLoadError(LoadFailure::kNotLoadable, file.path, kNoRegularFile);
   }
   if (!file.shipped || !is_skybody_writable()) check_trust(file);
-  for (const PromisingFile& found : file.found) {
+  for (const PluginManifest& found : file.found) {
     if (!found.problem.empty()) {
       throw PluginLoadError(LoadFailure::kOtherPlugin, found.file, found.problem);
     }
@@ -206,7 +206,7 @@ void PluginRegistry::open(File& file) const {
   try {
     file.entries = compare(file, entries_of(load(file)));
   } catch (const PluginLoadError& e) {
-    for (const PromisingFile& found : file.found) {
+    for (const PluginManifest& found : file.found) {
       for (const std::string& name : found.names) {
         file.entries.push_back(unusable(file.path, name, e.what()));
       }
@@ -254,7 +254,7 @@ std::vector<std::string> PluginRegistry::promised() const {
   std::set<std::string> names;
   for (const File& file : files_) {
     if (file.open) continue;
-    for (const PromisingFile& found : file.found) {
+    for (const PluginManifest& found : file.found) {
       names.insert(found.names.begin(), found.names.end());
     }
   }

@@ -12,8 +12,8 @@
 #include "core/model/refused_files.h"  // IWYU pragma: export
 #include "plugins/api/abi.h"
 #include "plugins/host/library.h"
-#include "plugins/host/places.h"  // IWYU pragma: export
-#include "plugins/host/promises.h"
+#include "plugins/host/plugin_manifest.h"
+#include "plugins/host/search_path.h"  // IWYU pragma: export
 
 namespace skybody {
 
@@ -33,7 +33,7 @@ struct PluginEntry {
 };
 
 /// The libraries in the folders of a search path. It lists file names at once, and opens a library
-/// when a plugin is asked for that the library promises (see PromisingFile), once each. A library
+/// when a plugin is asked for that the library promises (see PluginManifest), once each. A library
 /// that others may write (see trust_problem) is not opened. Shipped ones are exempt where others
 /// may write libskybody as well: then Skybody itself is theirs. May be used by several threads.
 class PluginRegistry {
@@ -62,8 +62,8 @@ class PluginRegistry {
 
  private:
   struct File {
-    std::filesystem::path path;        ///< canonical
-    std::vector<PromisingFile> found;  ///< under this name, and as links to it
+    std::filesystem::path path;         ///< canonical
+    std::vector<PluginManifest> found;  ///< under this name, and as links to it
     bool shipped = false;
     bool open = false;
     std::vector<PluginEntry> entries;  ///< does not change once the file is open

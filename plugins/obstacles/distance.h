@@ -74,7 +74,7 @@ SKYBODY_INLINE Gap<Real> gap_to_cylinder(const Vec3<Real>& p, const Real& radius
 
 /// From `p` to an obstacle, whether it is there or not; `p` and the way in W.
 template <class Real>
-SKYBODY_INLINE Gap<Real> gap(const Obstacle& obstacle, const Placed<Real>& placed,
+SKYBODY_INLINE Gap<Real> gap(const Obstacle& obstacle, const PlacedObstacle<Real>& placed,
                              const Vec3<Real>& p) {
   const Vec3<Real> local = placed.local(p);
   const Vec3<Real>& size = placed.size;
@@ -139,7 +139,7 @@ SKYBODY_INLINE Vec3<Real> nearest_point(int kind, const Vec3<Real>& size, const 
 
 /// From `p` to the nearest point of an obstacle, whether it is there or not; 0 within. In W.
 template <class Real>
-SKYBODY_INLINE Vec3<Real> way_to(const Obstacle& obstacle, const Placed<Real>& placed,
+SKYBODY_INLINE Vec3<Real> way_to(const Obstacle& obstacle, const PlacedObstacle<Real>& placed,
                                  const Vec3<Real>& p) {
   if (obstacle.kind == SKYBODY_GATE || obstacle.kind == SKYBODY_PLANE) {
     const Gap<Real> to = gap(obstacle, placed, p);

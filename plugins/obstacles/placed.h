@@ -36,7 +36,7 @@ inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader)
 
 /// Where an obstacle is in an environment, and how large.
 template <class Real>
-struct Placed {
+struct PlacedObstacle {
   MaskOf<Real> present;  ///< whether it is there
   Vec3<Real> position;   ///< of its centre, W [m]
   Quat<Real> rotation;   ///< W from its frame
@@ -66,7 +66,7 @@ inline int size_count(int kind) {
 
 /// Where and how large an obstacle is now; what its kind has no size for is 0.
 template <class Real>
-SKYBODY_INLINE Placed<Real> place(const EnvView<Real>& env, const Obstacle& obstacle) {
+SKYBODY_INLINE PlacedObstacle<Real> place(const EnvView<Real>& env, const Obstacle& obstacle) {
   const int first = obstacle.first_param, turn = first + SKYBODY_OBSTACLE_ROTATION;
   const int sizes = size_count(obstacle.kind);
   const auto size = [&](int k) {

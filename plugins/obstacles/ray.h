@@ -84,7 +84,7 @@ SKYBODY_INLINE Real until_plane(const Ray<Real>& ray) {
 /// How far a ray of W goes until it meets an obstacle, whether that is there or not [m]; 0 in it,
 /// infinity past it.
 template <class Real>
-SKYBODY_INLINE Real until(const Obstacle& obstacle, const Placed<Real>& placed,
+SKYBODY_INLINE Real until(const Obstacle& obstacle, const PlacedObstacle<Real>& placed,
                           const Ray<Real>& ray) {
   const Ray<Real> local{placed.local(ray.from), rotate_inverse(placed.rotation, ray.along)};
   const Vec3<Real>& size = placed.size;

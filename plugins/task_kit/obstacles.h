@@ -46,7 +46,7 @@ class Obstacles {
   SKYBODY_INLINE ObstacleSight<Real> sight(const EnvView<Real>& env, int i,
                                            const Vec3<Real>& point) const {
     const obstacles::Obstacle& obstacle = obstacles_[static_cast<std::size_t>(i)];
-    const obstacles::Placed<Real> placed = obstacles::place(env, obstacle);
+    const obstacles::PlacedObstacle<Real> placed = obstacles::place(env, obstacle);
     const Vec3<Real> way = obstacles::way_to(obstacle, placed, point);
     return {select(placed.present, way, Vec3<Real>{Real(0.0), Real(0.0), Real(0.0)}),
             select(placed.present, norm(way), Real(kInfinity))};

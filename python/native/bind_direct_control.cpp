@@ -85,10 +85,12 @@ void bind_mass(nb::module_& m) {
 }
 
 void command(S& s, nb::handle values, const std::string& robot) {
-  const int size = s.look(
-      [&](Simulation& sim) { return blame_argument([&] { return sim.command_size(robot); }); });
+  const int size = s.look([&](Simulation& sim) {
+    return rethrow_as_argument_error([&] { return sim.command_size(robot); });
+  });
   const auto row = read_array<double>(values, "command", {size});
-  s.look([&](Simulation& sim) { blame_argument([&] { sim.command(robot, row.span()); }); });
+  s.look(
+      [&](Simulation& sim) { rethrow_as_argument_error([&] { sim.command(robot, row.span()); }); });
 }
 
 bool advance(S& s, std::int64_t steps) {
@@ -101,7 +103,7 @@ void teleport(S& s, nb::handle position, nb::handle rotation, nb::handle velocit
               nb::handle angular_velocity, const std::string& robot) {
   const NewMotion motion(position, rotation, velocity, angular_velocity);
   s.look([&](Simulation& sim) {
-    blame_argument([&] { sim.teleport(robot, motion.applied_to(sim.base(robot))); });
+    rethrow_as_argument_error([&] { sim.teleport(robot, motion.applied_to(sim.base(robot))); });
   });
 }
 
@@ -120,7 +122,7 @@ std::vector<NamedContact> contacts(S& s) {
 void set_mass_properties(S& s, const std::string& link, nb::handle mass, nb::handle com,
                          nb::handle inertia, const std::string& robot) {
   MassProperties p = s.look([&](Simulation& sim) {
-    return blame_argument([&] { return sim.mass_properties(robot, link); });
+    return rethrow_as_argument_error([&] { return sim.mass_properties(robot, link); });
   });
   if (!mass.is_none()) p.mass = nb::cast<double>(mass);
   if (!com.is_none()) {
@@ -135,8 +137,9 @@ void set_mass_properties(S& s, const std::string& link, nb::handle mass, nb::han
     }
     p.inertia = {i[0], i[4], i[8], i[1], i[2], i[5]};
   }
-  s.look(
-      [&](Simulation& sim) { blame_argument([&] { sim.set_mass_properties(robot, link, p); }); });
+  s.look([&](Simulation& sim) {
+    rethrow_as_argument_error([&] { sim.set_mass_properties(robot, link, p); });
+  });
 }
 
 void bind_commands(Class& c) {
@@ -155,7 +158,7 @@ void bind_commands(Class& c) {
       "command_size",
       [](S& s, const std::string& robot) {
         return s.look([&](Simulation& sim) {
-          return blame_argument([&] { return sim.command_size(robot); });
+          return rethrow_as_argument_error([&] { return sim.command_size(robot); });
         });
       },
       nb::arg("robot") = "", "Number of values of a command.");
@@ -193,7 +196,7 @@ void bind_looking(Class& c) {
       "base",
       [](S& s, const std::string& robot) {
         return s.look([&](Simulation& sim) {
-          return blame_argument([&]() -> BodyState { return sim.base(robot); });
+          return rethrow_as_argument_error([&]() -> BodyState { return sim.base(robot); });
         });
       },
       nb::arg("robot") = "", "Motion of a robot's base.");
@@ -210,7 +213,7 @@ void bind_constants(Class& c) {
       "mass_properties",
       [](S& s, const std::string& link, const std::string& robot) {
         return s.look([&](Simulation& sim) {
-          return blame_argument([&] { return sim.mass_properties(robot, link); });
+          return rethrow_as_argument_error([&] { return sim.mass_properties(robot, link); });
         });
       },
       nb::arg("link"), nb::arg("robot") = "",
@@ -228,7 +231,7 @@ void bind_constants(Class& c) {
       "rotor_parameter",
       [](S& s, int rotor, const std::string& name, const std::string& robot) {
         return s.look([&](Simulation& sim) {
-          return blame_argument([&] { return sim.rotor_parameter(robot, rotor, name); });
+          return rethrow_as_argument_error([&] { return sim.rotor_parameter(robot, rotor, name); });
         });
       },
       nb::arg("rotor"), nb::arg("name"), nb::arg("robot") = "",
@@ -238,7 +241,7 @@ void bind_constants(Class& c) {
       "set_rotor_parameter",
       [](S& s, int rotor, const std::string& name, double value, const std::string& robot) {
         s.look([&](Simulation& sim) {
-          blame_argument([&] { sim.set_rotor_parameter(robot, rotor, name, value); });
+          rethrow_as_argument_error([&] { sim.set_rotor_parameter(robot, rotor, name, value); });
         });
       },
       nb::arg("rotor"), nb::arg("name"), nb::arg("value"), nb::arg("robot") = "",

@@ -28,7 +28,7 @@ Values<float> read_parameters(const Net& network, nb::handle parameters) {
 
 /// Runs forward() on the rows of x.
 std::vector<float> outputs_of(const Network& network, std::span<const float> parameters,
-                              const Values<float>& x, learn::NetworkMemory& memory) {
+                              const Values<float>& x, learn::NetworkActivations& memory) {
   const learn::NetworkShape& shape = network.shape();
   std::vector<float> y(x.rows() * static_cast<std::size_t>(shape.outputs));
   network.forward(parameters, x.span().data(), shape.inputs, static_cast<int>(x.rows()), memory,
@@ -39,7 +39,7 @@ std::vector<float> outputs_of(const Network& network, std::span<const float> par
 nb::object forward(const Network& network, nb::handle parameters, nb::handle x) {
   const Values<float> weights = read_parameters(network, parameters);
   const Values<float> rows = read_array<float>(x, "x", {-1, network.shape().inputs});
-  learn::NetworkMemory memory;
+  learn::NetworkActivations memory;
   const std::vector<float> y = outputs_of(network, weights.span(), rows, memory);
   return copy_of<float>(y, {rows.rows(), static_cast<std::size_t>(network.shape().outputs)});
 }
@@ -49,7 +49,7 @@ nb::tuple backward(const Network& network, nb::handle parameters, nb::handle x, 
   const Values<float> weights = read_parameters(network, parameters);
   const Values<float> rows = read_array<float>(x, "x", {-1, shape.inputs});
   const Values<float> slopes = read_array<float>(dy, "dy", {extent(rows.rows()), shape.outputs});
-  learn::NetworkMemory memory;
+  learn::NetworkActivations memory;
   outputs_of(network, weights.span(), rows, memory);
   learn::TransposedWeights transposed;
   network.transpose(weights.span(), transposed);
@@ -83,7 +83,7 @@ struct RecurrentCall {
   learn::Sequences sequences;
   std::vector<std::uint8_t> begins;
   std::vector<float> y, last;
-  learn::RecurrentMemory memory;
+  learn::RecurrentActivations memory;
 
   RecurrentCall(const RecurrentNetwork& network, nb::handle parameters_in, nb::handle x_in,
                 nb::handle begins_in, nb::handle states_in)

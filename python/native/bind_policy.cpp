@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/base/printable.h"
+#include "core/io/policy_checksum.h"
 #include "core/io/policy_file.h"
-#include "core/io/policy_seal.h"
 #include "core/io/policy_writer.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/policy/policy.h"
 #include "python/native/arrays.h"
 #include "python/native/bindings.h"
@@ -27,7 +27,7 @@ nb::object vector_of(const std::vector<double>& values) {
 nb::dict read_policy_file(const std::string& file) {
   try {
     return dict_of(read_policy(file));
-  } catch (const MarkedError& error) {
+  } catch (const LocatedError& error) {
     throw Error(error.mark().file + ": " + error.what());
   }
 }

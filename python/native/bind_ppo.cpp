@@ -27,9 +27,9 @@ class HeldSlices {
  public:
   HeldSlices(const learn::LearnerOptions& options, int first, int count)
       : setup_(std::make_shared<const learn::PpoSetup>(options)),
-        crew_(options.threads, learn::kSlices),
+        threads_(options.threads, learn::kSlices),
         networks_(setup_->agents, setup_->hyper, setup_->isa),
-        slices_(setup_, first, count, crew_) {}
+        slices_(setup_, first, count, threads_) {}
 
   nb::list collect(nb::handle policy, nb::handle value, std::int64_t iteration, nb::handle mean,
                    nb::handle scale, double return_mean) {
@@ -71,8 +71,8 @@ class HeldSlices {
     return made;
   }
 
-  void spread_starts(std::int64_t iteration) {
-    released([&] { slices_.spread_starts(iteration); });
+  void stagger_resets(std::int64_t iteration) {
+    released([&] { slices_.stagger_resets(iteration); });
   }
 
   nb::list save() const {
@@ -139,7 +139,7 @@ class HeldSlices {
   }
 
   std::shared_ptr<const learn::PpoSetup> setup_;
-  learn::TaskCrew crew_;
+  learn::TaskThreads threads_;
   learn::PpoNetworks networks_;
   learn::PpoSlices slices_;
   learn::RolloutInputs inputs_;
@@ -279,7 +279,7 @@ void bind_ppo(nb::module_& m) {
            "What is learned from: normalized inputs, actions, log-probabilities, advantages and "
            "targets of the value function, (rows, values) each, and the rows' order in the last "
            "epoch.")
-      .def("spread_starts", &HeldSlices::spread_starts, nb::arg("iteration"))
+      .def("stagger_resets", &HeldSlices::stagger_resets, nb::arg("iteration"))
       .def("save", &HeldSlices::save, nb::sig("def save(self) -> list[typing.Any]"),
            "(blocks by name, the environments' words).")
       .def("restore", &HeldSlices::restore,

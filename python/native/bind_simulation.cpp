@@ -147,7 +147,7 @@ void bind_flow(Class& c) {
   c.def(
       "restore",
       [](S& s, const Snapshot& saved) {
-        blame_argument([&] { s.look([&](Simulation& sim) { sim.restore(saved); }); });
+        rethrow_as_argument_error([&] { s.look([&](Simulation& sim) { sim.restore(saved); }); });
       },
       nb::arg("snapshot"), "Puts it back. Raises ValueError if it is of another scenario.");
   c.def("fork", &fork, nb::arg("rekey") = false, nb::rv_policy::take_ownership,
@@ -217,7 +217,7 @@ void bind_motion(Class& c) {
       "body",
       [](S& s, const std::string& link, const std::string& robot) {
         return s.look([&](Simulation& sim) {
-          return blame_argument([&]() -> BodyState { return sim.body(robot, link); });
+          return rethrow_as_argument_error([&]() -> BodyState { return sim.body(robot, link); });
         });
       },
       nb::arg("link"), nb::arg("robot") = "",
@@ -273,8 +273,9 @@ void bind_params(Class& c) {
   c.def(
       "param",
       [](S& s, const std::string& path) {
-        return s.look(
-            [&](Simulation& sim) { return blame_argument([&] { return sim.param(path); }); });
+        return s.look([&](Simulation& sim) {
+          return rethrow_as_argument_error([&] { return sim.param(path); });
+        });
       },
       nb::arg("path"),
       "Value of a randomizable parameter; units in CompiledScenario.param_info.\n\n"
@@ -282,7 +283,9 @@ void bind_params(Class& c) {
   c.def(
       "set_param",
       [](S& s, const std::string& path, double value) {
-        s.look([&](Simulation& sim) { blame_argument([&] { sim.set_param(path, value); }); });
+        s.look([&](Simulation& sim) {
+          rethrow_as_argument_error([&] { sim.set_param(path, value); });
+        });
       },
       nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
@@ -290,7 +293,7 @@ void bind_params(Class& c) {
       "request_lines",
       [](S& s, const std::vector<std::string>& lines, bool at_reset) {
         s.look([&](Simulation& sim) {
-          blame_argument([&] {
+          rethrow_as_argument_error([&] {
             sim.request(read_param_changes(lines),
                         at_reset ? RequestTime::kNextReset : RequestTime::kNextStep);
           });

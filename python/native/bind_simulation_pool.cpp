@@ -33,7 +33,7 @@ std::vector<int> read_envs(const PythonSimulationPool& pool, nb::handle envs) {
 
 /// The first mistake in the numbers is the argument's, whatever comes later is the engine's.
 void check_envs(const PythonSimulationPool& pool, const std::vector<int>& envs) {
-  blame_argument([&] { check_indices("environment", envs, pool.size()); });
+  rethrow_as_argument_error([&] { check_indices("environment", envs, pool.size()); });
 }
 
 std::vector<int> chosen(const PythonSimulationPool& pool, nb::handle envs) {
@@ -64,12 +64,13 @@ void command(PythonSimulationPool& pool, nb::handle values, const std::string& r
              nb::handle envs) {
   const auto ids = chosen(pool, envs);
   const int width = pool.call([&](SimulationPool& p) {
-    return blame_argument([&] { return p.simulation(0).command_size(robot); });
+    return rethrow_as_argument_error([&] { return p.simulation(0).command_size(robot); });
   });
   const auto rows =
       read_array<double>(values, "values", {static_cast<std::int64_t>(ids.size()), width});
-  pool.call(
-      [&](SimulationPool& p) { blame_argument([&] { p.command(ids, robot, rows.span()); }); });
+  pool.call([&](SimulationPool& p) {
+    rethrow_as_argument_error([&] { p.command(ids, robot, rows.span()); });
+  });
 }
 
 void advance(PythonSimulationPool& pool, std::int64_t steps, nb::handle envs) {
@@ -249,8 +250,9 @@ void bind_states(Class& c) {
 template <class Work>
 decltype(auto) with_env(PythonSimulationPool& pool, int env, Work&& work) {
   check_envs(pool, {env});
-  return pool.call(
-      [&](SimulationPool& p) { return blame_argument([&] { return work(p.simulation(env)); }); });
+  return pool.call([&](SimulationPool& p) {
+    return rethrow_as_argument_error([&] { return work(p.simulation(env)); });
+  });
 }
 
 void bind_one_env(Class& c) {

@@ -37,7 +37,7 @@ std::vector<std::string> body_names(const CompiledScenario& compiled);
 template <class Advance>
 bool advance_in_pieces(std::int64_t steps, Advance&& advance) {
   constexpr std::int64_t kPiece = 2000;  // some milliseconds of flight
-  blame_argument([steps] { check_physics_steps(steps); });
+  rethrow_as_argument_error([steps] { check_physics_steps(steps); });
   for (;;) {
     const std::int64_t piece = std::min(steps, kPiece);
     if (!advance(piece)) return false;

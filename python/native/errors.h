@@ -14,7 +14,7 @@ namespace nb = nanobind;
 
 /// Calls `work`, where whatever the engine refuses is the fault of an argument: ValueError.
 template <class Work>
-decltype(auto) blame_argument(Work&& work) {
+decltype(auto) rethrow_as_argument_error(Work&& work) {
   try {
     return std::forward<Work>(work)();
   } catch (const BufferInUse&) {

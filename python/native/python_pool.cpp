@@ -28,7 +28,8 @@ std::size_t clipped_values(std::span<const float> actions) {
 PythonPool::PythonPool(const LoadedScenario& compiled, const PoolOptions& options)
     : compiled_(compiled), process_(process_id()) {
   const nb::gil_scoped_release release;
-  pool_ = blame_argument([&] { return std::make_unique<Pool>(compiled_.shared(), options); });
+  pool_ = rethrow_as_argument_error(
+      [&] { return std::make_unique<Pool>(compiled_.shared(), options); });
   envs_ = pool_->envs();
   batch_ = pool_->batch();
   threads_ = pool_->threads();

@@ -87,7 +87,8 @@ class PythonPool {
   template <class Work>
   static decltype(auto) with_argument(Pool& pool, Work&& work) {
     if (pool.broken()) return std::forward<Work>(work)(pool);  // throws what the worker met
-    return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(pool); });
+    return rethrow_as_argument_error(
+        [&]() -> decltype(auto) { return std::forward<Work>(work)(pool); });
   }
   static void check_not_interrupted(const Pool& pool);
   static std::shared_ptr<const Batch> receive(Pool& pool);

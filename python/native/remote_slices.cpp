@@ -100,10 +100,10 @@ void RemoteSlices::find_gradients(const learn::Minibatch& minibatch,
   }
 }
 
-void RemoteSlices::spread_starts(std::int64_t iteration) {
+void RemoteSlices::stagger_resets(std::int64_t iteration) {
   const nb::gil_scoped_acquire gil;
   saved_ = nb::none();
-  calling([&] { holder_.attr("spread_starts")(iteration); });
+  calling([&] { holder_.attr("stagger_resets")(iteration); });
 }
 
 learn::SliceOutputs RemoteSlices::outputs(int k) const {

@@ -15,7 +15,7 @@ namespace skybody::python {
 ///   find_advantages(reward_scale)                                 sums
 ///   find_gradients(policy, value, epoch, index, wants_policy, wants_value, mean, scale)
 ///                                                                 (sums, policy's, value's)
-///   spread_starts(iteration)
+///   stagger_resets(iteration)
 ///   save()                                                        (blocks, words)
 ///   restore(states)                                               likewise
 ///
@@ -31,7 +31,7 @@ class RemoteSlices : public learn::SliceHolder {
   void find_advantages(double reward_scale, const learn::PpoNetworks& networks) override;
   void find_gradients(const learn::Minibatch& minibatch,
                       const learn::PpoNetworks& networks) override;
-  void spread_starts(std::int64_t iteration) override;
+  void stagger_resets(std::int64_t iteration) override;
   learn::SliceOutputs outputs(int k) const override;
   std::vector<std::uint64_t> save(int k, learn::StateBlocks& blocks) const override;
   void check(int k, const learn::StateBlocks& blocks) override;

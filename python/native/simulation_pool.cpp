@@ -8,8 +8,8 @@ PythonSimulationPool::PythonSimulationPool(const LoadedScenario& compiled,
                                            const SimulationPoolOptions& options)
     : compiled_(compiled), process_(process_id()) {
   const nb::gil_scoped_release release;
-  pool_ =
-      blame_argument([&] { return std::make_unique<SimulationPool>(compiled_.shared(), options); });
+  pool_ = rethrow_as_argument_error(
+      [&] { return std::make_unique<SimulationPool>(compiled_.shared(), options); });
   size_ = pool_->size();
   threads_ = pool_->threads();
   pinned_threads_ = pool_->pinned_threads();

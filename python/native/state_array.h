@@ -18,8 +18,8 @@ namespace skybody::python {
 template <class Fill>
 nb::object state_array(const LoadedScenario& compiled, const std::string& path,
                        std::vector<std::size_t> rows, Fill&& fill) {
-  const StateValue& value =
-      blame_argument([&]() -> const StateValue& { return compiled->state_values().at(path); });
+  const StateValue& value = rethrow_as_argument_error(
+      [&]() -> const StateValue& { return compiled->state_values().at(path); });
   std::vector<std::size_t> shape = std::move(rows);
   shape.insert(shape.end(), value.shape.begin(), value.shape.end());
   std::size_t size = 1;

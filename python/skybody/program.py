@@ -68,7 +68,7 @@ def _claim_blas_memory() -> None:
 
 
 @contextlib.contextmanager
-def deaf_to_interrupts() -> Iterator[None]:
+def ignoring_interrupts() -> Iterator[None]:
     """Processes that are started within it take no notice of Ctrl-C: whoever starts them ends them.
 
     They would else print a traceback each.

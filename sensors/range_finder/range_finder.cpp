@@ -10,7 +10,7 @@ namespace skybody {
 namespace {
 
 using obstacles::Obstacle;
-using obstacles::Placed;
+using obstacles::PlacedObstacle;
 using obstacles::Ray;
 
 class RangeFinder : public Sensor {
@@ -39,7 +39,7 @@ class RangeFinder : public Sensor {
     const Quat<Real> axes = axes_of(env);
     for (int i = 0; i < count(); ++i) output.set(i, to_ground(turned(from, axes, i)));
     for (const Obstacle& obstacle : obstacles_) {
-      const Placed<Real> placed = obstacles::place(env, obstacle);
+      const PlacedObstacle<Real> placed = obstacles::place(env, obstacle);
       for (int i = 0; i < count(); ++i) {
         const Real range = obstacles::until(obstacle, placed, turned(from, axes, i));
         const auto nearer = logical_and(placed.present, range < output[i]);

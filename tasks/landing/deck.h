@@ -77,7 +77,7 @@ class Deck {
 
 /// The points with which a robot's base can touch: corners of the boxes about its shapes, and
 /// middles of its spheres.
-class Hull {
+class TouchdownPoints {
  public:
   /// @throws std::runtime_error where the base has no shape
   void configure(const Setup& setup, int robot) {

@@ -308,7 +308,7 @@ class Landing : public Task {
   Part distance_info_, speed_info_, tilt_info_;
   Part crash_failure_, outside_failure_, time_failure_, success_;
   landing::Deck deck_;
-  landing::Hull hull_;
+  landing::TouchdownPoints hull_;
   int body_ = 0, first_action_ = 0, actions_ = 0;
   double step_time_ = 0.0;  ///< of an action [s]
   double crash_cosine_ = -2.0, rest_cosine_ = -2.0;

@@ -44,7 +44,7 @@ SKYBODY_INLINE Sight<Real> look(const EnvView<Real>& env, const std::vector<Obst
   sight.nearest = Real(kInfinity);
   for (int k = 0; k < count; ++k) sight.seen[k] = {Real(view), nothing, nothing};
   for (const Obstacle& obstacle : obstacles) {
-    const Placed<Real> placed = place(env, obstacle);
+    const PlacedObstacle<Real> placed = place(env, obstacle);
     const Gap<Real> to = gap(obstacle, placed, p);
     const Real distance = select(placed.present, to.distance, Real(kInfinity));
     sight.nearest = min(sight.nearest, distance);
@@ -59,7 +59,7 @@ SKYBODY_INLINE Real nearest_surface(const EnvView<Real>& env,
                                     const std::vector<Obstacle>& obstacles, const Vec3<Real>& p) {
   Real nearest(kInfinity);
   for (const Obstacle& obstacle : obstacles) {
-    const Placed<Real> placed = place(env, obstacle);
+    const PlacedObstacle<Real> placed = place(env, obstacle);
     nearest =
         min(nearest, select(placed.present, gap(obstacle, placed, p).distance, Real(kInfinity)));
   }

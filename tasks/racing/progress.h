@@ -10,7 +10,7 @@ namespace skybody::racing {
 
 /// What is remembered of a racer between two actions.
 template <class Real>
-struct Past {
+struct RaceState {
   Real gates;           ///< passed in this episode
   Real distance;        ///< from the next gate's centre [m]
   Vec3<Real> position;  ///< W [m]
@@ -18,14 +18,14 @@ struct Past {
   Real lap_time;        ///< of the last whole lap; 0: none yet [s]
 };
 
-/// A racer's Past in the task's buffer.
+/// A racer's RaceState in the task's buffer.
 class PastWords {
  public:
   PastWords() = default;
   explicit PastWords(task_kit::BufferPlan& plan) : first_(plan.take(kWords)) {}
 
   template <class Real>
-  SKYBODY_INLINE Past<Real> load(const Values<Real>& buffer) const {
+  SKYBODY_INLINE RaceState<Real> load(const Values<Real>& buffer) const {
     return {buffer[first_],
             buffer[first_ + 1],
             {buffer[first_ + 2], buffer[first_ + 3], buffer[first_ + 4]},
@@ -33,7 +33,7 @@ class PastWords {
             buffer[first_ + 6]};
   }
   template <class Real>
-  SKYBODY_INLINE void store(const Values<Real>& buffer, const Past<Real>& past) const {
+  SKYBODY_INLINE void store(const Values<Real>& buffer, const RaceState<Real>& past) const {
     buffer.set(first_, past.gates);
     buffer.set(first_ + 1, past.distance);
     buffer.set(first_ + 2, past.position);
@@ -78,7 +78,7 @@ SKYBODY_INLINE Passage<Real> passage(const Gate<Real>& gate, const Vec3<Real>& b
 template <class Real>
 SKYBODY_INLINE Passage<Real> advance(const EnvView<Real>& env, const Track& track,
                                      const Real& first, const Real& time, const Vec3<Real>& now,
-                                     Past<Real>& past) {
+                                     RaceState<Real>& past) {
   const MaskOf<Real> stepped = env.step() > Word<Real>(0);
   const Gate<Real> gate = track.at(env, first + past.gates);
   Passage<Real> way = passage(gate, select(stepped, past.position, now), now);

@@ -13,7 +13,7 @@ namespace {
 using namespace task_kit;
 using racing::Gate;
 using racing::Passage;
-using racing::Past;
+using racing::RaceState;
 
 class Racing : public Task {
  public:
@@ -100,7 +100,7 @@ class Racing : public Task {
                            const Values<Real>& scratch, Failures<Real>& failures) const {
     const Racer& racer = at(i);
     const BodyMotion<Real> body = env.body(racer.body);
-    Past<Real> past = racer.past.load(buffer);
+    RaceState<Real> past = racer.past.load(buffer);
     const Real time = to_real(env.step()) * step_time_;
     const Passage<Real> way = advance(env, track_, first_gate_(env), time, body.position, past);
     racer.past.store(buffer, past);
@@ -137,7 +137,7 @@ class Racing : public Task {
     const Racer& racer = at(i);
     const BodyMotion<Real> body = env.body(racer.body);
     const auto in_body = [&](const Vec3<Real>& v) { return rotate_inverse(body.rotation, v); };
-    const Past<Real> past = racer.past.load(buffer);
+    const RaceState<Real> past = racer.past.load(buffer);
     const Real index = first_gate_(env) + past.gates;
     const Gate<Real> gate = track_.at(env, index), next = track_.at(env, index + 1.0);
     const Values<Real>& row = out.observation;

@@ -105,7 +105,7 @@ class Track {
   SKYBODY_INLINE Real frame_distance(const EnvView<Real>& env, const Vec3<Real>& p) const {
     Real nearest(kInfinity);
     for (int i = 0; i < size(); ++i) {
-      const obstacles::Placed<Real> gate = place(env, i);
+      const obstacles::PlacedObstacle<Real> gate = place(env, i);
       nearest = min(nearest, obstacles::distance_to_gate(gate.size, gate.local(p)));
     }
     return nearest;
@@ -192,15 +192,15 @@ class Track {
   }
 
   template <class Real>
-  SKYBODY_INLINE obstacles::Placed<Real> place(const EnvView<Real>& env, int i) const {
-    obstacles::Placed<Real> gate =
+  SKYBODY_INLINE obstacles::PlacedObstacle<Real> place(const EnvView<Real>& env, int i) const {
+    obstacles::PlacedObstacle<Real> gate =
         obstacles::place(env, gates_[static_cast<std::size_t>(i)].obstacle);
     gate.rotation = normalized(gate.rotation);
     return gate;
   }
   template <class Real>
   SKYBODY_INLINE Gate<Real> read(const EnvView<Real>& env, int i) const {
-    const obstacles::Placed<Real> gate = place(env, i);
+    const obstacles::PlacedObstacle<Real> gate = place(env, i);
     return {
         gate.position, gate.rotation, {0.5 * gate.size.z, 0.5 * gate.size.x, 0.5 * gate.size.y}};
   }

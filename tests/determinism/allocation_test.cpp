@@ -136,7 +136,7 @@ TEST(Allocation, DoesNotHappenInAnUpdateOfANetworkAfterTheFirst) {
   network.initialize(parameters, 1.0, 1, 2);
   learn::Adam adam(parameters.size(), 0.5, isa);
   learn::TransposedRecurrent transposed;
-  learn::RecurrentMemory memory;
+  learn::RecurrentActivations memory;
   constexpr int kSequences = 9, kSteps = 50;
   std::vector<float> x(kSequences * kSteps * 7), y(kSequences * kSteps * 3), dx(x.size());
   std::vector<float> states(static_cast<std::size_t>(kSequences * network.state_stride()));

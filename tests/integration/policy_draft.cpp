@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/io/policy_seal.h"
+#include "core/io/policy_checksum.h"
 
 namespace skybody::test {
 

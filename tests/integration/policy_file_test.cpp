@@ -7,8 +7,8 @@
 #include <functional>
 #include <limits>
 
-#include "core/io/policy_seal.h"
-#include "core/model/marked_error.h"
+#include "core/io/policy_checksum.h"
+#include "core/model/located_error.h"
 #include "tests/integration/flips.h"
 #include "tests/integration/policy_draft.h"
 #include "tests/integration/process.h"
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 std::string refusal_of(const fs::path& file) {
   try {
     read_policy(file);
-  } catch (const MarkedError& error) {
+  } catch (const LocatedError& error) {
     return error.what();
   }
   return "";

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "core/base/hash.h"
+#include "core/io/policy_checksum.h"
 #include "core/io/policy_file.h"
-#include "core/io/policy_seal.h"
 #include "core/policy/network_policy.h"
 #include "core/simulation/simulation.h"
 #include "tests/integration/policy_draft.h"

@@ -12,7 +12,7 @@
 #include "core/io/flight_log_hdf5.h"
 #include "core/io/hdf5_reader.h"
 #include "core/io/replay_bursts.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {
@@ -70,7 +70,7 @@ std::string refusal_of(const fs::path& file) {
     ReplayReader reader(file);
     for (ReplayEvent event; reader.next(event);) {
     }
-  } catch (const MarkedError& error) {
+  } catch (const LocatedError& error) {
     return error.what();
   }
   return "";

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kSteps = 20;
 
-void add(HashChain& chain, double value) { chain.update(one_nan(bit_cast_word(value))); }
+void add(HashChain& chain, double value) { chain.update(canonical_nan(bit_cast_word(value))); }
 
 // What a step changes (kStateBlocks) and the bodies, lane by lane: the same words in both forms.
 void add_lanes(HashChain& chain, PackGroup& packs) {

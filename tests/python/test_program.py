@@ -58,11 +58,11 @@ def test_ctrl_c_is_one_line() -> None:
 def test_ctrl_c_ends_processes_that_take_no_notice_of_it() -> None:
     done = interrupted("""
         import multiprocessing, time
-        from skybody.program import deaf_to_interrupts, run_program
+        from skybody.program import ignoring_interrupts, run_program
 
         def main():
             child = multiprocessing.get_context("fork").Process(target=time.sleep, args=(30,))
-            with deaf_to_interrupts():
+            with ignoring_interrupts():
                 child.start()
             print(child.pid, flush=True)
             time.sleep(30)
@@ -78,9 +78,9 @@ def test_ctrl_c_interrupts_again_behind_deaf_to_interrupts(
 ) -> None:
     done = python(f"""
         import signal
-        from skybody.program import deaf_to_interrupts
+        from skybody.program import ignoring_interrupts
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        with deaf_to_interrupts():
+        with ignoring_interrupts():
             signal.raise_signal({signal.SIGINT:d})
         try:
             signal.raise_signal({signal.SIGINT:d})

@@ -1,5 +1,5 @@
 """Values that are possible and unlikely: `skybody check` and loading warn of them, and say what may
-have been meant. One table in core/io/usual.cpp has the ranges."""
+have been meant. One table in core/io/plausibility_limits.cpp has the ranges."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "core/base/isa.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/setup_tables.h"
 #include "core/io/parameter_reader.h"
 #include "core/model/held_inputs.h"

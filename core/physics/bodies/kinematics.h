@@ -133,8 +133,8 @@ SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, const
 /// The same up to the norm, which grows to 1 + |w time|^2 / 8 and more: half the angle's tangent
 /// instead of sine and cosine, a series exact to 1e-9 up to |w| time = 0.1.
 template <class Real>
-SKYBODY_INLINE Quat<Real> turned_and_stretched(const Quat<Real>& q, const Vec3<Real>& w,
-                                               double time) {
+SKYBODY_INLINE Quat<Real> integrate_rotation_unnormalized(const Quat<Real>& q, const Vec3<Real>& w,
+                                                          double time) {
   const Vec3<Real> half = w * Real(0.5 * time);
   const Real square = dot(half, half);
   const Vec3<Real> v = half * (1.0 + square * (1.0 / 3 + square * (2.0 / 15)));

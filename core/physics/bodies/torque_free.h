@@ -69,15 +69,15 @@ struct MidpointSpin {
 
 /// The parts of a time, and h'.
 template <class Real>
-struct TorqueFreeParts {
+struct TorqueFreeSubsteps {
   Real count;           ///< of parts
   Real half;            ///< h'/2 of each [s]
   Real half_of;         ///< h/2 of each [s]
   Real squared;         ///< s^2 [rad^2/s^2]
   MaskOf<Real> is_cut;  ///< the turn is longer than the parts allow
 
-  SKYBODY_INLINE TorqueFreeParts(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
-                                 const Real& time) {
+  SKYBODY_INLINE TorqueFreeSubsteps(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
+                                    const Real& time) {
     const Vec3<Real> momentum = inertia * spin;
     const Real size = norm(spin) * abs(time);
     count = clamp(floor(size * (1.0 / kTorqueFreeAngle)) + 1.0, 1.0, double{kTorqueFreeParts});
@@ -129,7 +129,7 @@ struct TorqueFreeCall {
 
  private:
   SKYBODY_INLINE void turn() const {
-    const TorqueFreeParts<Real> parts(inertia, spin, time);
+    const TorqueFreeSubsteps<Real> parts(inertia, spin, time);
 #pragma GCC unroll 1
     for (int p = 0; p < kTorqueFreeParts; ++p) {
       const auto is_active = logical_and(mask, parts.count > static_cast<double>(p));

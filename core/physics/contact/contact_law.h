@@ -19,7 +19,7 @@ namespace skybody {
 
 /// What touches at one place.
 template <class Real>
-struct Touch {
+struct ContactKinematics {
   Real depth;           ///< x [m]
   Vec3<Real> normal;    ///< the way in which the body is pushed off, unit
   Vec3<Real> velocity;  ///< of the body's place past the other's, mean of the step [m/s]
@@ -33,7 +33,7 @@ struct Touch {
 /// @param dissipation  c [s/m]
 /// @returns f [N]
 template <class Real>
-SKYBODY_INLINE Real normal_force(const Touch<Real>& touch, const Real& elastic,
+SKYBODY_INLINE Real normal_force(const ContactKinematics<Real>& touch, const Real& elastic,
                                  const Real& dissipation) {
   const Real damping = min(1.5 * dissipation * elastic, touch.most_damping);
   return max(elastic - damping * dot(touch.normal, touch.velocity), Real(0.0));
@@ -45,7 +45,7 @@ SKYBODY_INLINE Real normal_force(const Touch<Real>& touch, const Real& elastic,
 /// way.
 /// @param sum  s; of two bodies the larger one
 template <class Real>
-SKYBODY_INLINE Real limited_force(const Touch<Real>& touch, const Real& elastic,
+SKYBODY_INLINE Real limited_force(const ContactKinematics<Real>& touch, const Real& elastic,
                                   const Real& dissipation, const Real& sum) {
   const Real share = 1.0 - 1.5 * dissipation * dot(touch.normal, touch.velocity);
   return elastic * max(share, Real(0.0)) / (1.0 + sum);
@@ -63,7 +63,7 @@ SKYBODY_INLINE Vec3<Real> across(const Vec3<Real>& normal, const Vec3<Real>& v) 
 /// @param most     mu f [N]
 /// @param bristle  s of the step before [m]; written: where it is after this one
 template <class Real>
-SKYBODY_INLINE Vec3<Real> bristle_force(const Touch<Real>& touch, const ContactLaw& law,
+SKYBODY_INLINE Vec3<Real> bristle_force(const ContactKinematics<Real>& touch, const ContactLaw& law,
                                         const Real& most, Vec3<Real>& bristle) {
   const Real stiffness(law.bristle_stiffness);
   const Real damping = min(Real(law.bristle_damping), touch.most_damping);
@@ -87,8 +87,8 @@ SKYBODY_INLINE Vec3<Real> bristle_force(const Touch<Real>& touch, const ContactL
 /// @param damping   such that no step gains energy by it
 /// @param most      mu f [N]
 template <class Real>
-SKYBODY_INLINE Vec3<Real> creeping_force(const Vec3<Real>& velocity, const Real& speed,
-                                         const Real& damping, const Real& most) {
+SKYBODY_INLINE Vec3<Real> viscous_friction_force(const Vec3<Real>& velocity, const Real& speed,
+                                                 const Real& damping, const Real& most) {
   const auto slips = damping * speed > most;
   return velocity * -select(slips, most / select(slips, speed, Real(1.0)), damping);
 }

@@ -65,29 +65,29 @@ ContactForm make_sphere() {
   return form;
 }
 
-ContactSolid make_solid(const Shape& shape) {
-  ContactSolid solid;
-  solid.type = shape.type;
-  solid.form = &contact_form(shape.type);
-  solid.pose = shape.pose;
-  if (shape.type == ShapeType::kBox) solid.half = 0.5 * shape.size;
+ContactShape make_contact_shape(const Shape& shape) {
+  ContactShape placed;
+  placed.type = shape.type;
+  placed.form = &contact_form(shape.type);
+  placed.pose = shape.pose;
+  if (shape.type == ShapeType::kBox) placed.half = 0.5 * shape.size;
   if (shape.type == ShapeType::kCylinder) {
-    solid.half = {shape.radius, shape.radius, 0.5 * shape.length};
+    placed.half = {shape.radius, shape.radius, 0.5 * shape.length};
   }
-  if (shape.type == ShapeType::kSphere) solid.rounding = shape.radius;
+  if (shape.type == ShapeType::kSphere) placed.rounding = shape.radius;
   if (shape.type == ShapeType::kCapsule) {
-    solid.half.z = 0.5 * shape.length;
-    solid.rounding = shape.radius;
+    placed.half.z = 0.5 * shape.length;
+    placed.rounding = shape.radius;
   }
-  solid.reach = bounding_radius(shape);
-  return solid;
+  placed.reach = bounding_radius(shape);
+  return placed;
 }
 
 bool has_others(const Scenario& scenario) {
   return !scenario.obstacles.empty() || scenario.robots.size() > 1;
 }
 
-/// Bristles that a shape's solid has.
+/// Bristles that a shape's placed has.
 int bristles_of(const Scenario& scenario, const Shape& shape) {
   const ContactForm& form = contact_form(contact_shape(shape).type);
   const int edges = has_others(scenario) ? static_cast<int>(form.edges.size()) : 0;
@@ -262,32 +262,32 @@ ContactLaw make_law(const Scenario& scenario, double stiffness, double share, do
   return law;
 }
 
-void add_rim(const ContactSolid& solid, double end, ContactBody& body) {
-  const auto turn = [&](const Vec3<double>& v) { return rotate(solid.pose.rotation, v); };
+void add_rim(const ContactShape& placed, double end, ContactBody& body) {
+  const auto turn = [&](const Vec3<double>& v) { return rotate(placed.pose.rotation, v); };
   const int first = end < 0.0 ? 0 : kRimPoints;
   GroundRim rim;
-  rim.rim = {solid.pose.position + turn({0.0, 0.0, end * solid.half.z}), turn({0.0, 0.0, 1.0}),
-             solid.half.x};
+  rim.rim = {placed.pose.position + turn({0.0, 0.0, end * placed.half.z}), turn({0.0, 0.0, 1.0}),
+             placed.half.x};
   for (int k = 0; k < kRimPoints; ++k) {
     const auto place = static_cast<std::size_t>(k);
-    const Vec3<double>& at = solid.form->places[static_cast<std::size_t>(first) + place];
-    rim.spokes[place] = turn({at.x * solid.half.x, at.y * solid.half.y, 0.0});
+    const Vec3<double>& at = placed.form->places[static_cast<std::size_t>(first) + place];
+    rim.spokes[place] = turn({at.x * placed.half.x, at.y * placed.half.y, 0.0});
   }
-  rim.bristle = solid.bristle + first;
+  rim.bristle = placed.bristle + first;
   body.rims.push_back(rim);
 }
 
-/// By which a solid of a body may touch the ground.
-void add_ground_places(const ContactSolid& solid, ContactBody& body) {
-  if (solid.type == ShapeType::kCylinder) {
-    for (const double end : {-1.0, 1.0}) add_rim(solid, end, body);
+/// By which a placed of a body may touch the ground.
+void add_ground_places(const ContactShape& placed, ContactBody& body) {
+  if (placed.type == ShapeType::kCylinder) {
+    for (const double end : {-1.0, 1.0}) add_rim(placed, end, body);
     return;
   }
-  for (int k = 0; k < solid.form->point_count; ++k) {
+  for (int k = 0; k < placed.form->point_count; ++k) {
     const Vec3<double> at =
-        multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
-    body.points.push_back(
-        {solid.pose.position + rotate(solid.pose.rotation, at), solid.rounding, solid.bristle + k});
+        multiply_elements(placed.half, placed.form->places[static_cast<std::size_t>(k)]);
+    body.points.push_back({placed.pose.position + rotate(placed.pose.rotation, at), placed.rounding,
+                           placed.bristle + k});
   }
 }
 
@@ -299,39 +299,39 @@ void add_bodies(ContactScene& scene) {
     ContactBody body;
     body.body = static_cast<int>(i);
     body.robot = model.robot;
-    body.first_solid = static_cast<int>(scene.solids.size());
+    body.first_shape = static_cast<int>(scene.shapes.size());
     body.is_driven =
         model.parent < 0 && world.drives[static_cast<std::size_t>(model.robot)] != DriveKind::kNone;
     body.give = kInfinity;
     body.first_bristle = bristles;
     Vec3<double> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
     for (const Shape& shape : model.model->collisions) {
-      ContactSolid solid = make_solid(contact_shape(shape));
-      solid.bristle = bristles;
-      add_ground_places(solid, body);
+      ContactShape placed = make_contact_shape(contact_shape(shape));
+      placed.bristle = bristles;
+      add_ground_places(placed, body);
       bristles += bristles_of(world.scenario, shape);
-      body.give = min(body.give, give_of(solid.half, solid.rounding));
-      const Vec3<double>& p = solid.pose.position;
-      const double r = solid.reach;
+      body.give = min(body.give, penetration_limit(placed.half, placed.rounding));
+      const Vec3<double>& p = placed.pose.position;
+      const double r = placed.reach;
       low = {min(low.x, p.x - r), min(low.y, p.y - r), min(low.z, p.z - r)};
       high = {max(high.x, p.x + r), max(high.y, p.y + r), max(high.z, p.z + r)};
-      scene.solids.push_back(solid);
+      scene.shapes.push_back(placed);
     }
-    body.last_solid = static_cast<int>(scene.solids.size());
+    body.last_shape = static_cast<int>(scene.shapes.size());
     body.last_bristle = bristles;
-    if (body.first_solid == body.last_solid) continue;
+    if (body.first_shape == body.last_shape) continue;
     body.center = 0.5 * (low + high);
     body.leverage = leverage(scene, body);
-    for (int s = body.first_solid; s < body.last_solid; ++s) {
-      const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
-      body.radius = max(body.radius, norm(solid.pose.position - body.center) + solid.reach);
+    for (int s = body.first_shape; s < body.last_shape; ++s) {
+      const ContactShape& placed = scene.shapes[static_cast<std::size_t>(s)];
+      body.radius = max(body.radius, norm(placed.pose.position - body.center) + placed.reach);
     }
     body.reach = body.radius + norm(body.center);
     scene.bodies.push_back(body);
   }
 }
 
-void add_meetings(ContactScene& scene) {
+void add_pairs(ContactScene& scene) {
   const Scenario& scenario = scene.world.scenario;
   const std::vector<double> stiffness = stiffnesses(scene);
   std::vector<double> all_give;
@@ -342,31 +342,31 @@ void add_meetings(ContactScene& scene) {
     const ContactLaw law = make_law(scenario, stiffness[i], share, gives);
     const int body = static_cast<int>(i);
     const bool moves = !scene.bodies[i].is_driven;
-    if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law, moves, true});
+    if (scenario.contact.ground) scene.pairs.push_back({body, kGround, law, moves, true});
     for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-      scene.meetings.push_back({body, kFirstObstacle - static_cast<int>(k), law, moves,
-                                is_endless(scene.obstacles[k].type)});
+      scene.pairs.push_back({body, kFirstObstacle - static_cast<int>(k), law, moves,
+                             is_unbounded_below(scene.obstacles[k].type)});
     }
     for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) {
       if (scene.bodies[k].robot == scene.bodies[i].robot) continue;
       const double other = nominal_share(scene, scene.bodies[k]);
       const double both = 1.0 / (1.0 / share + 1.0 / other);
       const double softer = in_series(stiffness[i], stiffness[k]);
-      scene.meetings.push_back({body, static_cast<int>(k),
-                                make_law(scenario, softer, both, gives + all_give[k]),
-                                moves || !scene.bodies[k].is_driven, false});
+      scene.pairs.push_back({body, static_cast<int>(k),
+                             make_law(scenario, softer, both, gives + all_give[k]),
+                             moves || !scene.bodies[k].is_driven, false});
     }
   }
 }
 
-/// Pairs that a meeting may have within reach.
-int count_pairs(const ContactScene& scene, const Meeting& meeting) {
-  if (meeting.other == kGround) return 1;
-  const auto solids_of = [&](int body) {
+/// Pairs that a pair may have within reach.
+int count_pairs(const ContactScene& scene, const CollisionPair& pair) {
+  if (pair.other == kGround) return 1;
+  const auto obstacle_shapes_of = [&](int body) {
     const ContactBody& b = scene.bodies[static_cast<std::size_t>(body)];
-    return b.last_solid - b.first_solid;
+    return b.last_shape - b.first_shape;
   };
-  return solids_of(meeting.body) * (meeting.other >= 0 ? solids_of(meeting.other) : 1);
+  return obstacle_shapes_of(pair.body) * (pair.other >= 0 ? obstacle_shapes_of(pair.other) : 1);
 }
 
 }  // namespace
@@ -398,23 +398,23 @@ ContactScene::ContactScene(const World& w) : world(w) {
   if (count_bristles(world) == 0) return;
   add_bodies(*this);
   double reach = 0.0;
-  for (const ContactSolid& solid : solids) reach = max(reach, solid.reach);
+  for (const ContactShape& placed : shapes) reach = max(reach, placed.reach);
   // What is looked for before a step is farther off by the way of one: at 20 m/s, and a millimetre.
   reach += 1e-3 + 20.0 * world.scenario.stepping.dt;
   int owner = 0;
   for (const Obstacle& obstacle : world.scenario.obstacles) {
-    for (const Shape& shape : solids_of(obstacle)) {
-      obstacles.push_back(make_solid(shape));
+    for (const Shape& shape : obstacle_shapes_of(obstacle)) {
+      obstacles.push_back(make_contact_shape(shape));
       if (shape.heights) obstacles.back().heights = {shape.heights.get(), reach};
-      if (shape.type == ShapeType::kMesh) obstacles.back().rounding = kNoSolid;
+      if (shape.type == ShapeType::kMesh) obstacles.back().rounding = kNoShape;
       obstacle_owners.push_back(owner);
     }
     ++owner;
   }
-  add_meetings(*this);
-  for (const Meeting& meeting : meetings) {
-    has_idle |= !meeting.moves;
-    most_near += count_pairs(*this, meeting);
+  add_pairs(*this);
+  for (const CollisionPair& pair : pairs) {
+    has_idle |= !pair.moves;
+    most_near += count_pairs(*this, pair);
   }
   for (const ContactBody& body : bodies) {
     const std::size_t places = body.points.size() + (kRimPoints + 1) * body.rims.size();

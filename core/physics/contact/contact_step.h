@@ -1,7 +1,7 @@
 // Contact of everything with everything, in the environments that one Real holds: what is near
 // enough to touch within a step, and the forces between what touches. On double and packs.
 //
-// Two solids touch with their points (corners, rims, centres) in the other's inside and with their
+// Two shapes touch with their points (corners, rims, centres) in the other's inside and with their
 // edges across the other's. A force acts at one point on both, so that nothing is lost between
 // them. How deep things may get into each other is bounded by `give`, a quarter of the thinner
 // one's width: what a step would take further is stopped there, plastically. A step is cut into
@@ -9,8 +9,8 @@
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
+#include "core/physics/contact/broad_phase.h"
 #include "core/physics/contact/contact_law.h"
-#include "core/physics/contact/contact_search.h"
 #include "core/physics/contact/manifold.h"
 
 namespace skybody {
@@ -24,17 +24,17 @@ enum class ContactPass {
 
 /// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
-class ContactStep : public ContactSearch<Real, Values> {
-  using Search = ContactSearch<Real, Values>;
+class ContactStep : public BroadPhase<Real, Values> {
+  using Search = BroadPhase<Real, Values>;
 
  public:
   using Motion = BodyKinematics<Real>;
 
   /// @param constants  the world's kWorldParamCount values
   /// @param bodies     kBodyConstantCount values per body; read by act() alone
-  /// @param obstacles  kSolidConstantCount values per obstacle
+  /// @param obstacles  kShapeConstantCount values per obstacle
   SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants, const Real* bodies,
-                             const Values& obstacles, const ContactWork<Real>& work)
+                             const Values& obstacles, const ContactWorkspace<Real>& work)
       : Search(scene, obstacles, work),
         bodies_(bodies),
         friction_(constants[kFriction]),
@@ -56,13 +56,13 @@ class ContactStep : public ContactSearch<Real, Values> {
     const MaskOf<Real> lossless = is_lossless();
     if (none(lossless)) return;
     for (int i = 0; i < near_count_; ++i) {
-      const NearPair<Real>& pair = w_.near[i];
-      const Meeting& meeting = *pair.meeting;
-      Real speed = w_.bounds[meeting.body].speed;
-      if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
-      const Real rigidity = meeting.law.stiffness * sqrt(dt() * speed);
-      const Real phase = dt() * sqrt(1.5 * (rigidity * inverse_mass(meeting)));
-      ask_for(phase * (1.0 / kLosslessPhase), logical_and(lossless, pair.lanes));
+      const CandidatePair<Real>& near = w_.near[i];
+      const CollisionPair& pair = *near.pair;
+      Real speed = w_.bounds[pair.body].speed;
+      if (pair.other >= 0) speed += w_.bounds[pair.other].speed;
+      const Real rigidity = pair.law.stiffness * sqrt(dt() * speed);
+      const Real phase = dt() * sqrt(1.5 * (rigidity * inverse_mass(pair)));
+      ask_for(phase * (1.0 / kLosslessPhase), logical_and(lossless, near.lanes));
     }
   }
 
@@ -76,13 +76,13 @@ class ContactStep : public ContactSearch<Real, Values> {
     }
   }
 
-  /// Forces of the contacts that search() found near, into ContactWork::forces.
+  /// Forces of the contacts that search() found near, into ContactWorkspace::forces.
   /// @param motion     in the middle of the part of the step; velocities at its start
   /// @param mean       the same with mean velocities of the part, as far as they are known
   /// @param step       of the part [s]
   /// @param is_active  lanes where anything acts
   /// @param pass       after the first one places are those of the last call
-  /// @param list       list(meeting, point, Touch, force, lanes) of each contact
+  /// @param list       list(pair, point, ContactKinematics, force, lanes) of each contact
   template <class List = NoContactList>
   SKYBODY_INLINE void act(const Motion* motion, const Motion* mean, const Real& step,
                           const MaskOf<Real>& is_active, ContactPass pass, const List& list = {}) {
@@ -101,7 +101,7 @@ class ContactStep : public ContactSearch<Real, Values> {
 #pragma GCC unroll 1
     for (const Visit visit : {Visit::kSum, Visit::kTouch}) {
       if (visit == Visit::kSum && pass == ContactPass::kMean) continue;
-      each_place(part, is_active, [&](const Place<Real>& place) SKYBODY_INLINE_LAMBDA {
+      each_place(part, is_active, [&](const ContactPoint<Real>& place) SKYBODY_INLINE_LAMBDA {
         if (visit == Visit::kTouch) {
           touch(part, place, list);
         } else if (pass == ContactPass::kStart) {
@@ -167,10 +167,10 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Search::may_stop_;
   using Search::near_count_;
   using Search::other_body;
-  using Search::other_solid;
+  using Search::other_placed_shape;
   using Search::parts_;
+  using Search::placed_shape_of;
   using Search::scene_;
-  using Search::solid_of;
   using Search::w_;
 
   /// Purpose of a loop over the places.
@@ -188,18 +188,18 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// Where things touch so quickly or so deep that it matters, a contact asks for parts: so many
   /// that none goes through more of the swing of its spring than kLargestPhase, nor asks for more
-  /// damping than Touch::most_damping, nor goes far where it is going to be stopped. Springs that
-  /// lose nothing get more.
+  /// damping than ContactKinematics::most_damping, nor goes far where it is going to be stopped.
+  /// Springs that lose nothing get more.
   /// @param elastic  k x^1.5 [N]
   /// @param speed    at which it gets deeper, or less deep
-  SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth,
+  SKYBODY_INLINE void ask_for_parts(const CandidatePair<Real>& near, const Real& depth,
                                     const Real& elastic, const Real& speed,
                                     const MaskOf<Real>& touches) {
     constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05, kDeepPhase = 1.0,
                      kDeepDamping = 0.5;
     const Real way = dt() * speed;
     const double rest = scene_.world.scenario.contact.penetration;
-    const Real kick = (1.5 * dt()) * (elastic * pair.per_mass);  // 1.5 h k x^1.5 / m'
+    const Real kick = (1.5 * dt()) * (elastic * near.per_mass);  // 1.5 h k x^1.5 / m'
     const MaskOf<Real> lossless = is_lossless();
     const auto is_deep = logical_or(dissipation_ * kick > kDeepDamping,
                                     dt() * kick > kDeepPhase * kDeepPhase * depth);
@@ -207,17 +207,17 @@ class ContactStep : public ContactSearch<Real, Values> {
         logical_and(touches, logical_or(way > kQuickWay * rest, logical_or(is_deep, lossless)));
     if (none(is_quick)) return;
     is_quick_ |= is_quick;
-    const double stiffness = pair.meeting->law.stiffness;
+    const double stiffness = near.pair->law.stiffness;
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
-    const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
+    const Real phase = dt() * sqrt(1.5 * (rigidity * near.per_mass));
     const Real damping = 1.5 * dissipation_ * (rigidity * reach);
     const Real most = select(lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
-    Real parts = max(phase * most, dt() * (damping * pair.per_mass));
-    if (!pair.meeting->is_endless) {
+    Real parts = max(phase * most, dt() * (damping * near.per_mass));
+    if (!near.pair->is_unbounded_below) {
       // Where one spring alone does not hold the whole body: 0.4 k x^2.5 < m v^2 / 2.
-      const Real& give = pair.give;
+      const Real& give = near.give;
       const Real held = (0.8 * stiffness) * ((give * give) * sqrt(give));
-      const auto is_stopped = speed * speed > held * whole_inverse_mass(*pair.meeting);
+      const auto is_stopped = speed * speed > held * whole_inverse_mass(*near.pair);
       parts = select(is_stopped, max(parts, way * kStoppedParts / give), parts);
     }
     ask_for(parts, is_quick);
@@ -232,21 +232,21 @@ class ContactStep : public ContactSearch<Real, Values> {
     for (const ContactBody& body : scene_.bodies) sums[body.body] = Real(0.0);
   }
 
-  SKYBODY_INLINE void count_place(const Place<Real>& place) const {
+  SKYBODY_INLINE void count_place(const ContactPoint<Real>& place) const {
     if (are_places_kept_ && place_count_ <= kLeastPlaces) return;  // no body has more
-    const Meeting& meeting = *w_.near[place.pair].meeting;
+    const CollisionPair& pair = *w_.near[place.pair].pair;
     const Real one = select(place.touches, Real(1.0), Real(0.0));
-    w_.place_counts[scene_.bodies[static_cast<std::size_t>(meeting.body)].body] += one;
-    if (meeting.other >= 0) w_.place_counts[other_body(meeting).body] += one;
+    w_.place_counts[scene_.bodies[static_cast<std::size_t>(pair.body)].body] += one;
+    if (pair.other >= 0) w_.place_counts[other_body(pair).body] += one;
   }
 
-  /// From the counts, the mass that the places of each pair feel, and their largest damping.
+  /// From the counts, the mass that the places of each near feel, and their largest damping.
   SKYBODY_INLINE void share_masses(const Real& step) const {
     for (int i = 0; i < near_count_; ++i) {
-      NearPair<Real>& pair = w_.near[i];
-      if (!pair.touches) continue;
-      pair.per_mass = inverse_mass(*pair.meeting);
-      pair.most_damping = 1.0 / max(pair.per_mass * step, Real(1e-12));
+      CandidatePair<Real>& near = w_.near[i];
+      if (!near.touches) continue;
+      near.per_mass = inverse_mass(*near.pair);
+      near.most_damping = 1.0 / max(near.per_mass * step, Real(1e-12));
     }
   }
 
@@ -263,32 +263,32 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// Places of the pairs from `next` on, as many as are kept.
-  /// @returns the first pair that is still to be looked at
+  /// @returns the first near that is still to be looked at
   SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
     Manifold<Real> found{w_.places};
     const bool is_first = next == 0;
     for (; next < near_count_ && found.count <= kKeptPlaces; ++next) {
-      NearPair<Real>& pair = w_.near[next];
-      const auto here = logical_and(is_active, pair.lanes);
-      pair.touches = false;
+      CandidatePair<Real>& near = w_.near[next];
+      const auto here = logical_and(is_active, near.lanes);
+      near.touches = false;
       if (none(here)) continue;
       const int first = found.count;
-      if (pair.meeting->other == kGround) {
-        meet_ground(*pair.meeting, part, here, found);
+      if (near.pair->other == kGround) {
+        collide_ground(*near.pair, part, here, found);
       } else {
-        meet_solids(pair, part, here, found);
+        collide_shapes(near, part, here, found);
       }
       for (int i = first; i < found.count; ++i) found.places[i].pair = next;
-      pair.touches = found.count > first;
+      near.touches = found.count > first;
     }
     place_count_ = found.count;
     are_places_kept_ = is_first && next == near_count_;
     return next;
   }
 
-  SKYBODY_INLINE void meet_ground(const Meeting& meeting, const Part& part,
-                                  const MaskOf<Real>& here, Manifold<Real>& found) const {
-    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+  SKYBODY_INLINE void collide_ground(const CollisionPair& pair, const Part& part,
+                                     const MaskOf<Real>& here, Manifold<Real>& found) const {
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(pair.body)];
     const Motion& m = part.motion[body.body];
     const Vec3<Real> up{Real(0.0), Real(0.0), Real(1.0)};
 #pragma GCC unroll 1
@@ -309,46 +309,47 @@ class ContactStep : public ContactSearch<Real, Values> {
     }
   }
 
-  SKYBODY_INLINE void meet_solids(const NearPair<Real>& pair, const Part& part,
-                                  const MaskOf<Real>& here, Manifold<Real>& found) const {
-    const Meeting& meeting = *pair.meeting;
-    const auto& others = meeting.other >= 0 ? scene_.solids : scene_.obstacles;
-    const ContactSolid& mine = scene_.solids[static_cast<std::size_t>(pair.solid)];
-    const Solid<Real> solid =
-        solid_of(mine, part.motion[scene_.bodies[static_cast<std::size_t>(meeting.body)].body]);
-    const Solid<Real> other = other_solid(meeting, pair.other, part.motion);
-    const auto touches = logical_and(here, is_close(mine, solid, other, Real(1e-9)));
+  SKYBODY_INLINE void collide_shapes(const CandidatePair<Real>& near, const Part& part,
+                                     const MaskOf<Real>& here, Manifold<Real>& found) const {
+    const CollisionPair& pair = *near.pair;
+    const auto& others = pair.other >= 0 ? scene_.shapes : scene_.obstacles;
+    const ContactShape& mine = scene_.shapes[static_cast<std::size_t>(near.shape)];
+    const PlacedShape<Real> placed =
+        placed_shape_of(mine, part.motion[scene_.bodies[static_cast<std::size_t>(pair.body)].body]);
+    const PlacedShape<Real> other = other_placed_shape(pair, near.other, part.motion);
+    const auto touches = logical_and(here, is_close(mine, placed, other, Real(1e-9)));
     if (none(touches)) return;
-    meet(MeetCall<Real>{mine, others[static_cast<std::size_t>(pair.other)], solid, other, touches,
-                        found});
+    collide(CollideCall<Real>{mine, others[static_cast<std::size_t>(near.other)], placed, other,
+                              touches, found});
   }
 
   /// ---- what it does
 
   template <class List>
-  SKYBODY_INLINE void touch(const Part& part, const Place<Real>& place, const List& list) {
+  SKYBODY_INLINE void touch(const Part& part, const ContactPoint<Real>& place, const List& list) {
     const Vec3<Real>&point = place.point, &out = place.out;
     const MaskOf<Real>& touches = place.touches;
-    const NearPair<Real>& pair = w_.near[place.pair];
-    const Meeting& meeting = *pair.meeting;
-    const int body = scene_.bodies[static_cast<std::size_t>(meeting.body)].body;
-    const int other = meeting.other >= 0 ? other_body(meeting).body : -1;
+    const CandidatePair<Real>& near = w_.near[place.pair];
+    const CollisionPair& pair = *near.pair;
+    const int body = scene_.bodies[static_cast<std::size_t>(pair.body)].body;
+    const int other = pair.other >= 0 ? other_body(pair).body : -1;
     const Vec3<Real> velocity = velocity_at(part.motion, body, other, point);
-    const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
-    Touch<Real> t{place.depth, out, velocity, velocity * part.step, part.step, pair.most_damping};
+    const Real elastic = pair.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
+    ContactKinematics<Real> t{place.depth,          out,       velocity,
+                              velocity * part.step, part.step, near.most_damping};
     if (part.pass == ContactPass::kStart) {
-      ask_for_parts(pair, place.depth, elastic, abs(dot(out, velocity)), touches);
+      ask_for_parts(near, place.depth, elastic, abs(dot(out, velocity)), touches);
     } else {
       t.velocity = velocity_at(part.mean, body, other, point);
     }
-    if (part.pass == ContactPass::kMean) find_stiff(t, elastic * pair.per_mass, touches);
+    if (part.pass == ContactPass::kMean) find_stiff(t, elastic * near.per_mass, touches);
     if (part.pass == ContactPass::kLimited) t.velocity = select(is_stiff_, velocity, t.velocity);
     Real push = normal_force(t, elastic, dissipation_);
     if (part.pass == ContactPass::kLimited) {
       const Real sum = other >= 0 ? max(w_.sums[body], w_.sums[other]) : w_.sums[body];
       push = select(is_stiff_, limited_force(t, elastic, dissipation_, sum), push);
     }
-    if (!meeting.is_endless) stop(pair, part, point, t, other, touches, push);
+    if (!pair.is_unbounded_below) stop(near, part, point, t, other, touches, push);
     const Real most = friction_ * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     Vec3<Real> force = out * push + friction(part, place, t, most);
@@ -357,7 +358,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     if (other >= 0) add(other, part.motion, point, -force);
     w_.is_touched[body] |= touches;
     if (other >= 0) w_.is_touched[other] |= touches;
-    list(meeting, point, t, force, touches);
+    list(pair, point, t, force, touches);
   }
 
   /// Finds lanes where the shortest part is too long for a spring: its damper alone would reverse
@@ -365,9 +366,9 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// really changes by more than half of what it lacks of 1 / d. A body that carries much more than
   /// itself changes less.
   /// @param rate  k x^1.5 / m' [m/s^2]
-  SKYBODY_INLINE void find_stiff(const Touch<Real>& t, const Real& rate,
+  SKYBODY_INLINE void find_stiff(const ContactKinematics<Real>& t, const Real& rate,
                                  const MaskOf<Real>& touches) {
-    const auto is_shortest = parts_ > 0.75 * kMostParts;
+    const auto is_shortest = parts_ > 0.75 * kMaxContactSubsteps;
     const Real d = 1.5 * dissipation_;
     const auto may = logical_and(touches, logical_and(is_shortest, d * rate * t.step > 1.0));
     if (none(may)) return;
@@ -377,22 +378,22 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// Adds up, for each body, what limited_force() needs.
-  SKYBODY_INLINE void add_up(const Part& part, const Place<Real>& place) const {
-    const Meeting& meeting = *w_.near[place.pair].meeting;
-    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
-    const Real gives = gives_at(meeting, part.motion, place.point, place.out);
-    const Real elastic = meeting.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
+  SKYBODY_INLINE void add_up(const Part& part, const ContactPoint<Real>& place) const {
+    const CollisionPair& pair = *w_.near[place.pair].pair;
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(pair.body)];
+    const Real gives = gives_at(pair, part.motion, place.point, place.out);
+    const Real elastic = pair.law.stiffness * pow_3_2(max(place.depth, Real(0.0)));
     const Real sum = (1.5 * dissipation_) * (part.step * elastic * gives);
     const Real more = select(place.touches, sum, Real(0.0));
     w_.sums[body.body] += more;
-    if (meeting.other >= 0) w_.sums[other_body(meeting).body] += more;
+    if (pair.other >= 0) w_.sums[other_body(pair).body] += more;
   }
 
-  SKYBODY_INLINE Vec3<Real> friction(const Part& part, const Place<Real>& place,
-                                     const Touch<Real>& t, const Real& most) const {
+  SKYBODY_INLINE Vec3<Real> friction(const Part& part, const ContactPoint<Real>& place,
+                                     const ContactKinematics<Real>& t, const Real& most) const {
     const int bristle = place.bristle;
     if (bristle < 0) return creep(part, place, t, most);
-    const ContactLaw& law = w_.near[place.pair].meeting->law;
+    const ContactLaw& law = w_.near[place.pair].pair->law;
     MaskOf<Real>& is_bent = w_.is_bent[bristle];
     if (w_.is_idle[bristle]) is_bent = MaskOf<Real>(false);
     w_.is_idle[bristle] = false;
@@ -409,19 +410,19 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// Friction without a bristle. Its damping is 1 / n of what would stop the place within the part,
   /// by how the place gives way along its own velocity, n the number of places on which the body
   /// touches anything (at least four): all of them together gain no energy.
-  SKYBODY_INLINE Vec3<Real> creep(const Part& part, const Place<Real>& place, const Touch<Real>& t,
-                                  const Real& most) const {
+  SKYBODY_INLINE Vec3<Real> creep(const Part& part, const ContactPoint<Real>& place,
+                                  const ContactKinematics<Real>& t, const Real& most) const {
     const Vec3<Real> velocity = across(t.normal, t.velocity);
     const Real speed = norm(velocity);
     const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));
-    const Meeting& meeting = *w_.near[place.pair].meeting;
+    const CollisionPair& pair = *w_.near[place.pair].pair;
     const auto shared = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
       return gives_at(body, part.motion, place.point, along) * places_of(body);
     };
-    Real gives = shared(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
-    if (meeting.other >= 0) gives += shared(other_body(meeting));
+    Real gives = shared(scene_.bodies[static_cast<std::size_t>(pair.body)]);
+    if (pair.other >= 0) gives += shared(other_body(pair));
     const Real damping = min(t.most_damping, 1.0 / max(gives * t.step, Real(1e-300)));
-    return creeping_force(velocity, speed, damping, most);
+    return viscous_friction_force(velocity, speed, damping, most);
   }
 
   SKYBODY_INLINE void add(int body, const Motion* motion, const Vec3<Real>& point,
@@ -445,17 +446,17 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// Of what a place feels: each body's mass is shared by its places.
-  SKYBODY_INLINE Real inverse_mass(const Meeting& meeting) const {
+  SKYBODY_INLINE Real inverse_mass(const CollisionPair& pair) const {
     const auto of = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
       return inverse_mass(body) * (places_of(body) * body.leverage);
     };
-    const Real mine = of(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
-    return meeting.other < 0 ? mine : mine + of(other_body(meeting));
+    const Real mine = of(scene_.bodies[static_cast<std::size_t>(pair.body)]);
+    return pair.other < 0 ? mine : mine + of(other_body(pair));
   }
   /// Of both bodies that meet, each whole.
-  SKYBODY_INLINE Real whole_inverse_mass(const Meeting& meeting) const {
-    const Real mine = inverse_mass(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
-    return meeting.other < 0 ? mine : mine + inverse_mass(other_body(meeting));
+  SKYBODY_INLINE Real whole_inverse_mass(const CollisionPair& pair) const {
+    const Real mine = inverse_mass(scene_.bodies[static_cast<std::size_t>(pair.body)]);
+    return pair.other < 0 ? mine : mine + inverse_mass(other_body(pair));
   }
   SKYBODY_INLINE Real inverse_mass(const ContactBody& body) const {
     if (body.is_driven) return Real(0.0);
@@ -463,8 +464,9 @@ class ContactStep : public ContactSearch<Real, Values> {
   }
 
   /// How a body, were it free, takes an impulse at a place.
-  SKYBODY_INLINE BodyKick<Real> response(const ContactBody& body, const Motion* motion,
-                                         const Vec3<Real>& point, const Vec3<Real>& impulse) const {
+  SKYBODY_INLINE BodyVelocityChange<Real> response(const ContactBody& body, const Motion* motion,
+                                                   const Vec3<Real>& point,
+                                                   const Vec3<Real>& impulse) const {
     const Motion& m = motion[body.body];
     const Real* c = bodies_ + kBodyConstantCount * body.body;
     const Vec3<Real> arm = point - m.position - m.axes * load_vec3(c + kBodyCom);
@@ -475,13 +477,14 @@ class ContactStep : public ContactSearch<Real, Values> {
   SKYBODY_INLINE void kick(const ContactBody& body, const Motion* motion, const Vec3<Real>& point,
                            const Vec3<Real>& impulse) const {
     if (body.is_driven) return;
-    const BodyKick<Real> change = response(body, motion, point, impulse);
+    const BodyVelocityChange<Real> change = response(body, motion, point, impulse);
     w_.kicks[body.body].velocity += change.velocity;
     w_.kicks[body.body].angular_velocity += change.angular_velocity;
   }
   /// What an impulse, or the kicks so far, do to a place's velocity.
   SKYBODY_INLINE Vec3<Real> moved(const ContactBody& body, const Motion* motion,
-                                  const Vec3<Real>& point, const BodyKick<Real>& change) const {
+                                  const Vec3<Real>& point,
+                                  const BodyVelocityChange<Real>& change) const {
     const Motion& m = motion[body.body];
     const Vec3<Real> com =
         m.axes * load_vec3(bodies_ + (kBodyConstantCount * body.body + kBodyCom));
@@ -495,24 +498,23 @@ class ContactStep : public ContactSearch<Real, Values> {
     return dot(along, moved(body, motion, point, response(body, motion, point, along)));
   }
   /// The same of both that meet.
-  SKYBODY_INLINE Real gives_at(const Meeting& meeting, const Motion* motion,
+  SKYBODY_INLINE Real gives_at(const CollisionPair& pair, const Motion* motion,
                                const Vec3<Real>& point, const Vec3<Real>& along) const {
-    Real gives =
-        gives_at(scene_.bodies[static_cast<std::size_t>(meeting.body)], motion, point, along);
-    if (meeting.other >= 0) gives += gives_at(other_body(meeting), motion, point, along);
+    Real gives = gives_at(scene_.bodies[static_cast<std::size_t>(pair.body)], motion, point, along);
+    if (pair.other >= 0) gives += gives_at(other_body(pair), motion, point, along);
     return gives;
   }
 
   /// Makes a push so large that the place stays within what it may get in, after all that was
   /// stopped before it: plastic, and no more.
-  SKYBODY_INLINE void stop(const NearPair<Real>& pair, const Part& part, const Vec3<Real>& point,
-                           const Touch<Real>& t, int other, const MaskOf<Real>& touches,
-                           Real& push) const {
-    const Meeting& meeting = *pair.meeting;
-    const Real room = max(pair.give - t.depth, Real(0.0));
+  SKYBODY_INLINE void stop(const CandidatePair<Real>& near, const Part& part,
+                           const Vec3<Real>& point, const ContactKinematics<Real>& t, int other,
+                           const MaskOf<Real>& touches, Real& push) const {
+    const CollisionPair& pair = *near.pair;
+    const Real room = max(near.give - t.depth, Real(0.0));
     const auto is_quick = logical_and(touches, -dot(t.normal, t.slide) > room);
     if (none(is_quick)) return;
-    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(pair.body)];
     const auto of = [&](const ContactBody& one, Real& way, Real& gives) SKYBODY_INLINE_LAMBDA {
       if (one.is_driven) return;
       gives += gives_at(one, part.motion, point, t.normal);
@@ -521,7 +523,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     Real way = dot(t.normal, t.slide), of_other(0.0), gives(1e-12);
     of(body, way, gives);
     if (other >= 0) {
-      of(other_body(meeting), of_other, gives);
+      of(other_body(pair), of_other, gives);
       way -= of_other;
     }
     const Real needed = max(-way - room, Real(0.0)) / (gives * part.step * part.step);
@@ -529,13 +531,13 @@ class ContactStep : public ContactSearch<Real, Values> {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     const Vec3<Real> impulse = select(is_quick, t.normal * (push * part.step), zero);
     kick(body, part.motion, point, impulse);
-    if (other >= 0) kick(other_body(meeting), part.motion, point, -impulse);
+    if (other >= 0) kick(other_body(pair), part.motion, point, -impulse);
   }
 
   const Real* bodies_;
   Real friction_, dissipation_;
   MaskOf<Real> is_quick_{false}, is_stiff_{false};
-  int place_count_ = 0;           ///< of ContactWork::places
+  int place_count_ = 0;           ///< of ContactWorkspace::places
   bool are_places_kept_ = false;  ///< they are all places of the present part
 };
 

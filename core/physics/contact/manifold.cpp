@@ -1,7 +1,7 @@
 #include "core/physics/contact/manifold.h"
 
 #include "core/base/kernel_width.h"
-#include "core/physics/contact/meet.h"
+#include "core/physics/contact/collide.h"
 
 namespace skybody {
 namespace {
@@ -10,13 +10,13 @@ struct Meet {
   template <int W>
   static SKYBODY_INLINE void run(const void* call) {
     using Real = RealOf<W>;
-    const auto& c = *static_cast<const MeetCall<Real>*>(call);
+    const auto& c = *static_cast<const CollideCall<Real>*>(call);
     add_places(c.model_a, c.a, c.model_b, c.b, c.is_close, c.out);
   }
 };
 
 }  // namespace
 
-MeetFunction* meet_function(int lanes) { return width_function<Meet>(lanes); }
+CollideFunction* collide_function(int lanes) { return width_function<Meet>(lanes); }
 
 }  // namespace skybody

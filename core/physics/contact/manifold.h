@@ -1,4 +1,4 @@
-// The places where two solids touch, found by a function of their own: for each width of packs
+// The places where two shapes touch, found by a function of their own: for each width of packs
 // there is one, which every kernel of contact calls (the code is long).
 #pragma once
 
@@ -8,21 +8,21 @@
 
 namespace skybody {
 
-/// One place where two solids touch.
+/// One place where two shapes touch.
 template <class Real>
-struct Place {
+struct ContactPoint {
   Vec3<Real> point;  ///< W [m]
-  Vec3<Real> out;    ///< the way in which the first solid is pushed off, unit
+  Vec3<Real> out;    ///< the way in which the first placed is pushed off, unit
   Real depth;        ///< [m]
   MaskOf<Real> touches;
   int bristle;  ///< -1: none
-  int pair;     ///< whose place it is: of ContactWork::near; set by who asked for it
+  int pair;     ///< whose place it is: of ContactWorkspace::near; set by who asked for it
 };
 
 /// Places where things touch, added to a list with room for them (ContactScene::most_places).
 template <class Real>
 struct Manifold {
-  Place<Real>* places;
+  ContactPoint<Real>* places;
   int count = 0;
 
   SKYBODY_INLINE void add(const Vec3<Real>& point, const Vec3<Real>& out, const Real& depth,
@@ -38,22 +38,22 @@ inline constexpr int kKeptPlaces = 256;
 
 /// What to find the places of.
 template <class Real>
-struct MeetCall {
-  const ContactSolid &model_a, &model_b;
-  const Solid<Real>&a, &b;
+struct CollideCall {
+  const ContactShape &model_a, &model_b;
+  const PlacedShape<Real>&a, &b;
   const MaskOf<Real>& is_close;  ///< lanes to look at
   Manifold<Real>& out;
 };
 
-/// Adds the places where two solids touch. @param call  a MeetCall of the width's type of number
-using MeetFunction = void(const void* call);
+/// Adds the places where two shapes touch. @param call  a CollideCall of the width's type of number
+using CollideFunction = void(const void* call);
 
 /// @param lanes  1: of doubles; else of packs
-MeetFunction* meet_function(int lanes);
+CollideFunction* collide_function(int lanes);
 
 template <class Real>
-SKYBODY_INLINE void meet(const MeetCall<Real>& call) {
-  meet_function(kLanesOf<Real>)(&call);
+SKYBODY_INLINE void collide(const CollideCall<Real>& call) {
+  collide_function(kLanesOf<Real>)(&call);
 }
 
 }  // namespace skybody

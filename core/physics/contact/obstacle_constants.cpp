@@ -48,9 +48,9 @@ void check_obstacle(const Obstacle& obstacle, const double* params) {
 
 }  // namespace
 
-int count_obstacle_solids(const Scenario& scenario) {
+int count_obstacle_shapes(const Scenario& scenario) {
   std::size_t count = 0;
-  for (const Obstacle& obstacle : scenario.obstacles) count += solids_of(obstacle).size();
+  for (const Obstacle& obstacle : scenario.obstacles) count += obstacle_shapes_of(obstacle).size();
   return static_cast<int>(count);
 }
 
@@ -65,13 +65,13 @@ void make_obstacle_constants(const World& world, const double* params, double* o
     const Vec3<double> place = load_vec3(p + kObstaclePosition);
     const Mat3<double> axes = to_mat3(normalized(load_quat(p + kObstacleRotation)));
     const auto put = [&](const Vec3<double>& position, const Vec3<double>& half, double rounding) {
-      store(place + axes * position, out + kSolidPosition);
-      for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
-      store(half, out + kSolidHalf);
-      out[kSolidRounding] = is_there ? rounding : kNoSolid;
-      const double reach = is_endless(type) ? kEverywhere : norm(half);
-      out[kSolidReach] = reach + out[kSolidRounding];
-      out += kSolidConstantCount;
+      store(place + axes * position, out + kShapePosition);
+      for (int k = 0; k < 9; ++k) out[kShapeAxes + k] = axes.m[k];
+      store(half, out + kShapeHalf);
+      out[kShapeRounding] = is_there ? rounding : kNoShape;
+      const double reach = is_unbounded_below(type) ? kEverywhere : norm(half);
+      out[kShapeReach] = reach + out[kShapeRounding];
+      out += kShapeConstantCount;
     };
     const Vec3<double> middle{0.0, 0.0, 0.0};
     if (obstacle.is_gate) {

@@ -17,29 +17,29 @@ class CouplingResponse {
     prepare();
 #pragma GCC unroll 1
     for (int s = 0; s < count_; ++s) {
-      const Joining& joining = joining_of(s);
-      push(joining, w_.rows[s]);
+      const CouplingConstraint& constraint = constraint_of(s);
+      push(constraint, w_.rows[s]);
       Real* change = w_.change + s * call_.scene.world.layout.u.size;
       for (int e = 0; e < 2; ++e) {
-        const int robot = joining.ends[static_cast<std::size_t>(e)].robot;
-        if (robot < 0 || (e == 1 && robot == joining.ends[0].robot)) continue;
-        call_.forest.respond(robot, w_.at_rest, w_.bodies, w_.nothing, w_.forces, w_.forest,
-                             change);
+        const int robot = constraint.ends[static_cast<std::size_t>(e)].robot;
+        if (robot < 0 || (e == 1 && robot == constraint.ends[0].robot)) continue;
+        call_.multibody.respond(robot, w_.at_rest, w_.bodies, w_.nothing, w_.forces, w_.multibody,
+                                change);
       }
-      for (int r = s; r < count_; ++r) w_.mass[r * count_ + s] = rate_of(r, joining);
-      const Real mobility = mobility_of(joining.ends[0]) + mobility_of(joining.ends[1]);
+      for (int r = s; r < count_; ++r) w_.mass[r * count_ + s] = rate_of(r, constraint);
+      const Real mobility = mobility_of(constraint.ends[0]) + mobility_of(constraint.ends[1]);
       w_.least_pivot[s] = least_pivot_of(w_.mass[s * count_ + s], mobility);
-      for (const JoinedEnd& end : joining.ends) {
+      for (const Attachment& end : constraint.ends) {
         if (end.body >= 0) w_.forces[end.body] = SpatialForce<Real>::zero();
       }
     }
   }
 
  private:
-  const Joining& joining_of(int row) const {
+  const CouplingConstraint& constraint_of(int row) const {
     const CouplingScene& scene = call_.scene;
     return scene
-        .joinings[static_cast<std::size_t>(scene.row_owners[static_cast<std::size_t>(row)])];
+        .constraints[static_cast<std::size_t>(scene.row_owners[static_cast<std::size_t>(row)])];
   }
 
   SKYBODY_INLINE void prepare() const {
@@ -52,27 +52,29 @@ class CouplingResponse {
         w_.at_rest[i].velocity = w_.at_rest[i].angular_velocity = w_.at_rest[i].spin = none.force;
         w_.forces[i] = none;
       }
-      call_.forest.prepare(r, call_.q, w_.at_rest, w_.bodies, w_.nothing, w_.forces, w_.forest);
+      call_.multibody.prepare(r, call_.q, w_.at_rest, w_.bodies, w_.nothing, w_.forces,
+                              w_.multibody);
     }
   }
 
   /// A unit force along the row, and its reaction.
-  SKYBODY_INLINE void push(const Joining& joining, const CouplingRow<Real>& row) const {
-    const int first = joining.ends[0].body, second = joining.ends[1].body;
+  SKYBODY_INLINE void push(const CouplingConstraint& constraint,
+                           const CouplingRow<Real>& row) const {
+    const int first = constraint.ends[0].body, second = constraint.ends[1].body;
     if (first >= 0) w_.forces[first].add_force_at(row.arm[0], row.out);
     if (second >= 0) w_.forces[second].add_force_at(row.arm[1], -row.out);
   }
 
-  /// What the force of `joining` does to the rate of a row.
-  SKYBODY_INLINE Real rate_of(int row, const Joining& joining) const {
-    const Joining& mine = joining_of(row);
+  /// What the force of `constraint` does to the rate of a row.
+  SKYBODY_INLINE Real rate_of(int row, const CouplingConstraint& constraint) const {
+    const CouplingConstraint& mine = constraint_of(row);
     Real sum(0.0);
     for (int e = 0; e < 2; ++e) {
-      const JoinedEnd& end = mine.ends[static_cast<std::size_t>(e)];
-      const bool is_moved = end.robot >= 0 && (end.robot == joining.ends[0].robot ||
-                                               end.robot == joining.ends[1].robot);
+      const Attachment& end = mine.ends[static_cast<std::size_t>(e)];
+      const bool is_moved = end.robot >= 0 && (end.robot == constraint.ends[0].robot ||
+                                               end.robot == constraint.ends[1].robot);
       if (!is_moved) continue;
-      const SpatialAcceleration<Real>& a = w_.forest.acceleration[end.body];
+      const SpatialAcceleration<Real>& a = w_.multibody.acceleration[end.body];
       const Real along = dot(w_.rows[row].out, a.linear + cross(a.angular, w_.rows[row].arm[e]));
       sum = e == 0 ? sum + along : sum - along;
     }
@@ -81,7 +83,7 @@ class CouplingResponse {
 
   /// What a unit force at an end would do to it if its body were free; no direction has more: the
   /// part that turns the body is the sum over three directions.
-  SKYBODY_INLINE Real mobility_of(const JoinedEnd& end) const {
+  SKYBODY_INLINE Real mobility_of(const Attachment& end) const {
     if (end.body < 0) return Real(0.0);
     const Real* body = w_.bodies + kBodyConstantCount * end.body;
     const SymMat3<Real> inverse = load_sym_mat3(body + kBodyInverseInertia);
@@ -92,7 +94,7 @@ class CouplingResponse {
   }
 
   const CouplingResponseCall<Real>& call_;
-  const CouplingWork<Real>& w_;
+  const CouplingWorkspace<Real>& w_;
   int count_;
 };
 

@@ -2,7 +2,7 @@
 // for each width of packs, since its code is long and several places call it.
 #pragma once
 
-#include "core/physics/coupling/coupling_work.h"
+#include "core/physics/coupling/coupling_workspace.h"
 
 namespace skybody {
 
@@ -10,9 +10,9 @@ namespace skybody {
 template <class Real>
 struct CouplingResponseCall {
   const CouplingScene& scene;
-  const Forest& forest;
-  const CouplingWork<Real>& work;  ///< `rows` placed; `change`, `mass` and `least_pivot` are
-                                   ///< written
+  const MultibodyTree& multibody;
+  const CouplingWorkspace<Real>& work;  ///< `rows` placed; `change`, `mass` and `least_pivot` are
+                                        ///< written
   const Real* q;
   const BodyKinematics<Real>* motion;  ///< of all bodies that are held, at q
 };

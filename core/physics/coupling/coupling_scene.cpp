@@ -3,7 +3,7 @@
 namespace skybody {
 namespace {
 
-JoinedEnd joined_end(const World& world, const CouplingEnd& end) {
+Attachment joined_end(const World& world, const CouplingEnd& end) {
   if (end.robot < 0) return {-1, -1, end.point};
   const int first = world.layout.robots[static_cast<std::size_t>(end.robot)].first_body;
   return {first + end.body, end.robot, end.point};
@@ -14,10 +14,10 @@ int rows_of(CouplingKind kind) {
   return kind == CouplingKind::kPoint ? 3 : 1;
 }
 
-/// Robots that a joining holds together get the same first robot.
-void hold_together(const Joining& joining, std::vector<int>& held_with) {
+/// Robots that a constraint holds together get the same first robot.
+void hold_together(const CouplingConstraint& constraint, std::vector<int>& held_with) {
   std::vector<int> robots;
-  for (const JoinedEnd& end : joining.ends) {
+  for (const Attachment& end : constraint.ends) {
     if (end.robot >= 0) robots.push_back(end.robot);
   }
   for (const int robot : robots) {
@@ -36,16 +36,16 @@ void hold_together(const Joining& joining, std::vector<int>& held_with) {
 CouplingScene::CouplingScene(const World& w) : world(w), held_with(w.scenario.robots.size(), -1) {
   int i = 0;
   for (const Coupling& coupling : world.scenario.couplings) {
-    Joining joining;
-    joining.kind = coupling.kind;
-    joining.ends = {joined_end(world, coupling.ends[0]), joined_end(world, coupling.ends[1])};
-    joining.params = world.layout.coupling_params[static_cast<std::size_t>(i)];
-    joining.first_row = static_cast<int>(row_owners.size());
-    joining.row_count = rows_of(coupling.kind);
-    for (int k = 0; k < joining.row_count; ++k) row_owners.push_back(i);
-    if (joining.row_count > 0) hold_together(joining, held_with);
+    CouplingConstraint constraint;
+    constraint.kind = coupling.kind;
+    constraint.ends = {joined_end(world, coupling.ends[0]), joined_end(world, coupling.ends[1])};
+    constraint.params = world.layout.coupling_params[static_cast<std::size_t>(i)];
+    constraint.first_row = static_cast<int>(row_owners.size());
+    constraint.row_count = rows_of(coupling.kind);
+    for (int k = 0; k < constraint.row_count; ++k) row_owners.push_back(i);
+    if (constraint.row_count > 0) hold_together(constraint, held_with);
     rope_count += coupling.kind == CouplingKind::kRope;
-    joinings.push_back(joining);
+    constraints.push_back(constraint);
     ++i;
   }
   for (std::size_t r = 0; r < held_with.size(); ++r) {

@@ -10,16 +10,16 @@
 namespace skybody {
 
 /// What a coupling holds on to.
-struct JoinedEnd {
+struct Attachment {
   int body = -1;                      ///< world body index; -1: the world
   int robot = -1;                     ///< likewise
   Vec3<double> point{0.0, 0.0, 0.0};  ///< in the body's frame, or in W [m]
 };
 
 /// A coupling in the world's numbering.
-struct Joining {
+struct CouplingConstraint {
   CouplingKind kind = CouplingKind::kRod;
-  std::array<JoinedEnd, 2> ends;
+  std::array<Attachment, 2> ends;
   int params = 0;     ///< first of its constants in the parameter block
   int first_row = 0;  ///< of its equations; a spring has none
   int row_count = 0;
@@ -33,8 +33,8 @@ struct CouplingScene {
   bool is_held(int robot) const { return held_with[static_cast<std::size_t>(robot)] >= 0; }
 
   const World& world;
-  std::vector<Joining> joinings;  ///< one for each of the scenario's couplings
-  std::vector<int> row_owners;    ///< per equation: its joining
+  std::vector<CouplingConstraint> constraints;  ///< one for each of the scenario's couplings
+  std::vector<int> row_owners;                  ///< per equation: its constraint
   int rope_count = 0;
   std::vector<int> driven;     ///< bodies: driven bases of robots that are held
   std::vector<int> held_with;  ///< per robot: the first of the robots that it hangs together with;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/coupling/coupling_scene.h"
 #include "core/physics/world/pose_math.h"
@@ -14,7 +14,7 @@ namespace {
 /// What a reset may close [m]: files have rounded numbers.
 constexpr double kSmallestGap = 1e-3;
 
-Vec3<double> place_of(const JoinedEnd& end, const LaneState& start) {
+Vec3<double> place_of(const Attachment& end, const LaneState& start) {
   if (end.body < 0) return end.point;
   const BodyState& body = start.bodies[static_cast<std::size_t>(end.body)];
   return body.position + rotate(body.rotation, end.point);
@@ -31,7 +31,7 @@ void fit(Coupling& coupling, double distance) {
       "the ends of `" + coupling.name + "` are " + metres(distance) + " apart at the start";
   const bool is_there = coupling.constants[kCouplingPresent] != 0.0;
   const auto refuse = [&](const std::string& why) {
-    if (is_there) throw MarkedError(coupling.mark, ends + why);
+    if (is_there) throw LocatedError(coupling.mark, ends + why);
   };
   if (coupling.kind == CouplingKind::kPoint) {
     if (distance > kSmallestGap) {
@@ -77,10 +77,10 @@ void check_driven_ends(const World& world) {
     const std::string first = hold_of(world, coupling.ends[0]),
                       second = hold_of(world, coupling.ends[1]);
     if (first.empty() || second.empty()) continue;
-    throw MarkedError(coupling.mark, "the ends of `" + coupling.name + "` are of " + first +
-                                         ", and of " + second +
-                                         ", so that nothing can give way; name a body that forces "
-                                         "move, or another controller");
+    throw LocatedError(coupling.mark, "the ends of `" + coupling.name + "` are of " + first +
+                                          ", and of " + second +
+                                          ", so that nothing can give way; name a body that forces "
+                                          "move, or another controller");
   }
 }
 
@@ -90,10 +90,10 @@ void fit_couplings(Scenario& scenario) {
   LaneState start;
   write_default_state(world, start);
   const CouplingScene scene(world);
-  for (std::size_t i = 0; i < scene.joinings.size(); ++i) {
-    const Joining& joining = scene.joinings[i];
+  for (std::size_t i = 0; i < scene.constraints.size(); ++i) {
+    const CouplingConstraint& constraint = scene.constraints[i];
     fit(scenario.couplings[i],
-        norm(place_of(joining.ends[0], start) - place_of(joining.ends[1], start)));
+        norm(place_of(constraint.ends[0], start) - place_of(constraint.ends[1], start)));
   }
 }
 

@@ -19,18 +19,18 @@ class CouplingSolver {
  public:
   using Motion = BodyKinematics<Real>;
 
-  SKYBODY_INLINE CouplingSolver(const CouplingScene& scene, const Forest& forest,
-                                const CouplingWork<Real>& work)
-      : scene_(scene), forest_(forest), w_(work) {}
+  SKYBODY_INLINE CouplingSolver(const CouplingScene& scene, const MultibodyTree& multibody,
+                                const CouplingWorkspace<Real>& work)
+      : scene_(scene), multibody_(multibody), w_(work) {}
 
   /// A step begins: which ropes are taut.
   /// @param motion  at its start
   SKYBODY_INLINE void begin(const Motion* motion) const {
     place(motion);
-    each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+    each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       w_.is_taut[i] = w_.is_there[i];
-      if (joining.kind == CouplingKind::kRope) {
-        const CouplingRow<Real>& row = w_.rows[joining.first_row];
+      if (constraint.kind == CouplingKind::kRope) {
+        const CouplingRow<Real>& row = w_.rows[constraint.first_row];
         w_.is_taut[i] &= logical_and(row.gap >= -kTautTolerance, row.rate >= -kTautTolerance);
       }
     });
@@ -44,20 +44,20 @@ class CouplingSolver {
     place(motion);
     if (!is_same_place) respond(q, motion);
     find_accelerations(q, u, udot, motion);
-    each_row([&](int r, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+    each_row([&](int r, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       const CouplingRow<Real>& row = w_.rows[r];
-      const Vec3<Real> apart = acceleration_at(joining.ends[0], row.arm[0], motion) -
-                               acceleration_at(joining.ends[1], row.arm[1], motion);
+      const Vec3<Real> apart = acceleration_at(constraint.ends[0], row.arm[0], motion) -
+                               acceleration_at(constraint.ends[1], row.arm[1], motion);
       w_.asked[r] = -(dot(row.out, apart) + row.bend);
     });
-    each_joining([&](int i, const Joining&)
-                     SKYBODY_INLINE_LAMBDA { w_.is_held[i] = w_.is_taut[i]; });
+    each_constraint([&](int i, const CouplingConstraint&)
+                        SKYBODY_INLINE_LAMBDA { w_.is_held[i] = w_.is_taut[i]; });
     solve([](int, const CouplingRow<Real>&) SKYBODY_INLINE_LAMBDA { return Real(0.0); });
-    each_joining([&](int i, const Joining&)
-                     SKYBODY_INLINE_LAMBDA { w_.was_held[i] = w_.is_held[i]; });
+    each_constraint([&](int i, const CouplingConstraint&)
+                        SKYBODY_INLINE_LAMBDA { w_.was_held[i] = w_.is_held[i]; });
     add_change(udot);
-    clear_pulls();
-    add_pulls(Real(1.0));
+    clear_coupling_forces();
+    add_coupling_forces(Real(1.0));
   }
 
   /// Takes gaps and rates away from q and u. Ropes that pulled in the last constrain() are as rods
@@ -67,7 +67,7 @@ class CouplingSolver {
   SKYBODY_INLINE MaskOf<Real> project(const MaskOf<Real>& mask, const Real& dt, Real* q,
                                       Real* u) const {
     if (scene_.rope_count > 0) catch_ropes(mask, dt, q, u);
-    const MaskOf<Real> is_closed = close_gaps(mask, q, u);
+    const MaskOf<Real> is_closed = project_constraints(mask, q, u);
     stop_parting(is_closed, dt, q, u);
     return is_closed;
   }
@@ -76,8 +76,9 @@ class CouplingSolver {
   SKYBODY_INLINE void release(const Real* q, const Motion* motion, Real* udot) const {
     place(motion);
     respond(q, motion);
-    each_row([&](int r, const Joining&)
-                 SKYBODY_INLINE_LAMBDA { w_.force[r] = -dot(w_.rows[r].out, w_.pulls[owner(r)]); });
+    each_row([&](int r, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
+      w_.force[r] = -dot(w_.rows[r].out, w_.coupling_forces[owner(r)]);
+    });
     add_change(udot);
   }
 
@@ -86,19 +87,19 @@ class CouplingSolver {
   int u_count() const { return scene_.world.layout.u.size; }
   int owner(int row) const { return scene_.row_owners[static_cast<std::size_t>(row)]; }
 
-  /// Calls f(i, joining) for those that have equations.
+  /// Calls f(i, constraint) for those that have equations.
   template <class F>
-  SKYBODY_INLINE void each_joining(const F& f) const {
+  SKYBODY_INLINE void each_constraint(const F& f) const {
     int i = 0;
-    for (const Joining& joining : scene_.joinings) {
-      if (joining.row_count > 0) f(i, joining);
+    for (const CouplingConstraint& constraint : scene_.constraints) {
+      if (constraint.row_count > 0) f(i, constraint);
       ++i;
     }
   }
   template <class F>
   SKYBODY_INLINE void each_row(const F& f) const {
     for (int r = 0; r < row_count(); ++r) {
-      f(r, scene_.joinings[static_cast<std::size_t>(owner(r))]);
+      f(r, scene_.constraints[static_cast<std::size_t>(owner(r))]);
     }
   }
   /// Calls f(index, RobotLayout) for robots that are held.
@@ -110,11 +111,11 @@ class CouplingSolver {
       ++i;
     }
   }
-  /// Calls f(index, RobotLayout) for the one or two robots of a joining.
+  /// Calls f(index, RobotLayout) for the one or two robots of a constraint.
   template <class F>
-  SKYBODY_INLINE void each_robot_of(const Joining& joining, const F& f) const {
+  SKYBODY_INLINE void each_robot_of(const CouplingConstraint& constraint, const F& f) const {
     const std::vector<RobotLayout>& robots = scene_.world.layout.robots;
-    const int a = joining.ends[0].robot, b = joining.ends[1].robot;
+    const int a = constraint.ends[0].robot, b = constraint.ends[1].robot;
     if (a >= 0) f(a, robots[static_cast<std::size_t>(a)]);
     if (b >= 0 && b != a) f(b, robots[static_cast<std::size_t>(b)]);
   }
@@ -123,12 +124,12 @@ class CouplingSolver {
 
   /// The rows: directions, gaps, rates.
   SKYBODY_INLINE void place(const Motion* motion) const {
-    each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
-      const JoinedMotion<Real> a(joining.ends[0], motion), b(joining.ends[1], motion);
+    each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
+      const AttachmentMotion<Real> a(constraint.ends[0], motion), b(constraint.ends[1], motion);
       const Vec3<Real> apart = a.position - b.position, parting = a.velocity - b.velocity;
       const Real rounding = kCouplingTolerance + kGapRounding * norm(a.position);
-      CouplingRow<Real>* row = w_.rows + joining.first_row;
-      if (joining.kind == CouplingKind::kPoint) {
+      CouplingRow<Real>* row = w_.rows + constraint.first_row;
+      if (constraint.kind == CouplingKind::kPoint) {
         const Real one(1.0), zero(0.0);
         row[0] = {{one, zero, zero}, {a.arm, b.arm}, apart.x, rounding, parting.x, zero};
         row[1] = {{zero, one, zero}, {a.arm, b.arm}, apart.y, rounding, parting.y, zero};
@@ -147,18 +148,18 @@ class CouplingSolver {
                                          const Motion* motion) const {
     each_robot([&](int, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       const int first = robot.first_body;
-      const TreeBody& base = forest_.bodies()[static_cast<std::size_t>(first)];
+      const TreeBody& base = multibody_.bodies()[static_cast<std::size_t>(first)];
       if (robot.body_count == 1 && base.type == JointType::kFree && base.plain_body &&
           base.plain_parent) {
         w_.accelerations[first] = {load_vec3(udot + base.u), load_vec3(udot + (base.u + 3))};
         return;
       }
-      body_accelerations(forest_.bodies(), first, first + robot.body_count, q, u, udot, motion,
+      body_accelerations(multibody_.bodies(), first, first + robot.body_count, q, u, udot, motion,
                          w_.accelerations);
     });
   }
 
-  SKYBODY_INLINE Vec3<Real> acceleration_at(const JoinedEnd& end, const Vec3<Real>& arm,
+  SKYBODY_INLINE Vec3<Real> acceleration_at(const Attachment& end, const Vec3<Real>& arm,
                                             const Motion* motion) const {
     if (end.body < 0) return SpatialForce<Real>::zero().force;
     const Motion& m = motion[end.body];
@@ -170,12 +171,12 @@ class CouplingSolver {
   /// ---- forces and what they do
 
   SKYBODY_INLINE void respond(const Real* q, const Motion* motion) const {
-    respond_to_unit_forces(CouplingResponseCall<Real>{scene_, forest_, w_, q, motion});
+    respond_to_unit_forces(CouplingResponseCall<Real>{scene_, multibody_, w_, q, motion});
   }
 
   /// Forces that make rates grow as asked, of the rows that are held. Ropes that push more than
   /// they may are let go, the one that pushes most first.
-  /// @param most_push  most_push(joining's index, its row)
+  /// @param most_push  most_push(constraint's index, its row)
   template <class MostPush>
   SKYBODY_INLINE void solve(const MostPush& most_push) const {
     const CouplingEquations<Real> equations{row_count(),      w_.mass,  w_.factor, w_.least_pivot,
@@ -191,16 +192,16 @@ class CouplingSolver {
   template <class MostPush>
   SKYBODY_INLINE bool let_go(const MostPush& most_push) const {
     Real most(0.0), which(-1.0);
-    each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
-      if (joining.kind != CouplingKind::kRope) return;
-      const int r = joining.first_row;
+    each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
+      if (constraint.kind != CouplingKind::kRope) return;
+      const int r = constraint.first_row;
       const Real push = w_.force[r] - most_push(i, w_.rows[r]);
       const auto is_more = logical_and(w_.is_held[i], push > most);
       most = select(is_more, push, most);
       which = select(is_more, Real(static_cast<double>(i)), which);
     });
     if (none(which >= 0.0)) return false;
-    each_joining([&](int i, const Joining&) SKYBODY_INLINE_LAMBDA {
+    each_constraint([&](int i, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
       w_.is_held[i] &= which != Real(static_cast<double>(i));
     });
     return true;
@@ -208,9 +209,9 @@ class CouplingSolver {
 
   /// Adds what the forces do to u's rates, or impulses to u.
   SKYBODY_INLINE void add_change(Real* of_u) const {
-    each_row([&](int r, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+    each_row([&](int r, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       const Real* change = w_.change + r * u_count();
-      each_robot_of(joining, [&](int, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      each_robot_of(constraint, [&](int, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
           of_u[i] += change[i] * w_.force[r];
         }
@@ -218,13 +219,14 @@ class CouplingSolver {
     });
   }
 
-  SKYBODY_INLINE void clear_pulls() const {
-    each_joining([&](int i, const Joining&)
-                     SKYBODY_INLINE_LAMBDA { w_.pulls[i] = SpatialForce<Real>::zero().force; });
+  SKYBODY_INLINE void clear_coupling_forces() const {
+    each_constraint([&](int i, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
+      w_.coupling_forces[i] = SpatialForce<Real>::zero().force;
+    });
   }
-  SKYBODY_INLINE void add_pulls(const Real& per_force) const {
-    each_row([&](int r, const Joining&) SKYBODY_INLINE_LAMBDA {
-      w_.pulls[owner(r)] += w_.rows[r].out * (w_.force[r] * per_force);
+  SKYBODY_INLINE void add_coupling_forces(const Real& per_force) const {
+    each_row([&](int r, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
+      w_.coupling_forces[owner(r)] += w_.rows[r].out * (w_.force[r] * per_force);
     });
   }
 
@@ -234,7 +236,7 @@ class CouplingSolver {
   template <class Value>
   SKYBODY_INLINE Real largest(const Value& value) const {
     Real most(-1.0);
-    each_row([&](int r, const Joining&) SKYBODY_INLINE_LAMBDA {
+    each_row([&](int r, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
       most = max(most, select(w_.is_held[owner(r)], value(w_.rows[r]), Real(-1.0)));
     });
     return most;
@@ -242,8 +244,8 @@ class CouplingSolver {
 
   SKYBODY_INLINE void move(const Real* q, const Real* u) const {
     each_robot([&](int, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
-      forward_kinematics(forest_.bodies(), robot.first_body, robot.first_body + robot.body_count, q,
-                         u, w_.motion);
+      forward_kinematics(multibody_.bodies(), robot.first_body, robot.first_body + robot.body_count,
+                         q, u, w_.motion);
     });
     place(w_.motion);
   }
@@ -255,10 +257,10 @@ class CouplingSolver {
                                   Real* u) const {
     move(q, u);
     MaskOf<Real> is_caught(false);
-    each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+    each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       w_.is_held[i] = w_.is_there[i];
-      if (joining.kind != CouplingKind::kRope) return;
-      const CouplingRow<Real>& row = w_.rows[joining.first_row];
+      if (constraint.kind != CouplingKind::kRope) return;
+      const CouplingRow<Real>& row = w_.rows[constraint.first_row];
       const auto is_long = logical_and(row.gap > row.rounding, row.rate > kCouplingTolerance);
       const auto is_new = logical_and(mask, logical_and(is_long, logical_not(w_.was_held[i])));
       w_.is_new[i] = logical_and(w_.is_held[i], is_new);
@@ -270,9 +272,9 @@ class CouplingSolver {
     Real ago(0.0);
     for (int k = 0; k < 3; ++k) {  // Newton's method: distances grow all but evenly
       Real since(0.0);
-      each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
-        if (joining.kind != CouplingKind::kRope) return;
-        const CouplingRow<Real>& row = w_.rows[joining.first_row];
+      each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
+        if (constraint.kind != CouplingKind::kRope) return;
+        const CouplingRow<Real>& row = w_.rows[constraint.first_row];
         const auto counts = logical_and(w_.is_new[i], row.rate > kCouplingTolerance);
         since = max(since, select(counts, row.gap / select(counts, row.rate, Real(1.0)), since));
       });
@@ -310,7 +312,7 @@ class CouplingSolver {
   SKYBODY_INLINE void each_driven(const F& f) const {
     Real* kept = w_.driven;
     for (const int body : scene_.driven) {
-      const TreeBody& base = forest_.bodies()[static_cast<std::size_t>(body)];
+      const TreeBody& base = multibody_.bodies()[static_cast<std::size_t>(body)];
       f(kept, base.q, position_size(base.type));
       kept += 7;
     }
@@ -318,15 +320,16 @@ class CouplingSolver {
 
   /// The coordinates: Newton's method, lane by lane until the gaps are closed.
   /// @returns the lanes where they are
-  SKYBODY_INLINE MaskOf<Real> close_gaps(const MaskOf<Real>& mask, Real* q, const Real* u) const {
+  SKYBODY_INLINE MaskOf<Real> project_constraints(const MaskOf<Real>& mask, Real* q,
+                                                  const Real* u) const {
     constexpr int kMostTries = 20;
     keep_driven(q);
     for (int left = kMostTries;; --left) {
       move(q, u);
-      each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+      each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
         w_.is_held[i] = w_.is_there[i];
-        if (joining.kind != CouplingKind::kRope) return;
-        const auto is_long = w_.rows[joining.first_row].gap > 0.0;
+        if (constraint.kind != CouplingKind::kRope) return;
+        const auto is_long = w_.rows[constraint.first_row].gap > 0.0;
         w_.is_held[i] &= logical_or(is_long, w_.was_held[i]);
       });
       const Real gap = largest([](const CouplingRow<Real>& row)
@@ -337,7 +340,8 @@ class CouplingSolver {
         return logical_and(mask, logical_not(is_open));
       }
       respond(q, w_.motion);
-      each_row([&](int r, const Joining&) SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].gap; });
+      each_row([&](int r, const CouplingConstraint&)
+                   SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].gap; });
       solve([](int, const CouplingRow<Real>&) SKYBODY_INLINE_LAMBDA { return Real(kInfinity); });
       for (int i = 0; i < u_count(); ++i) w_.shift[i] = Real(0.0);
       add_change(w_.shift);
@@ -348,9 +352,9 @@ class CouplingSolver {
 
   /// Whose gaps are open.
   SKYBODY_INLINE void note_open() const {
-    each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+    each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       w_.is_open[i] = MaskOf<Real>(false);
-      for (int r = joining.first_row; r < joining.first_row + joining.row_count; ++r) {
+      for (int r = constraint.first_row; r < constraint.first_row + constraint.row_count; ++r) {
         const CouplingRow<Real>& row = w_.rows[r];
         const auto is_closed = abs(row.gap) - row.rounding <= 0.0;
         w_.is_open[i] |= logical_and(w_.is_held[i], logical_not(is_closed));
@@ -361,7 +365,7 @@ class CouplingSolver {
   SKYBODY_INLINE void shift(const MaskOf<Real>& mask, Real* q) const {
     each_robot([&](int, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
-        const TreeBody& body = forest_.bodies()[static_cast<std::size_t>(i)];
+        const TreeBody& body = multibody_.bodies()[static_cast<std::size_t>(i)];
         Real moved[7];
         const int count = position_size(body.type);
         for (int k = 0; k < count; ++k) moved[k] = q[body.q + k];
@@ -372,8 +376,8 @@ class CouplingSolver {
     });
   }
 
-  /// The velocities, where the ends are as close_gaps() left them. An impulse may set a rope that
-  /// was at rest in motion: then it is caught, too.
+  /// The velocities, where the ends are as project_constraints() left them. An impulse may set a
+  /// rope that was at rest in motion: then it is caught, too.
   SKYBODY_INLINE void stop_parting(const MaskOf<Real>& mask, const Real& dt, const Real* q,
                                    Real* u) const {
     constexpr int kMostPasses = 4;
@@ -381,15 +385,15 @@ class CouplingSolver {
     for (int pass = 0; pass < kMostPasses; ++pass) {
       if (pass > 0) move(q, u);
       MaskOf<Real> is_parting(false);
-      each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+      each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
         w_.is_held[i] = w_.is_there[i];
-        if (joining.kind != CouplingKind::kRope) return;
-        const auto is_taut = w_.rows[joining.first_row].gap >= -kTautTolerance;
+        if (constraint.kind != CouplingKind::kRope) return;
+        const auto is_taut = w_.rows[constraint.first_row].gap >= -kTautTolerance;
         w_.is_held[i] &= logical_or(is_taut, w_.was_held[i]);
       });
-      each_row([&](int r, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+      each_row([&](int r, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
         const Real& rate = w_.rows[r].rate;
-        const bool is_rope = joining.kind == CouplingKind::kRope;
+        const bool is_rope = constraint.kind == CouplingKind::kRope;
         const auto slackens =
             logical_and(MaskOf<Real>(is_rope), logical_not(w_.was_held[owner(r)]));
         const Real wrong = select(slackens, rate, abs(rate));
@@ -403,21 +407,23 @@ class CouplingSolver {
   }
 
   SKYBODY_INLINE void stop(const MaskOf<Real>& mask, const Real& dt, Real* u) const {
-    each_row([&](int r, const Joining&) SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].rate; });
+    each_row([&](int r, const CouplingConstraint&)
+                 SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].rate; });
     // Of its impulse over the step, a rope may give all back.
-    solve([&](int i, const CouplingRow<Real>& row)
-              SKYBODY_INLINE_LAMBDA { return max(-dot(w_.pulls[i], row.out), Real(0.0)) * dt; });
-    each_row([&](int r, const Joining&)
+    solve([&](int i, const CouplingRow<Real>& row) SKYBODY_INLINE_LAMBDA {
+      return max(-dot(w_.coupling_forces[i], row.out), Real(0.0)) * dt;
+    });
+    each_row([&](int r, const CouplingConstraint&)
                  SKYBODY_INLINE_LAMBDA { w_.force[r] = select(mask, w_.force[r], Real(0.0)); });
     for (int i = 0; i < u_count(); ++i) w_.shift[i] = u[i];
     add_change(w_.shift);
     for (int i = 0; i < u_count(); ++i) u[i] = select(mask, w_.shift[i], u[i]);
-    add_pulls(1.0 / dt);
+    add_coupling_forces(1.0 / dt);
   }
 
   const CouplingScene& scene_;
-  const Forest& forest_;
-  CouplingWork<Real> w_;
+  const MultibodyTree& multibody_;
+  CouplingWorkspace<Real> w_;
 };
 
 struct Work {
@@ -425,15 +431,15 @@ struct Work {
   static SKYBODY_INLINE void run(const void* call) {
     using Real = RealOf<W>;
     const auto& c = *static_cast<const CouplingCall<Real>*>(call);
-    const CouplingSolver<Real> solver(c.scene, c.forest, c.work);
-    switch (c.deed) {
-      case CouplingDeed::kBegin:
+    const CouplingSolver<Real> solver(c.scene, c.multibody, c.work);
+    switch (c.operation) {
+      case CouplingOperation::kBegin:
         return solver.begin(c.motion);
-      case CouplingDeed::kConstrain:
+      case CouplingOperation::kConstrain:
         return solver.constrain(c.at_q, c.at_u, c.motion, c.is_same_place, c.udot);
-      case CouplingDeed::kRelease:
+      case CouplingOperation::kRelease:
         return solver.release(c.at_q, c.motion, c.udot);
-      case CouplingDeed::kProject:
+      case CouplingOperation::kProject:
         *c.lanes = solver.project(*c.lanes, c.dt, c.q, c.u);
     }
   }

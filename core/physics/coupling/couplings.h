@@ -12,19 +12,19 @@
 // the masses allow (M^-1 J^T again), so that momentum is kept.
 #pragma once
 
-#include "core/physics/coupling/coupling_work.h"
+#include "core/physics/coupling/coupling_workspace.h"
 
 namespace skybody {
 
-enum class CouplingDeed { kBegin, kConstrain, kRelease, kProject };
+enum class CouplingOperation { kBegin, kConstrain, kRelease, kProject };
 
 /// What couplings are to do.
 template <class Real>
 struct CouplingCall {
   const CouplingScene& scene;
-  const Forest& forest;
-  const CouplingWork<Real>& work;
-  CouplingDeed deed;
+  const MultibodyTree& multibody;
+  const CouplingWorkspace<Real>& work;
+  CouplingOperation operation;
   const Real *at_q = nullptr, *at_u = nullptr;
   Real *q = nullptr, *u = nullptr;  ///< of kProject
   const BodyKinematics<Real>* motion = nullptr;
@@ -46,9 +46,9 @@ class Couplings {
  public:
   using Motion = BodyKinematics<Real>;
 
-  SKYBODY_INLINE Couplings(const CouplingScene& scene, const Forest& forest,
-                           const CouplingWork<Real>& work)
-      : scene_(scene), forest_(forest), w_(work) {}
+  SKYBODY_INLINE Couplings(const CouplingScene& scene, const MultibodyTree& multibody,
+                           const CouplingWorkspace<Real>& work)
+      : scene_(scene), multibody_(multibody), w_(work) {}
 
   /// Whether there are any equations.
   bool any() const { return !scene_.row_owners.empty(); }
@@ -69,13 +69,14 @@ class Couplings {
     }
     for (int i = 0; i < scene_.world.layout.u.size; ++i) w_.nothing[i] = Real(0.0);
     int i = -1;
-    for (const Joining& joining : scene_.joinings) {
-      w_.pulls[++i] = zero;
+    for (const CouplingConstraint& constraint : scene_.constraints) {
+      w_.coupling_forces[++i] = zero;
       w_.is_open[i] = MaskOf<Real>(false);
-      w_.is_there[i] = Real(params[joining.params + kCouplingPresent]) != 0.0;
-      w_.was_held[i] = joining.kind == CouplingKind::kRope ? MaskOf<Real>(false) : w_.is_there[i];
-      if (joining.kind != CouplingKind::kPoint) {
-        w_.lengths[i] = params[joining.params + kCouplingLength];
+      w_.is_there[i] = Real(params[constraint.params + kCouplingPresent]) != 0.0;
+      w_.was_held[i] =
+          constraint.kind == CouplingKind::kRope ? MaskOf<Real>(false) : w_.is_there[i];
+      if (constraint.kind != CouplingKind::kPoint) {
+        w_.lengths[i] = params[constraint.params + kCouplingLength];
       }
     }
   }
@@ -83,7 +84,7 @@ class Couplings {
   /// A step begins: which ropes are taut.
   /// @param motion  at its start
   SKYBODY_INLINE void begin(const Motion* motion) const {
-    CouplingCall<Real> call = make_call(CouplingDeed::kBegin);
+    CouplingCall<Real> call = make_call(CouplingOperation::kBegin);
     call.motion = motion;
     run(call);
   }
@@ -93,7 +94,7 @@ class Couplings {
   /// @param udot           without couplings; overwritten
   SKYBODY_INLINE void constrain(const Real* q, const Real* u, const Motion* motion,
                                 bool is_same_place, Real* udot) const {
-    CouplingCall<Real> call = make_call(CouplingDeed::kConstrain);
+    CouplingCall<Real> call = make_call(CouplingOperation::kConstrain);
     call.at_q = q;
     call.at_u = u;
     call.motion = motion;
@@ -104,22 +105,22 @@ class Couplings {
 
   /// Keeps pulls and ropes as the last constrain() left them.
   SKYBODY_INLINE void remember() const {
-    for (std::size_t i = 0; i < scene_.joinings.size(); ++i) {
-      w_.pulls_before[i] = w_.pulls[i];
+    for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
+      w_.forces_before[i] = w_.coupling_forces[i];
       w_.held_before[i] = w_.was_held[i];
     }
   }
   /// Takes them back in the lanes that are not in `mask`: in these, nothing was asked since.
   SKYBODY_INLINE void take_back(const MaskOf<Real>& mask) const {
-    for (std::size_t i = 0; i < scene_.joinings.size(); ++i) {
-      w_.pulls[i] = select(mask, w_.pulls[i], w_.pulls_before[i]);
+    for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
+      w_.coupling_forces[i] = select(mask, w_.coupling_forces[i], w_.forces_before[i]);
       w_.was_held[i] = select(mask, w_.was_held[i], w_.held_before[i]);
     }
   }
 
   /// Takes from accelerations what the pulls did to them.
   SKYBODY_INLINE void release(const Real* q, const Motion* motion, Real* udot) const {
-    CouplingCall<Real> call = make_call(CouplingDeed::kRelease);
+    CouplingCall<Real> call = make_call(CouplingOperation::kRelease);
     call.at_q = q;
     call.motion = motion;
     call.udot = udot;
@@ -133,7 +134,7 @@ class Couplings {
   SKYBODY_INLINE MaskOf<Real> project(const MaskOf<Real>& mask, const Real& dt, Real* q,
                                       Real* u) const {
     MaskOf<Real> lanes = mask;
-    CouplingCall<Real> call = make_call(CouplingDeed::kProject);
+    CouplingCall<Real> call = make_call(CouplingOperation::kProject);
     call.q = q;
     call.u = u;
     call.dt = dt;
@@ -148,11 +149,11 @@ class Couplings {
   SKYBODY_INLINE void add_springs(const Values& params, const Motion* motion,
                                   SpatialForce<Real>* forces) const {
     int i = -1;
-    for (const Joining& joining : scene_.joinings) {
+    for (const CouplingConstraint& constraint : scene_.constraints) {
       ++i;
-      if (joining.kind != CouplingKind::kSpring) continue;
-      const Values constants = params + joining.params;
-      const JoinedMotion<Real> a(joining.ends[0], motion), b(joining.ends[1], motion);
+      if (constraint.kind != CouplingKind::kSpring) continue;
+      const Values constants = params + constraint.params;
+      const AttachmentMotion<Real> a(constraint.ends[0], motion), b(constraint.ends[1], motion);
       const Vec3<Real> apart = a.position - b.position;
       const Real distance = norm(apart);
       const Vec3<Real> out = apart * (1.0 / max(distance, 1e-12));
@@ -160,45 +161,46 @@ class Couplings {
                         constants[kCouplingDamping] * dot(out, a.velocity - b.velocity);
       const Real zero(0.0);
       const Vec3<Real> force = select(w_.is_there[i], -(out * pull), {zero, zero, zero});
-      w_.pulls[i] = force;
-      if (joining.ends[0].body >= 0) forces[joining.ends[0].body].add_force_at(a.arm, force);
-      if (joining.ends[1].body >= 0) forces[joining.ends[1].body].add_force_at(b.arm, -force);
+      w_.coupling_forces[i] = force;
+      if (constraint.ends[0].body >= 0) forces[constraint.ends[0].body].add_force_at(a.arm, force);
+      if (constraint.ends[1].body >= 0) forces[constraint.ends[1].body].add_force_at(b.arm, -force);
     }
   }
 
   /// Adds the forces of rods, ropes and points, as the last constrain() found them.
-  SKYBODY_INLINE void add_pulls(const Motion* motion, SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE void add_coupling_forces(const Motion* motion, SpatialForce<Real>* forces) const {
     int i = -1;
-    for (const Joining& joining : scene_.joinings) {
+    for (const CouplingConstraint& constraint : scene_.constraints) {
       ++i;
-      if (joining.kind == CouplingKind::kSpring) continue;
+      if (constraint.kind == CouplingKind::kSpring) continue;
       for (int e = 0; e < 2; ++e) {
-        const JoinedEnd& end = joining.ends[static_cast<std::size_t>(e)];
+        const Attachment& end = constraint.ends[static_cast<std::size_t>(e)];
         if (end.body < 0) continue;
-        const JoinedMotion<Real> at(end, motion);
-        forces[end.body].add_force_at(at.arm, e == 0 ? w_.pulls[i] : -w_.pulls[i]);
+        const AttachmentMotion<Real> at(end, motion);
+        forces[end.body].add_force_at(at.arm,
+                                      e == 0 ? w_.coupling_forces[i] : -w_.coupling_forces[i]);
       }
     }
   }
 
-  /// Per joining: the force on its first end, W [N].
-  Vec3<Real>* pulls() const { return w_.pulls; }
-  /// Per joining: the lanes where the last project() left its gap open.
+  /// Per constraint: the force on its first end, W [N].
+  Vec3<Real>* coupling_forces() const { return w_.coupling_forces; }
+  /// Per constraint: the lanes where the last project() left its gap open.
   const MaskOf<Real>* open() const { return w_.is_open; }
-  /// Per joining: the lanes where its equations held in the last constrain().
+  /// Per constraint: the lanes where its equations held in the last constrain().
   const MaskOf<Real>* held() const { return w_.was_held; }
 
  private:
-  SKYBODY_INLINE CouplingCall<Real> make_call(CouplingDeed deed) const {
-    return {scene_, forest_, w_, deed};
+  SKYBODY_INLINE CouplingCall<Real> make_call(CouplingOperation operation) const {
+    return {scene_, multibody_, w_, operation};
   }
   static SKYBODY_INLINE void run(const CouplingCall<Real>& call) {
     coupling_function(kLanesOf<Real>)(&call);
   }
 
   const CouplingScene& scene_;
-  const Forest& forest_;
-  CouplingWork<Real> w_;
+  const MultibodyTree& multibody_;
+  CouplingWorkspace<Real> w_;
 };
 
 }  // namespace skybody

@@ -2,9 +2,9 @@
 
 namespace skybody {
 
-bool are_in_rows(const RotorPlace* rotors, const double* params) {
+bool are_in_rows(const RotorMount* rotors, const double* params) {
   const Vec3<double> first = hub_of<double>(params + rotors[0].params);
-  const auto is_at = [&](const RotorPlace& rotor, double x_sign, double y_sign) {
+  const auto is_at = [&](const RotorMount& rotor, double x_sign, double y_sign) {
     const Vec3<double> hub = hub_of<double>(params + rotor.params);
     return hub.x == x_sign * first.x && hub.y == y_sign * first.y &&
            rotor.direction == x_sign * y_sign * rotors[0].direction;
@@ -12,13 +12,13 @@ bool are_in_rows(const RotorPlace* rotors, const double* params) {
   return is_at(rotors[1], 1, -1) && is_at(rotors[2], -1, 1) && is_at(rotors[3], -1, -1);
 }
 
-RotorPlace make_rotor_place(const World& world, std::size_t index) {
+RotorMount make_rotor_place(const World& world, std::size_t index) {
   const Rotor& rotor = *world.rotors[index].model;
   return {rotor.axis, static_cast<double>(rotor.direction), world.layout.rotor_params[index]};
 }
 
-std::vector<RotorPlace> make_rotor_places(const World& world) {
-  std::vector<RotorPlace> places;
+std::vector<RotorMount> make_rotor_places(const World& world) {
+  std::vector<RotorMount> places;
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
     places.push_back(make_rotor_place(world, i));
   }

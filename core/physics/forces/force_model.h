@@ -31,8 +31,8 @@ struct ForceInputs {
 };
 
 /// A rotor of a world on its body; every one; and the groups that they form.
-RotorPlace make_rotor_place(const World& world, std::size_t index);
-std::vector<RotorPlace> make_rotor_places(const World& world);
+RotorMount make_rotor_place(const World& world, std::size_t index);
+std::vector<RotorMount> make_rotor_places(const World& world);
 std::vector<RotorGroup> make_rotor_groups(const World& world);
 
 /// Immutable; refers to the world, which must outlive it.
@@ -59,8 +59,9 @@ class ForceModel {
  private:
   /// Sum of the forces on body i.
   template <class Real, class Params>
-  SKYBODY_INLINE OriginLoad<Real, Params> load(const ForceInputs<Real, Params>& in, int i,
-                                               SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE OriginForceAccumulator<Real, Params> load(const ForceInputs<Real, Params>& in,
+                                                           int i,
+                                                           SpatialForce<Real>* forces) const {
     return {in.bodies[i], in.params + world_.layout.body_params[static_cast<std::size_t>(i)],
             forces[i]};
   }
@@ -131,7 +132,7 @@ class ForceModel {
   }
 
   const World& world_;
-  std::vector<RotorPlace> rotors_;
+  std::vector<RotorMount> rotors_;
   std::vector<RotorGroup> rotor_groups_;
   std::vector<int> bases_;   ///< per robot: world body index of its base
   std::vector<int> joints_;  ///< bodies whose joint has constants

@@ -1,8 +1,9 @@
 // The forces of ours on one body but for its weight and its rotors, each once: every term adds to
-// an OriginLoad or a FreeLoad (body_load.h). On double and packs.
+// an OriginForceAccumulator or a FreeBodyForceAccumulator (force_accumulators.h). On double and
+// packs.
 #pragma once
 
-#include "core/physics/forces/body_load.h"
+#include "core/physics/forces/force_accumulators.h"
 #include "core/physics/world/lane_values.h"
 #include "core/physics/world/world.h"
 

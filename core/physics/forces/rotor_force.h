@@ -20,7 +20,7 @@
 #include "core/model/held_inputs.h"
 #include "core/model/layout.h"
 #include "core/physics/bodies/spatial_force.h"
-#include "core/physics/forces/level_rotors.h"
+#include "core/physics/forces/coplanar_rotors.h"
 #include "core/physics/forces/rotor_lag.h"
 #include "core/physics/world/lane_values.h"
 
@@ -36,9 +36,9 @@ static_assert(int{kThrustConstant} == SKYBODY_GAIN_THRUST &&
 /// A rotor's constants, the first ones of which effects scale.
 /// @tparam Constants, Gains  pointers, or views
 template <class Constants, class Gains>
-class GainedConstants {
+class ScaledRotorConstants {
  public:
-  SKYBODY_INLINE GainedConstants(const Constants& constants, const Gains& gains)
+  SKYBODY_INLINE ScaledRotorConstants(const Constants& constants, const Gains& gains)
       : constants_(constants), gains_(gains) {}
   SKYBODY_INLINE auto operator[](int k) const {
     return k < kGainedConstants ? constants_[k] * gains_[k] : constants_[k];
@@ -54,7 +54,7 @@ class GainedConstants {
 /// @param constants  the rotor's kRotorParamCount values
 /// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
 template <class Real, class Constants>
-SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace& place,
+SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorMount& place,
                                     const RotorMotion<Real>& rotor, const Vec3<Real>& velocity,
                                     const Vec3<Real>& spin, SpatialForce<Real>& sum) {
   const Vec3<Real> position = hub_of<Real>(constants), axis = to_real<Real>(place.axis);
@@ -74,7 +74,7 @@ SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace
 /// Consecutive rotors on one body.
 struct RotorGroup {
   int body = 0, first = 0, count = 0;
-  bool is_level = false;  ///< by the nominal places they go as LevelRotors
+  bool is_level = false;  ///< by the nominal places they go as CoplanarRotors
 };
 
 /// What the rotors of any group do to their body, one by one.
@@ -85,7 +85,7 @@ struct RotorGroup {
 /// @param velocity, spin  of the body's origin through the air [m/s] and body [rad/s], body axes
 /// @returns about the body's origin, body axes
 template <class Real, class Constants, class Motion>
-SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const RotorPlace* places,
+SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const RotorMount* places,
                                              Constants&& constants, Motion&& motion, double unit,
                                              const Vec3<Real>& velocity, const Vec3<Real>& spin) {
   SpatialForce<Real> sum = SpatialForce<Real>::zero();
@@ -101,16 +101,16 @@ SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const Roto
 /// Rotors whose axes are the body's z, where their hubs are at one height.
 template <class Real, class Constants, class Motion>
 SKYBODY_INLINE SpatialForce<Real> level_rotor_forces(const RotorGroup& group,
-                                                     const RotorPlace* places,
+                                                     const RotorMount* places,
                                                      Constants&& constants, Motion&& motion,
                                                      double unit, const Vec3<Real>& velocity,
                                                      const Vec3<Real>& spin) {
   const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
     Real factors[kRotorFactorCount];
     make_rotor_factors(constants(i), places[i], factors);
-    return LevelRotors<Real>(factors, motion(i));
+    return CoplanarRotors<Real>(factors, motion(i));
   };
-  LevelRotors<Real> rotors = alone(group.first);
+  CoplanarRotors<Real> rotors = alone(group.first);
   for (int i = group.first + 1; i < group.first + group.count; ++i) rotors += alone(i);
   return rotors.force(Real(constants(group.first)[kRotorPosition + 2]), unit, velocity, spin);
 }
@@ -118,7 +118,7 @@ SKYBODY_INLINE SpatialForce<Real> level_rotor_forces(const RotorGroup& group,
 /// The same by the quicker way in lanes that have one: of a level group those whose hubs, which may
 /// be drawn, are at one height.
 template <class Real, class Constants, class Motion>
-SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
+SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorMount* places,
                                                Constants&& constants, Motion&& motion, double unit,
                                                const Vec3<Real>& velocity, const Vec3<Real>& spin) {
   SpatialForce<Real> level = SpatialForce<Real>::zero();
@@ -140,7 +140,7 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
 /// @param params  of the environment: a pointer, or a view
 /// @param flow    of all rotors of the world
 template <class Real, class Params, class Flow, class Motion>
-SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorPlace* places,
+SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorMount* places,
                                     const Params& params, const Flow& flow, Motion&& motion,
                                     const Vec3<Real>& velocity, const Vec3<Real>& spin,
                                     SpatialForce<Real>& sum) {
@@ -169,13 +169,13 @@ SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorPlace* p
 /// @param held    null: no effects
 template <class Real, class Params, class Motion>
 SKYBODY_INLINE SpatialForce<Real> held_rotor_forces(const RotorGroup& group,
-                                                    const RotorPlace* places, const Params& params,
+                                                    const RotorMount* places, const Params& params,
                                                     const HeldLanes<Real>* held, Motion&& motion,
                                                     double unit, const Vec3<Real>& velocity,
                                                     const Vec3<Real>& spin) {
   const auto own = [&](int i) SKYBODY_INLINE_LAMBDA { return params + places[i].params; };
   const auto gained = [&](int i) SKYBODY_INLINE_LAMBDA {
-    return GainedConstants(own(i), (*held)[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * i);
+    return ScaledRotorConstants(own(i), (*held)[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * i);
   };
   SpatialForce<Real> sum =
       held != nullptr && held->has(SKYBODY_HELD_ROTOR_GAIN)

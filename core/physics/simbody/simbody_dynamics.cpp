@@ -210,17 +210,17 @@ class SimbodySystem {
   /// Simbody's own, of those couplings that are equations.
   void add_constraints(const World& world, const double* params) {
     const CouplingScene scene(world);
-    for (std::size_t i = 0; i < scene.joinings.size(); ++i) {
-      const Joining& joining = scene.joinings[i];
-      if (joining.row_count == 0) continue;
-      SimTK::MobilizedBody& a = updated(joining.ends[0].body);
-      SimTK::MobilizedBody& b = updated(joining.ends[1].body);
-      const SimTK::Vec3 at = to_simbody(joining.ends[0].point);
-      const SimTK::Vec3 to = to_simbody(joining.ends[1].point);
-      if (joining.kind == CouplingKind::kPoint) {
+    for (std::size_t i = 0; i < scene.constraints.size(); ++i) {
+      const CouplingConstraint& constraint = scene.constraints[i];
+      if (constraint.row_count == 0) continue;
+      SimTK::MobilizedBody& a = updated(constraint.ends[0].body);
+      SimTK::MobilizedBody& b = updated(constraint.ends[1].body);
+      const SimTK::Vec3 at = to_simbody(constraint.ends[0].point);
+      const SimTK::Vec3 to = to_simbody(constraint.ends[1].point);
+      if (constraint.kind == CouplingKind::kPoint) {
         constraints_.emplace_back(i, SimTK::Constraint::Ball(a, at, b, to));
       } else {
-        const double length = params[joining.params + kCouplingLength];
+        const double length = params[constraint.params + kCouplingLength];
         constraints_.emplace_back(i, SimTK::Constraint::Rod(a, at, b, to, length));
       }
     }

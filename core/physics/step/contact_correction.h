@@ -10,8 +10,8 @@
 // once however fine the parts are: a multiple-time-step leapfrog (M. Tuckerman, B. J. Berne, G. J.
 // Martyna, "Reversible multiple time scale molecular dynamics", 1992, with the slow force spread
 // evenly over the step). Bodies that spin fast, or that a contact makes spin fast, drift by their
-// torque-free motion (fast_robots.h), and a is the rest; so do all that are near something where
-// springs lose nothing.
+// torque-free motion (high_spin_robots.h), and a is the rest; so do all that are near something
+// where springs lose nothing.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +24,8 @@ namespace skybody {
 
 /// @tparam Values    how parameters and what derives from them are read
 /// @tparam Response  what forces on the bodies do to their accelerations
-/// @tparam Lanes     how the lanes' values are read: a LanePlace or LaneList
-template <class Real, class Values, class Response = TreeResponse, class Lanes = LanePlace<Real>>
+/// @tparam Lanes     how the lanes' values are read: a LaneSlice or LaneList
+template <class Real, class Values, class Response = TreeResponse, class Lanes = LaneSlice<Real>>
 class ContactCorrection {
  public:
   /// @param lanes   that Real holds
@@ -43,7 +43,7 @@ class ContactCorrection {
         response_(response),
         a_(arrays),
         params_(params),
-        couplings_(plan_.couplings, plan_.forest, a_.couplings),
+        couplings_(plan_.couplings, plan_.multibody, a_.couplings),
         fast_(plan_, a_.fast, a_.bodies, a_.mean),
         contact_(call.plan->contact, params + call.plan->world.layout.world_params, a_.bodies,
                  derived + call.plan->derived.obstacles, a_.contact) {}
@@ -96,7 +96,7 @@ class ContactCorrection {
 
  private:
   double dt() const { return plan_.world.scenario.stepping.dt; }
-  const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
+  const std::vector<TreeBody>& tree() const { return plan_.multibody.bodies(); }
   int u_count() const { return a_.now.u_count; }
 
   SKYBODY_INLINE void load(const double* q, const double* u, const Coordinates<Real>& to) const {
@@ -131,8 +131,8 @@ class ContactCorrection {
   /// What couplings did in the step is taken from its accelerations: they are asked anew.
   SKYBODY_INLINE void begin_couplings() {
     couplings_.load(params_, bodies_);
-    lanes_.load(group_.pulls, plan_.world.layout.pulls.size,
-                reinterpret_cast<Real*>(couplings_.pulls()));
+    lanes_.load(group_.coupling_forces, plan_.world.layout.coupling_forces.size,
+                reinterpret_cast<Real*>(couplings_.coupling_forces()));
     couplings_.begin(a_.motion);
     couplings_.release(a_.now.q, a_.motion, a_.smooth);
   }
@@ -141,7 +141,7 @@ class ContactCorrection {
     Real parts = contact_.parts();
     forget_couplings();
 #pragma GCC unroll 1
-    for (int p = 0; p < kMostParts; ++p) {
+    for (int p = 0; p < kMaxContactSubsteps; ++p) {
       const auto is_active = logical_and(is_near, parts > static_cast<double>(p));
       if (none(is_active)) break;
       const Real step = Real(dt()) / parts, half = 0.5 * step;
@@ -257,15 +257,16 @@ class ContactCorrection {
 
   SKYBODY_INLINE void project(const Real& step, const MaskOf<Real>& is_active) {
     couplings_.project(is_active, step, a_.now.q, a_.now.u);
-    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
+    for (std::size_t i = 0; i < plan_.couplings.constraints.size(); ++i) {
       a_.has_opened[i] |= logical_and(is_active, couplings_.open()[i]);
-      const Vec3<Real> more = couplings_.pulls()[i] * (step * (1.0 / dt()));
-      a_.pulls[i] = select(is_active, a_.pulls[i] + more, a_.pulls[i]);
+      const Vec3<Real> more = couplings_.coupling_forces()[i] * (step * (1.0 / dt()));
+      a_.coupling_forces[i] =
+          select(is_active, a_.coupling_forces[i] + more, a_.coupling_forces[i]);
     }
   }
   SKYBODY_INLINE void forget_couplings() const {
-    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
-      a_.pulls[i] = SpatialForce<Real>::zero().force;
+    for (std::size_t i = 0; i < plan_.couplings.constraints.size(); ++i) {
+      a_.coupling_forces[i] = SpatialForce<Real>::zero().force;
       a_.has_opened[i] = MaskOf<Real>(false);
     }
   }
@@ -280,10 +281,10 @@ class ContactCorrection {
   /// Calls f(i, robot) for the couplings that have equations, with a robot that they hold.
   template <class F>
   SKYBODY_INLINE void each_equation(const F& f) const {
-    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
-      const Joining& joining = plan_.couplings.joinings[i];
-      if (joining.row_count == 0) continue;
-      const int robot = std::max(joining.ends[0].robot, joining.ends[1].robot);
+    for (std::size_t i = 0; i < plan_.couplings.constraints.size(); ++i) {
+      const CouplingConstraint& constraint = plan_.couplings.constraints[i];
+      if (constraint.row_count == 0) continue;
+      const int robot = std::max(constraint.ends[0].robot, constraint.ends[1].robot);
       if (!a_.is_robot_near[robot]) continue;
       f(i, plan_.world.layout.robots[static_cast<std::size_t>(robot)]);
     }
@@ -354,15 +355,15 @@ class ContactCorrection {
       const auto corrected = logical_and(through, is_touched(robot));
       if (!none(corrected)) store(robot, corrected);
     });
-    if (couplings_.any()) store_pulls(through);
+    if (couplings_.any()) store_coupling_forces(through);
     return through;
   }
 
-  SKYBODY_INLINE void store_pulls(const MaskOf<Real>& mask) const {
+  SKYBODY_INLINE void store_coupling_forces(const MaskOf<Real>& mask) const {
     each_equation([&](std::size_t i, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
-      lanes_.store(reinterpret_cast<const Real*>(a_.pulls + i), 3,
+      lanes_.store(reinterpret_cast<const Real*>(a_.coupling_forces + i), 3,
                    logical_and(mask, is_touched(robot)),
-                   lanes_.block(group_.pulls, 3 * static_cast<int>(i)));
+                   lanes_.block(group_.coupling_forces, 3 * static_cast<int>(i)));
     });
   }
 
@@ -410,7 +411,7 @@ class ContactCorrection {
   CorrectionArrays<Real>& a_;
   Values params_;
   Couplings<Real> couplings_;
-  FastRobots<Real> fast_;
+  HighSpinRobots<Real> fast_;
   ContactStep<Real, Values> contact_;
 };
 

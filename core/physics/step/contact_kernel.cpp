@@ -1,7 +1,7 @@
 // Kernels of contact, of any world.
+#include "core/physics/step/broad_phase_update.h"
 #include "core/physics/step/contact_correction.h"
 #include "core/physics/step/group_kernels.h"
-#include "core/physics/step/near_search.h"
 #include "core/physics/world/lane_list.h"
 
 namespace skybody {
@@ -62,7 +62,8 @@ struct FindNear {
     const std::uint32_t near = for_packs<W, false>(
         call, lanes,
         [&](int first, std::uint32_t bits, const auto&, const auto& derived) SKYBODY_INLINE_LAMBDA {
-          const NearSearch<Real, std::decay_t<decltype(derived)>> search(call, first, derived);
+          const BroadPhaseUpdate<Real, std::decay_t<decltype(derived)>> search(call, first,
+                                                                               derived);
           MaskOf<Real> is_unclear;
           const auto is_near = search.find(mask_from_bits<Real>(bits), is_unclear);
           unclear |= (bits_from_mask(is_unclear) & bits) << first;
@@ -73,8 +74,8 @@ struct FindNear {
                                [&](const LaneList<Real>& list, std::uint32_t bits, const auto&,
                                    const auto& derived) SKYBODY_INLINE_LAMBDA {
                                  using Values = std::decay_t<decltype(derived)>;
-                                 const NearSearch<Real, Values, LaneList<Real>> search(call, list,
-                                                                                       derived);
+                                 const BroadPhaseUpdate<Real, Values, LaneList<Real>> search(
+                                     call, list, derived);
                                  const auto mask = mask_from_bits<Real>(bits);
                                  return bits_from_mask(search.measure(mask)) & bits;
                                });

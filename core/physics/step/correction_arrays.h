@@ -15,15 +15,15 @@ struct CorrectionArrays {
   Real* bodies;              ///< kBodyConstantCount per body, of robots that are near something
   Real* rates;               ///< per u: of a part, first those that contacts alone make
   Real* mean_u;
-  Vec3<Real>* pulls;         ///< per coupling: mean over the step so far
-  MaskOf<Real>* has_opened;  ///< per coupling: where a part of the step left its gap open
+  Vec3<Real>* coupling_forces;  ///< per coupling: mean over the step so far
+  MaskOf<Real>* has_opened;     ///< per coupling: where a part of the step left its gap open
   BodyKinematics<Real>*motion, *mean;
   BodyKinematics<Real>* at_rest;  ///< the same places, without motion
-  ContactWork<Real> contact;
-  typename Forest::template Work<Real> forest;
-  CouplingWork<Real> couplings;
-  FastRobot<Real>* fast;  ///< per robot
-  bool* is_robot_near;    ///< per robot: what is not is left out
+  ContactWorkspace<Real> contact;
+  typename MultibodyTree::template Work<Real> multibody;
+  CouplingWorkspace<Real> couplings;
+  HighSpinRobot<Real>* fast;  ///< per robot
+  bool* is_robot_near;        ///< per robot: what is not is left out
 
   SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
     lay_out(plan, memory);
@@ -55,13 +55,13 @@ struct CorrectionArrays {
     arena.take(contact.place_counts, count);
     arena.take(contact.bristles, bristles);
     arena.take(contact.bent, bristles);
-    arena.take(forest.body, count);
-    arena.take(forest.ball, count);
-    arena.take(forest.acceleration, count);
+    arena.take(multibody.body, count);
+    arena.take(multibody.ball, count);
+    arena.take(multibody.acceleration, count);
     couplings.take_from(arena, plan.couplings);
     arena.take(fast, layout.robots.size());
-    arena.take(pulls, plan.couplings.joinings.size());
-    arena.take(has_opened, plan.couplings.joinings.size());
+    arena.take(coupling_forces, plan.couplings.constraints.size());
+    arena.take(has_opened, plan.couplings.constraints.size());
     arena.take(contact.is_bent, bristles);
     arena.take(contact.is_touched, count);
     arena.take(contact.is_body_near, plan.contact.bodies.size());
@@ -81,11 +81,11 @@ struct TreeResponse {
   SKYBODY_INLINE void operator()(const StepPlan& plan, const CorrectionArrays<Real>& a,
                                  bool is_again) const {
     if (is_again) {
-      return plan.forest.accelerations_again(a.at_rest, a.bodies, a.contact.forces, a.no_forces,
-                                             a.forest, a.rates, a.is_robot_near);
+      return plan.multibody.accelerations_again(a.at_rest, a.bodies, a.contact.forces, a.no_forces,
+                                                a.multibody, a.rates, a.is_robot_near);
     }
-    plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, a.bodies, a.contact.forces,
-                              a.no_forces, a.forest, a.rates, a.is_robot_near);
+    plan.multibody.accelerations(a.now.q, a.no_forces, a.at_rest, a.bodies, a.contact.forces,
+                                 a.no_forces, a.multibody, a.rates, a.is_robot_near);
   }
 };
 

@@ -6,15 +6,15 @@
 namespace skybody {
 
 /// What turns forces into accelerations.
-enum class DynamicsUse {
+enum class DynamicsBackend {
   kTree,     ///< the tree's algorithms
   kSimbody,  ///< Simbody
 };
 
 /// `auto` takes the tree's.
-inline DynamicsUse chosen_dynamics(const World& world) {
-  return world.scenario.stepping.dynamics == DynamicsChoice::kSimbody ? DynamicsUse::kSimbody
-                                                                      : DynamicsUse::kTree;
+inline DynamicsBackend chosen_dynamics(const World& world) {
+  return world.scenario.stepping.dynamics == DynamicsChoice::kSimbody ? DynamicsBackend::kSimbody
+                                                                      : DynamicsBackend::kTree;
 }
 
 }  // namespace skybody

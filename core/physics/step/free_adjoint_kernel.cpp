@@ -39,7 +39,7 @@ struct SlowDrift {
   }
 
   Quat<Real> before;
-  HalfTurn<Real> turn;
+  RotationIncrement<Real> turn;
   double half_step;
   Real inverse_norm = Real(1.0);
 };

@@ -3,8 +3,8 @@
 namespace skybody {
 
 StepKernel* free_euler_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldKind::kNothing>>(
-      lanes, isa);
+  return kernel_for<
+      AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldInputSet::kNothing>>(lanes, isa);
 }
 
 }  // namespace skybody

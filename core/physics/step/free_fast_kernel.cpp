@@ -7,11 +7,11 @@ StepKernel* free_fast_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   switch (integrator) {
     case IntegratorChoice::kMidpoint:
       return kernel_for<
-          AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldKind::kAnything, SpinKind::kAny>>(
+          AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldInputSet::kAnything, SpinKind::kAny>>(
           lanes, isa);
     case IntegratorChoice::kSemiImplicitEuler:
-      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldKind::kAnything,
-                                          SpinKind::kAny>>(lanes, isa);
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler,
+                                          HeldInputSet::kAnything, SpinKind::kAny>>(lanes, isa);
     default:  // rk4 takes them as all others
       return nullptr;
   }

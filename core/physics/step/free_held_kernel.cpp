@@ -6,13 +6,15 @@ namespace skybody {
 StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   switch (integrator) {
     case IntegratorChoice::kRk4:
-      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, HeldKind::kAnything>>(lanes, isa);
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, HeldInputSet::kAnything>>(lanes,
+                                                                                            isa);
     case IntegratorChoice::kMidpoint:
-      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldKind::kAnything>>(lanes,
-                                                                                             isa);
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldInputSet::kAnything>>(
+          lanes, isa);
     default:  // semi-implicit Euler: the others have no kernels
       return kernel_for<
-          AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldKind::kAnything>>(lanes, isa);
+          AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldInputSet::kAnything>>(lanes,
+                                                                                            isa);
   }
 }
 

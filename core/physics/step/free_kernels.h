@@ -7,7 +7,8 @@
 namespace skybody {
 
 /// A physics step of all robots of the lanes that one Real holds.
-template <class Real, class Values, IntegratorChoice kIntegrator, HeldKind kHeld, SpinKind kSpin>
+template <class Real, class Values, IntegratorChoice kIntegrator, HeldInputSet kHeld,
+          SpinKind kSpin>
 class FreeLanes {
  public:
   SKYBODY_INLINE FreeLanes(const StepCall& call, int first, const Values& params,
@@ -33,9 +34,9 @@ class FreeLanes {
   SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
     const std::vector<FreeRobot>& robots = robots_.robots;
     Real end_speeds[4];
-    if constexpr (kHeld == HeldKind::kAnything) {
+    if constexpr (kHeld == HeldInputSet::kAnything) {
       return advance_all(lanes);  // one form: each takes the compiler long
-    } else if constexpr (kHeld == HeldKind::kAir) {
+    } else if constexpr (kHeld == HeldInputSet::kAir) {
       return advance_one<kMeasured>(robots[0], end_speeds, lanes);
     } else {
       if (robots.size() > 1) return advance_all(lanes);
@@ -77,7 +78,7 @@ class FreeLanes {
     for (const FreeRobot& robot : robots_.robots) {
       FreeMotion<Real> motion;
       Real* end_speeds = end_speeds_ + robot.rotors.first;
-      if constexpr (kHeld == HeldKind::kAnything) {
+      if constexpr (kHeld == HeldInputSet::kAnything) {
         through &= advance<FreeKind::kAny>(robot, motion, end_speeds);
       } else {
         through &= robot.has_four_level_rotors()
@@ -128,7 +129,7 @@ class FreeLanes {
     double* bodies = bodies_ == nullptr ? nullptr : lanes_.at(bodies_, 13 * body);
     double* rotor_speed = lanes_.at(rotor_speed_, first_place<kKind>(robot.rotors.first));
     const int rotors = kKind == FreeKind::kAny ? robot.rotors.count : 4;
-    const LanePlace<Real> here(0);
+    const LaneSlice<Real> here(0);
     here.store(values, 7, mask, q);
     here.store(values + 7, 6, mask, u);
     if (bodies != nullptr) here.store(values, 13, mask, bodies);
@@ -141,17 +142,17 @@ class FreeLanes {
   double *q_, *u_;
   double* bodies_;  ///< null: the coordinates are the bodies' motion
   double* rotor_speed_;
-  LanePlace<Real> lanes_;
+  LaneSlice<Real> lanes_;
   FreeStepInputs<Real, Values> in_;
   FreeMotion<Real>* motions_;  ///< at the step's end; only where there are several robots
   Real* end_speeds_;           ///< of all rotors
 };
 
-template <IntegratorChoice kIntegrator, HeldKind kHeld, SpinKind kSpin = SpinKind::kSlow>
+template <IntegratorChoice kIntegrator, HeldInputSet kHeld, SpinKind kSpin = SpinKind::kSlow>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    constexpr bool kNeverShared = kHeld == HeldKind::kAnything && kSpin == SpinKind::kSlow;
+    constexpr bool kNeverShared = kHeld == HeldInputSet::kAnything && kSpin == SpinKind::kSlow;
     return for_packs<W, kNeverShared>(
         call, lanes,
         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)

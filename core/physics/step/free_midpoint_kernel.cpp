@@ -3,7 +3,8 @@
 namespace skybody {
 
 StepKernel* free_midpoint_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldKind::kNothing>>(lanes, isa);
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldInputSet::kNothing>>(lanes,
+                                                                                            isa);
 }
 
 }  // namespace skybody

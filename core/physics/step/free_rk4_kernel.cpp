@@ -4,7 +4,7 @@
 namespace skybody {
 
 StepKernel* free_rk4_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, HeldKind::kNothing>>(lanes, isa);
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, HeldInputSet::kNothing>>(lanes, isa);
 }
 
 }  // namespace skybody

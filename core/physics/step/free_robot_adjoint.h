@@ -8,13 +8,13 @@
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
-#include "core/physics/forces/level_rotors.h"
+#include "core/physics/forces/coplanar_rotors.h"
 #include "core/physics/step/rotation_adjoint.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
 
-/// What the rotors do together (LevelRotors), or its adjoint.
+/// What the rotors do together (CoplanarRotors), or its adjoint.
 template <class Real>
 struct LevelSums {
   Real thrust[3], moment, drag[4], rolling[3], momentum, spin_up;
@@ -159,15 +159,15 @@ class FreeRatesAdjoint {
 
 /// A turn for a time: q * (cosine, sine), both series in the square of half the angle.
 template <class Real>
-struct HalfTurn {
+struct RotationIncrement {
   Vec3<Real> half;
   Real square, cosine, sine;  ///< the sine over half the angle
   Real cosine_slope, sine_slope;
   double scale;
-  bool stretches;  ///< by turned_and_stretched()
+  bool stretches;  ///< by integrate_rotation_unnormalized()
 
-  /// turned(), or turned_and_stretched() (bodies/kinematics.h)
-  SKYBODY_INLINE HalfTurn(const Vec3<Real>& spin, double time, bool does_stretch)
+  /// turned(), or integrate_rotation_unnormalized() (bodies/kinematics.h)
+  SKYBODY_INLINE RotationIncrement(const Vec3<Real>& spin, double time, bool does_stretch)
       : half(spin * Real(0.5 * time)),
         square(dot(half, half)),
         scale(0.5 * time),

@@ -1,12 +1,13 @@
 // One step of a robot that is one free body, from its coordinates to its coordinates, with nothing
 // stored in between. On double and packs. The laws are those of every robot (rotor_force.h,
-// force_terms.h, body_load.h, step_rules.h); here they are put together in the axes of the body.
+// force_terms.h, force_accumulators.h, step_rules.h); here they are put together in the axes of the
+// body.
 #pragma once
 
 #include "core/physics/bodies/torque_free.h"
 #include "core/physics/forces/force_terms.h"
 #include "core/physics/step/free_robots.h"
-#include "core/physics/step/held_kind.h"
+#include "core/physics/step/held_input_set.h"
 #include "core/physics/step/held_rotor.h"
 #include "core/physics/step/step_rules.h"
 #include "core/physics/world/lane_values.h"
@@ -54,7 +55,7 @@ struct FreeMotion {
   /// The same up to the quaternion's norm.
   SKYBODY_INLINE void drift_and_stretch(double time) {
     position += velocity * Real(time);
-    rotation = turned_and_stretched(rotation, spin, time);
+    rotation = integrate_rotation_unnormalized(rotation, spin, time);
   }
 
  private:
@@ -93,7 +94,7 @@ enum class SpinKind {
   kAny
 };
 
-template <class Real, class Values, FreeKind kKind, HeldKind kHeld, SpinKind kSpin>
+template <class Real, class Values, FreeKind kKind, HeldInputSet kHeld, SpinKind kSpin>
 class FreeRobotStep {
  public:
   using Inputs = FreeStepInputs<Real, Values>;
@@ -156,7 +157,7 @@ class FreeRobotStep {
       end_speed[i] = rotor.at(kStepEnd).speed;
       return rotor.mean(end_speed[i]);
     };
-    LevelRotors<Real> level;
+    CoplanarRotors<Real> level;
     if (is_level()) level = quick_level_rotors(run);
     motion = load();
     drift(fast, 0.5 * dt(), motion,
@@ -164,13 +165,13 @@ class FreeRobotStep {
     BodyKinematics<Real> body = kinematics(motion);
     Vec3<Real> air = velocity_in_air(body);
     FreeRates<Real> first = rates(body, air, level, run, world_.rate);
-    keep_forces(fast, body, first);
+    subtract_torque_free_rates(fast, body, first);
     const Real half(kMidpointRule.reach[1] * dt());
     air += first.velocity_in_body(body.axes, is_upright()) * half;
     body.spin += first.spin * half;
     forget();  // measured: 3 % of the step
     FreeRates<Real> second = rates(body, air, level, run, world_.rate);
-    keep_forces(fast, body, second);
+    subtract_torque_free_rates(fast, body, second);
     motion.change_velocity(second.acceleration(body.axes), dt());
     drift(fast, 0.5 * dt(), motion,
           [&](FreeMotion<Real>& m) SKYBODY_INLINE_LAMBDA { m.drift_and_stretch(0.5 * dt()); });
@@ -185,12 +186,12 @@ class FreeRobotStep {
       end_speed[i] = rotor.at(kStepEnd).speed;
       return rotor.in_middle(end_speed[i]);
     };
-    LevelRotors<Real> level;
+    CoplanarRotors<Real> level;
     if (is_level()) level = level_rotors(run);
     forget();  // the sums need no motion
     const BodyKinematics<Real> body = kinematics(load());
     FreeRates<Real> first = rates(body, velocity_in_air(body), level, run, world_.rate);
-    keep_forces(fast, body, first);
+    subtract_torque_free_rates(fast, body, first);
     forget();
     motion = load();
     motion.change_velocity(first.acceleration(body.axes), dt());
@@ -204,7 +205,7 @@ class FreeRobotStep {
                                              Real* end_speed) const {
     const auto rotor_at = [&](int i, StageTime time)
                               SKYBODY_INLINE_LAMBDA { return rotor_step(i).at(time); };
-    LevelRotors<Real> level[kStageTimeCount];
+    CoplanarRotors<Real> level[kStageTimeCount];
     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
       const auto run = [&](int i) SKYBODY_INLINE_LAMBDA { return rotor_at(i, time); };
       if (is_level()) level[time] = level_rotors(run);
@@ -262,13 +263,15 @@ class FreeRobotStep {
   }
 
   /// Takes from the rates of fast lanes all that the body's own spin does: drift() does it.
-  SKYBODY_INLINE void keep_forces(const NoFastSpin&, const BodyKinematics<Real>&,
-                                  FreeRates<Real>&) const {}
-  SKYBODY_INLINE void keep_forces(const FastSpin& fast, const BodyKinematics<Real>& body,
-                                  FreeRates<Real>& rates) const {
+  SKYBODY_INLINE void subtract_torque_free_rates(const NoFastSpin&, const BodyKinematics<Real>&,
+                                                 FreeRates<Real>&) const {}
+  SKYBODY_INLINE void subtract_torque_free_rates(const FastSpin& fast,
+                                                 const BodyKinematics<Real>& body,
+                                                 FreeRates<Real>& rates) const {
     const SpatialForce<Real> none = SpatialForce<Real>::zero();
     const FreeRates<Real> own =
-        FreeLoad<Real, Values>(body, constants_, known_shape(), none.force, none).rates();
+        FreeBodyForceAccumulator<Real, Values>(body, constants_, known_shape(), none.force, none)
+            .rates();
     rates.in_body = select(fast.mask, rates.in_body - own.in_body, rates.in_body);
     rates.spin = select(fast.mask, rates.spin - own.spin, rates.spin);
   }
@@ -306,18 +309,18 @@ class FreeRobotStep {
 
   /// @param run  run(i) says how rotor i of the robot moves
   template <class Run>
-  SKYBODY_INLINE LevelRotors<Real> level_rotors(const Run& run) const {
+  SKYBODY_INLINE CoplanarRotors<Real> level_rotors(const Run& run) const {
     const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
       if (!is_held(SKYBODY_HELD_ROTOR_GAIN)) {
-        return LevelRotors<Real>(factors_ + kRotorFactorCount * i, run(i));
+        return CoplanarRotors<Real>(factors_ + kRotorFactorCount * i, run(i));
       }
-      const RotorPlace& place = world_.rotors[static_cast<std::size_t>(first_rotor() + i)];
+      const RotorMount& place = world_.rotors[static_cast<std::size_t>(first_rotor() + i)];
       const auto gains = in_.held[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * (first_rotor() + i);
       Real factors[kRotorFactorCount];
-      make_rotor_factors(GainedConstants(in_.params + place.params, gains), place, factors);
-      return LevelRotors<Real>(factors, run(i));
+      make_rotor_factors(ScaledRotorConstants(in_.params + place.params, gains), place, factors);
+      return CoplanarRotors<Real>(factors, run(i));
     };
-    LevelRotors<Real> rotors = alone(0);
+    CoplanarRotors<Real> rotors = alone(0);
     const int count = rotor_count();
 #pragma GCC unroll 4
     for (int i = 1; i < count; ++i) rotors += alone(i);
@@ -326,10 +329,10 @@ class FreeRobotStep {
 
   /// The same, by fewer operations in lanes whose rotors are alike and in rows.
   template <class Run>
-  SKYBODY_INLINE LevelRotors<Real> quick_level_rotors(const Run& run) const {
+  SKYBODY_INLINE CoplanarRotors<Real> quick_level_rotors(const Run& run) const {
     const auto by_rows = [&]() SKYBODY_INLINE_LAMBDA {
       const RotorMotion<Real> rotors[4] = {run(0), run(1), run(2), run(3)};
-      return LevelRotors<Real>(factors_, rotors);
+      return CoplanarRotors<Real>(factors_, rotors);
     };
     if (is_held(SKYBODY_HELD_ROTOR_GAIN)) return level_rotors(run);
     if (kIsPlain) return by_rows();
@@ -357,8 +360,8 @@ class FreeRobotStep {
 
   template <class Run>
   SKYBODY_INLINE FreeAcceleration<Real> acceleration(const BodyKinematics<Real>& body,
-                                                     const LevelRotors<Real>& level, const Run& run,
-                                                     double unit) const {
+                                                     const CoplanarRotors<Real>& level,
+                                                     const Run& run, double unit) const {
     return rates(body, velocity_in_air(body), level, run, unit).acceleration(body.axes);
   }
 
@@ -367,7 +370,7 @@ class FreeRobotStep {
   /// @param unit   of the rotors' accelerations [rad/s^2]
   template <class Run>
   SKYBODY_INLINE FreeRates<Real> rates(const BodyKinematics<Real>& body, const Vec3<Real>& velocity,
-                                       const LevelRotors<Real>& level, const Run& run,
+                                       const CoplanarRotors<Real>& level, const Run& run,
                                        double unit) const {
     const RotorGroup& group = robot_.rotors;
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
@@ -384,8 +387,8 @@ class FreeRobotStep {
       rotors = select(has_even_hubs(), rotors,
                       uneven_rotor_forces(run_of_world, unit, velocity, body.spin));
     }
-    FreeLoad<Real, Values> load(body, constants_, known_shape(),
-                                load_vec3(world_constants() + kGravity), rotors);
+    FreeBodyForceAccumulator<Real, Values> load(body, constants_, known_shape(),
+                                                load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, velocity, load);
     return load.rates();
   }
@@ -396,8 +399,8 @@ class FreeRobotStep {
   SKYBODY_INLINE SpatialForce<Real> uneven_rotor_forces(const Run& run, double unit,
                                                         const Vec3<Real>& velocity,
                                                         const Vec3<Real>& spin) const {
-    const RotorPlace* places = world_.rotors.data();
-    if constexpr (kHeld == HeldKind::kAnything) {
+    const RotorMount* places = world_.rotors.data();
+    if constexpr (kHeld == HeldInputSet::kAnything) {
       return held_rotor_forces<Real>(robot_.rotors, places, in_.params, &in_.held, run, unit,
                                      velocity, spin);
     } else {
@@ -416,9 +419,9 @@ class FreeRobotStep {
   }
   SKYBODY_INLINE bool has_uneven_hubs() const { return !kIsNominal && !all(has_even_hubs()); }
 
-  SKYBODY_INLINE KnownShape known_shape() const {
+  SKYBODY_INLINE InertiaStructure known_shape() const {
     if (kIsPlain) return {true, true};
-    return kIsNominal ? robot_.shape : KnownShape();
+    return kIsNominal ? robot_.shape : InertiaStructure();
   }
 
   /// Forces that only some robots have.

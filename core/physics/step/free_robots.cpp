@@ -27,11 +27,11 @@ namespace {
 /// FreeRobot::are_rotors_alike.
 /// @param places  of all rotors of the world
 /// @param params  the nominal ones
-bool are_nominally_alike(const RotorGroup& group, const std::vector<RotorPlace>& places,
+bool are_nominally_alike(const RotorGroup& group, const std::vector<RotorMount>& places,
                          const double* params) {
   double factors[4 * kRotorFactorCount];
   for (int i = 0; i < 4; ++i) {
-    const RotorPlace& place = places[static_cast<std::size_t>(group.first + i)];
+    const RotorMount& place = places[static_cast<std::size_t>(group.first + i)];
     make_rotor_factors(params + place.params, place, factors + kRotorFactorCount * i);
   }
   return are_alike(static_cast<const double*>(factors));

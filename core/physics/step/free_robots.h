@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/physics/forces/body_load.h"
+#include "core/physics/forces/force_accumulators.h"
 #include "core/physics/forces/rotor_force.h"
 #include "core/physics/world/world.h"
 
@@ -17,7 +17,7 @@ struct FreeRobot {
   int constants = 0;                ///< first of its kRobotParamCount parameters
   std::vector<int> sites;           ///< within World::sites
   bool is_disturbed = false;        ///< likewise
-  KnownShape shape;                 ///< by the nominal parameters
+  InertiaStructure shape;           ///< by the nominal parameters
   bool are_rotors_in_rows = false;  ///< four level ones, and no others, by the nominal parameters
   bool are_rotors_alike = false;    ///< and these by the nominal parameters
 
@@ -41,7 +41,7 @@ struct FreeRobots {
   double rate = 0.0;         ///< physics steps a second: 1/dt
   double fast_square = 0.0;  ///< fast_spin_square()
   std::vector<FreeRobot> robots;
-  std::vector<RotorPlace> rotors;  ///< of the world
+  std::vector<RotorMount> rotors;  ///< of the world
 };
 
 }  // namespace skybody

@@ -7,7 +7,7 @@ namespace skybody {
 
 GroupPhysics::GroupPhysics(const World& world) : GroupPhysics(world, chosen_dynamics(world)) {}
 
-GroupPhysics::GroupPhysics(const World& world, DynamicsUse use)
+GroupPhysics::GroupPhysics(const World& world, DynamicsBackend use)
     : plan_(std::make_unique<const StepPlan>(world, use)) {}
 
 GroupPhysics::~GroupPhysics() = default;
@@ -29,7 +29,7 @@ std::unique_ptr<GroupStepper> GroupPhysics::make_stepper(int lanes) const {
 void check_world(const World& world) {
   const StepPlan plan(world, chosen_dynamics(world));
   make_integrator(world);
-  if (plan.use == DynamicsUse::kSimbody) check_simbody(world);
+  if (plan.use == DynamicsBackend::kSimbody) check_simbody(world);
 }
 
 }  // namespace skybody

@@ -9,19 +9,17 @@
 #include <cstring>
 
 #include "core/base/error.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/physics/step/lane_stepper.h"
 #include "core/physics/step/step_plan.h"
 
 namespace skybody {
 
 /// The lanes of a group one at a time.
-class GroupStepper::Alone {
+class GroupStepper::ScalarFallback {
  public:
-  Alone(const StepPlan& plan, int lanes)
-      : plan_(plan),
-        steppers_(static_cast<std::size_t>(lanes)),
-        near_(plan.contact.meetings.size()) {
+  ScalarFallback(const StepPlan& plan, int lanes)
+      : plan_(plan), steppers_(static_cast<std::size_t>(lanes)), near_(plan.contact.pairs.size()) {
     const Layout& layout = plan.world.layout;
     int total = plan.derived.size + layout.q.size + layout.u.size;
     for (const StateBlock& b : kStateBlocks) total += (layout.*b.place).size;
@@ -118,7 +116,7 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
     : plan_(plan),
       lanes_(lanes),
       spins_(plan.free_robots ? 0 : 3 * plan.world.bodies.size() * static_cast<std::size_t>(lanes)),
-      near_meetings_(plan.contact.meetings.size()) {
+      near_pairs_(plan.contact.pairs.size()) {
   SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
                  "a group has 1 or 32 lanes");
   if (plan.never_shares() || fast_reads_derived()) make_derived();
@@ -136,7 +134,7 @@ StepCall GroupStepper::call(const GroupBlocks& group, PhysicsScratch& scratch) {
   StepCall all{&plan_, &group, spins_.data(), is_shared ? nullptr : derived_.data(),
                scratch.data()};
   if (clearances_.size() > 0) all.clearances = clearances_.data();
-  all.near = near_meetings_.data();
+  all.near = near_pairs_.data();
   return all;
 }
 
@@ -153,7 +151,7 @@ void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::u
   kernels().refresh(all, lanes);
   if (plan_.couplings.row_owners.empty()) return;
   const std::uint32_t able = lanes & ~broken_;
-  open_ = (open_ & ~lanes) | (able & ~kernels().close_gaps(all, able));
+  open_ = (open_ & ~lanes) | (able & ~kernels().project_constraints(all, able));
 }
 
 std::uint32_t GroupStepper::advance(const GroupBlocks& group, std::uint32_t lanes,
@@ -195,8 +193,8 @@ std::uint32_t GroupStepper::advance_alone(const StepCall& all, std::uint32_t lan
 
 /// The lanes where something may touch within the step that begins.
 std::uint32_t GroupStepper::find_near(const StepCall& all, std::uint32_t lanes) const {
-  if (plan_.contact.meetings.empty() || lanes == 0) return 0;
-  std::fill_n(all.near, plan_.contact.meetings.size(), 0u);
+  if (plan_.contact.pairs.empty() || lanes == 0) return 0;
+  std::fill_n(all.near, plan_.contact.pairs.size(), 0u);
   return kernels().find_near(all, lanes);
 }
 
@@ -361,9 +359,9 @@ void GroupStepper::forget_clearance(int lane) {
   }
 }
 
-GroupStepper::Alone& GroupStepper::alone() {
-  if (!alone_) alone_ = std::make_unique<Alone>(plan_, lanes_);
-  return *alone_;
+GroupStepper::ScalarFallback& GroupStepper::alone() {
+  if (!fallback_) fallback_ = std::make_unique<ScalarFallback>(plan_, lanes_);
+  return *fallback_;
 }
 
 const StepKernels& GroupStepper::kernels() const { return plan_.kernels(lanes_); }

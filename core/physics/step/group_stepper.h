@@ -29,7 +29,7 @@ struct GroupBlocks {
   double* bodies = nullptr;
   const double* joint_command = nullptr;
   double* joint_state = nullptr;
-  double* pulls = nullptr;
+  double* coupling_forces = nullptr;
   double* bristles = nullptr;
   const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
@@ -51,12 +51,13 @@ struct StateBlock {
   double* GroupBlocks::*values;
   Block Layout::*place;
 };
-inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
-                                              {&GroupBlocks::u, &Layout::u},
-                                              {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
-                                              {&GroupBlocks::joint_state, &Layout::joint_state},
-                                              {&GroupBlocks::pulls, &Layout::pulls},
-                                              {&GroupBlocks::bristles, &Layout::bristles}};
+inline constexpr StateBlock kStateBlocks[] = {
+    {&GroupBlocks::q, &Layout::q},
+    {&GroupBlocks::u, &Layout::u},
+    {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
+    {&GroupBlocks::joint_state, &Layout::joint_state},
+    {&GroupBlocks::coupling_forces, &Layout::coupling_forces},
+    {&GroupBlocks::bristles, &Layout::bristles}};
 /// Those that a step changes before contact corrects it: the first of them.
 inline constexpr std::span kSteppedBlocks = std::span(kStateBlocks).first<5>();
 
@@ -119,7 +120,7 @@ class GroupStepper {
   const StepCounts& counts() const { return counts_; }
 
  private:
-  class Alone;
+  class ScalarFallback;
   StepCall call(const GroupBlocks& group, PhysicsScratch& scratch);
   std::uint32_t find_near(const StepCall& all, std::uint32_t lanes) const;
   std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes);
@@ -137,7 +138,7 @@ class GroupStepper {
   void put_nominal(int lane);
   void forget_clearance(int lane);
   void put_derived(const double* derived, int first, int lane);
-  Alone& alone();
+  ScalarFallback& alone();
   const StepKernels& kernels() const;
 
   const StepPlan& plan_;
@@ -145,8 +146,8 @@ class GroupStepper {
   AlignedArray<double> spins_;    ///< per body: angular velocity (W), in lanes; unless the world
                                   ///< has free robots only
   AlignedArray<double> derived_;  ///< of all lanes; empty: none was ever drawn
-  std::vector<std::uint32_t> near_meetings_;  ///< StepCall's
-  AlignedArray<double> clearances_;  ///< StepCall's; empty with four solids of obstacles or fewer
+  std::vector<std::uint32_t> near_pairs_;  ///< StepCall's
+  AlignedArray<double> clearances_;  ///< StepCall's; empty with four shapes of obstacles or fewer
   AlignedArray<double> made_from_;   ///< parameters, of known lanes
   std::uint32_t known_ = 0;          ///< lanes whose numbers follow from `made_from_`
   std::uint32_t drawn_ = 0;          ///< lanes whose parameters are not the nominal ones
@@ -155,17 +156,17 @@ class GroupStepper {
   std::uint32_t open_ = 0;           ///< lanes whose couplings cannot hold where their ends are
   std::uint32_t near_ = 0;
   StepCounts counts_;
-  std::unique_ptr<Alone> alone_;  ///< null: never needed so far
+  std::unique_ptr<ScalarFallback> fallback_;  ///< null: never needed so far
 };
 
 /// Makes steppers for the groups of a world, with what they share. Immutable, thread-safe.
 class GroupPhysics {
  public:
   /// @param world  must outlive it
-  /// @throws MarkedError as chosen_dynamics
+  /// @throws LocatedError as chosen_dynamics
   /// @throws Error (naming the body) if no rigid body can have the nominal mass properties
   explicit GroupPhysics(const World& world);
-  GroupPhysics(const World& world, DynamicsUse use);
+  GroupPhysics(const World& world, DynamicsBackend use);
   ~GroupPhysics();
 
   /// Lanes in which the world is best stepped: kGroupLanes where that goes in packs, else 1.

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "core/physics/forces/joint_force.h"
-#include "core/physics/tree/forest.h"
+#include "core/physics/tree/multibody_tree.h"
 
 namespace skybody {
 
 /// What stops work on: arrays with a place per u, or per body, of the world.
 template <class Real>
-struct StopWork {
+struct JointStopWorkspace {
   Real* force = nullptr;    ///< -(K g + C v)
   Real* inertia = nullptr;  ///< dt C + dt^2 K
   Real* change = nullptr;   ///< du / dt
@@ -37,16 +37,17 @@ class JointStops {
   /// Calls f(robot, where, change) for robots of which a joint is at a stop in any lane of `mask`:
   /// `where` is the lanes, `change` the acceleration of its coordinates by the stops' forces, one
   /// per u of the world.
-  /// @param forest     the world's
+  /// @param multibody     the world's
   /// @param constants  kBodyConstantCount values per body: a pointer, or a view
   /// @param q          the coordinates at which the inertias are taken
   /// @param end_q, end_u  at the end of the step without stops; only those of joints with stops are
   ///                   read
   template <class Real, class Params, class Constants, class F>
-  SKYBODY_INLINE void act(const Forest& forest, const Params& params, const Constants& constants,
-                          double dt, const MaskOf<Real>& mask, const Real* q, const Real* end_q,
-                          const Real* end_u, const typename Forest::template Work<Real>& tree,
-                          const StopWork<Real>& work, const F& f) const {
+  SKYBODY_INLINE void act(const MultibodyTree& multibody, const Params& params,
+                          const Constants& constants, double dt, const MaskOf<Real>& mask,
+                          const Real* q, const Real* end_q, const Real* end_u,
+                          const typename MultibodyTree::template Work<Real>& tree,
+                          const JointStopWorkspace<Real>& work, const F& f) const {
     for (const Robot& robot : robots_) {
       const RobotLayout& layout = world_.layout.robots[static_cast<std::size_t>(robot.index)];
       begin(layout, work);
@@ -57,9 +58,10 @@ class JointStops {
       const auto where = logical_and(mask, is_at_stop);
       if (none(where)) continue;
       const int last = layout.first_body + layout.body_count;
-      forward_kinematics(forest.bodies(), layout.first_body, last, q, work.nothing, work.at_rest);
-      forest.respond_to_joints(robot.index, q, work.at_rest, constants, work.nothing,
-                               work.no_forces, work.force, work.inertia, tree, work.change);
+      forward_kinematics(multibody.bodies(), layout.first_body, last, q, work.nothing,
+                         work.at_rest);
+      multibody.respond_to_joints(robot.index, q, work.at_rest, constants, work.nothing,
+                                  work.no_forces, work.force, work.inertia, tree, work.change);
       f(layout, where, work.change);
     }
   }
@@ -71,7 +73,7 @@ class JointStops {
   };
 
   template <class Real>
-  SKYBODY_INLINE void begin(const RobotLayout& robot, const StopWork<Real>& work) const {
+  SKYBODY_INLINE void begin(const RobotLayout& robot, const JointStopWorkspace<Real>& work) const {
     const Real zero(0.0);
     for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
       work.force[k] = work.inertia[k] = work.nothing[k] = zero;
@@ -84,7 +86,7 @@ class JointStops {
   /// Of the joint of body i. @returns lanes where it is at a stop
   template <class Real, class Params>
   SKYBODY_INLINE MaskOf<Real> push(int i, const Params& params, double dt, const Real* q,
-                                   const Real* u, const StopWork<Real>& work) const {
+                                   const Real* u, const JointStopWorkspace<Real>& work) const {
     const auto index = static_cast<std::size_t>(i);
     const WorldBody& body = world_.bodies[index];
     const auto constants = params + world_.layout.joint_params[index];

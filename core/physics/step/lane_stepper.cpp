@@ -89,7 +89,7 @@ LaneStepper::LaneStepper(const StepPlan& plan, std::unique_ptr<Dynamics> simbody
 
 /// Simbody with the lane's mass properties, or null.
 Dynamics* LaneStepper::dynamics(const StepCall& lane) {
-  if (plan_.use != DynamicsUse::kSimbody) return nullptr;
+  if (plan_.use != DynamicsBackend::kSimbody) return nullptr;
   if (simbody_ == nullptr) {
     simbody_ = make_simbody_dynamics(plan_.world, lane.group->params);
   } else {
@@ -138,7 +138,7 @@ void LaneStepper::joint_reactions(const StepCall& lane, SpatialForce<double>* ou
   contact->each_contact(NoContactList());
   LaneMechanics mechanics(lane, scratch_, dynamics(lane));
   mechanics->accelerations(contact->forces(), udot_.data());
-  body_accelerations(plan_.forest.bodies(), lane.group->q, lane.group->u, udot_.data(),
+  body_accelerations(plan_.multibody.bodies(), lane.group->q, lane.group->u, udot_.data(),
                      mechanics->motion(), accelerations_.data());
   skybody::joint_reactions(world, lane.group->params, mechanics->motion(), accelerations_.data(),
                            mechanics->forces(), out);
@@ -147,17 +147,18 @@ void LaneStepper::joint_reactions(const StepCall& lane, SpatialForce<double>* ou
 void LaneStepper::add_contacts(const StepCall& lane, std::vector<Contact>& out) {
   const ContactScene& scene = plan_.contact;
   LaneContact(lane, contact_scratch_, nullptr)
-      ->each_contact([&](const Meeting& meeting, const Vec3<double>& point,
-                         const Touch<double>& touch, const Vec3<double>& force, bool touches) {
+      ->each_contact([&](const CollisionPair& pair, const Vec3<double>& point,
+                         const ContactKinematics<double>& touch, const Vec3<double>& force,
+                         bool touches) {
         if (!touches) return;
         const auto body_of = [&](int i) { return scene.bodies[static_cast<std::size_t>(i)].body; };
         const int other =
-            meeting.other >= 0 ? body_of(meeting.other)
-            : !is_obstacle(meeting.other)
-                ? meeting.other
+            pair.other >= 0 ? body_of(pair.other)
+            : !is_obstacle(pair.other)
+                ? pair.other
                 : kFirstObstacle -
-                      scene.obstacle_owners[static_cast<std::size_t>(obstacle_of(meeting.other))];
-        out.push_back({body_of(meeting.body), other, point, touch.normal, touch.depth, force});
+                      scene.obstacle_owners[static_cast<std::size_t>(obstacle_of(pair.other))];
+        out.push_back({body_of(pair.body), other, point, touch.normal, touch.depth, force});
       });
 }
 

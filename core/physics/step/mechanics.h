@@ -21,8 +21,8 @@ struct TreeAccelerations {
   SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& derived,
                                  const StepArrays<Real>& a, const Real* q, const Real* u,
                                  Real* udot) const {
-    plan.forest.accelerations(q, u, a.motion, derived + plan.derived.bodies, a.forces,
-                              a.joint_forces, a.forest, udot);
+    plan.multibody.accelerations(q, u, a.motion, derived + plan.derived.bodies, a.forces,
+                                 a.joint_forces, a.multibody, udot);
   }
 };
 
@@ -54,7 +54,7 @@ class Mechanics {
         derived_(derived),
         accelerations_(accelerations),
         a_(arrays),
-        couplings_(plan_.couplings, plan_.forest, a_.couplings),
+        couplings_(plan_.couplings, plan_.multibody, a_.couplings),
         fast_(plan_, a_.fast, a_.fast_bodies, a_.motion) {}
 
   /// Quaternions to norm 1; bodies and spins from q and u.
@@ -74,7 +74,7 @@ class Mechanics {
   }
 
   /// Coordinates as couplings allow them. @returns the lanes of `mask` where that can be
-  SKYBODY_INLINE MaskOf<Real> close_gaps(const MaskOf<Real>& mask) {
+  SKYBODY_INLINE MaskOf<Real> project_constraints(const MaskOf<Real>& mask) {
     load_coordinates();
     couplings_.load(params_, derived_ + plan_.derived.bodies);
     const MaskOf<Real> is_closed = couplings_.project(mask, Real(dt()), a_.now.q, a_.now.u);
@@ -96,7 +96,8 @@ class Mechanics {
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
                              accelerate(at.q, at.u, time, rate.u);
-                             if constexpr (kIsAny) fast_.keep_forces(a_.motion, at.u, rate.u);
+                             if constexpr (kIsAny)
+                               fast_.subtract_torque_free_rates(a_.motion, at.u, rate.u);
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
     if (rule.integrator == IntegratorChoice::kMidpoint) {
@@ -140,7 +141,7 @@ class Mechanics {
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, kStepStart, udot);
     if (plan_.stops.any()) add_stops(udot);
-    if (couplings_.any()) couplings_.add_pulls(a_.motion, a_.forces);
+    if (couplings_.any()) couplings_.add_coupling_forces(a_.motion, a_.forces);
   }
   /// What the last evaluation had: motion of the bodies, and all forces on them but those of
   /// joints.
@@ -152,7 +153,7 @@ class Mechanics {
 
   double dt() const { return plan_.world.scenario.stepping.dt; }
   const Layout& layout() const { return plan_.world.layout; }
-  const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
+  const std::vector<TreeBody>& tree() const { return plan_.multibody.bodies(); }
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
 
   template <class Rates>
@@ -195,7 +196,7 @@ class Mechanics {
     }
   }
 
-  /// Moves the robots for a time in which nothing acts on them: see FastRobots::drift.
+  /// Moves the robots for a time in which nothing acts on them: see HighSpinRobots::drift.
   template <class Slowly>
   SKYBODY_INLINE void drift(const Real& time, bool locks, const Slowly& slowly) const {
     if constexpr (kIsAny) {
@@ -264,7 +265,7 @@ class Mechanics {
                    });
     for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
     begin_drives();
-    if (plan_.couplings.joinings.empty()) return;
+    if (plan_.couplings.constraints.empty()) return;
     couplings_.load(params_, derived_ + plan_.derived.bodies);
     if (!couplings_.any()) return;
     if (!has_motion_) update_motion(a_.now.q, a_.now.u);
@@ -385,7 +386,7 @@ class Mechanics {
       a_.forces[i].moment += contact_[i].moment;
       a_.forces[i].force += contact_[i].force;
     }
-    if (!plan_.couplings.joinings.empty()) couplings_.add_springs(params_, a_.motion, a_.forces);
+    if (!plan_.couplings.constraints.empty()) couplings_.add_springs(params_, a_.motion, a_.forces);
     accelerations_(plan_, derived_, a_, q, u, udot);
     if (couplings_.any()) constrain(q, u, udot);
   }
@@ -405,24 +406,24 @@ class Mechanics {
   /// Calls f(robot, where, change) for robots at stops: see JointStops::act.
   /// @param end  what the step without stops leads to
   template <class F>
-  SKYBODY_INLINE void meet_stops(const MaskOf<Real>& mask, const Coordinates<Real>& end,
-                                 const F& f) const {
-    plan_.stops.act(plan_.forest, params_, derived_ + plan_.derived.bodies, dt(), mask, a_.now.q,
-                    end.q, end.u, a_.forest, a_.stops, f);
+  SKYBODY_INLINE void push_at_stops(const MaskOf<Real>& mask, const Coordinates<Real>& end,
+                                    const F& f) const {
+    plan_.stops.act(plan_.multibody, params_, derived_ + plan_.derived.bodies, dt(), mask, a_.now.q,
+                    end.q, end.u, a_.multibody, a_.stops, f);
   }
 
   /// The step's end without stops becomes that with them.
   SKYBODY_INLINE void stop_joints(const MaskOf<Real>& mask) {
-    meet_stops(mask, a_.now,
-               [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
-                   SKYBODY_INLINE_LAMBDA {
-                     Real* const step = a_.stages.rate.u;
-                     for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
-                       step[k] = select(where, dt() * change[k], Real(0.0));
-                       a_.now.u[k] = select(where, a_.now.u[k] + step[k], a_.now.u[k]);
-                     }
-                     move_on(robot, where, step);
-                   });
+    push_at_stops(mask, a_.now,
+                  [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
+                      SKYBODY_INLINE_LAMBDA {
+                        Real* const step = a_.stages.rate.u;
+                        for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
+                          step[k] = select(where, dt() * change[k], Real(0.0));
+                          a_.now.u[k] = select(where, a_.now.u[k] + step[k], a_.now.u[k]);
+                        }
+                        move_on(robot, where, step);
+                      });
   }
   /// Coordinates of a robot go on for dt with rates `u`.
   SKYBODY_INLINE void move_on(const RobotLayout& robot, const MaskOf<Real>& where,
@@ -448,13 +449,13 @@ class Mechanics {
       end.u[body.u] = a_.now.u[body.u] + dt() * udot[body.u];
       end.q[body.q] = a_.now.q[body.q] + (0.5 * dt()) * (a_.now.u[body.u] + end.u[body.u]);
     }
-    meet_stops(MaskOf<Real>(true), end,
-               [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
-                   SKYBODY_INLINE_LAMBDA {
-                     for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
-                       udot[k] += select(where, change[k], Real(0.0));
-                     }
-                   });
+    push_at_stops(MaskOf<Real>(true), end,
+                  [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
+                      SKYBODY_INLINE_LAMBDA {
+                        for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
+                          udot[k] += select(where, change[k], Real(0.0));
+                        }
+                      });
   }
 
   /// Joints stopped, quaternions to norm 1, pose-driven bases exactly where they were told to be;
@@ -500,8 +501,8 @@ class Mechanics {
       lanes_.put(a_.rotors[kStepEnd][i].speed, mask, lanes_.at(group_.rotor_speed, i));
     }
     lanes_.store(a_.joint_targets[kStepEnd], layout().joint_state.size, mask, group_.joint_state);
-    lanes_.store(reinterpret_cast<const Real*>(couplings_.pulls()), layout().pulls.size, mask,
-                 group_.pulls);
+    lanes_.store(reinterpret_cast<const Real*>(couplings_.coupling_forces()),
+                 layout().coupling_forces.size, mask, group_.coupling_forces);
     put_motion(mask);
   }
 
@@ -531,14 +532,14 @@ class Mechanics {
   const StepPlan& plan_;
   const GroupBlocks& group_;
   double* spins_;
-  LanePlace<Real> lanes_;
+  LaneSlice<Real> lanes_;
   HeldLanes<Real> held_;
   Values params_, derived_;
   Accelerations accelerations_;
   StepArrays<Real>& a_;
   const SpatialForce<Real>* contact_ = nullptr;
   Couplings<Real> couplings_;
-  FastRobots<Real> fast_;
+  HighSpinRobots<Real> fast_;
   MaskOf<Real> is_open_;       ///< lanes where the mean velocity is not found yet
   bool stays_ = false;         ///< all evaluations of the step are at the same q
   bool has_response_ = false;  ///< what couplings do there is known

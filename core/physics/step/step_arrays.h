@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/physics/coupling/couplings.h"
-#include "core/physics/step/fast_robots.h"
 #include "core/physics/step/group_stepper.h"
+#include "core/physics/step/high_spin_robots.h"
 #include "core/physics/step/step_plan.h"
 
 namespace skybody {
@@ -59,7 +59,7 @@ struct Coordinates {
     for (int i = 0; i < q_count + u_count; ++i) q[i] = select(mask, q[i], other.q[i]);
   }
   SKYBODY_INLINE void take_from(StepArena& arena, const StepPlan& plan) {
-    tree = &plan.forest.bodies();
+    tree = &plan.multibody.bodies();
     q_count = plan.world.layout.q.size;
     u_count = plan.world.layout.u.size;
     arena.take(q, static_cast<std::size_t>(q_count + u_count));
@@ -89,11 +89,11 @@ struct StepArrays {
   Real* joint_targets[kStageTimeCount];
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
-  typename Forest::template Work<Real> forest;
-  CouplingWork<Real> couplings;
-  StopWork<Real> stops;
-  FastRobot<Real>* fast;  ///< per robot
-  Real* fast_bodies;      ///< kBodyConstantCount per body, of robots that are fast
+  typename MultibodyTree::template Work<Real> multibody;
+  CouplingWorkspace<Real> couplings;
+  JointStopWorkspace<Real> stops;
+  HighSpinRobot<Real>* fast;  ///< per robot
+  Real* fast_bodies;          ///< kBodyConstantCount per body, of robots that are fast
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -120,9 +120,9 @@ struct StepArrays {
     for (auto& t : joint_targets) arena.take(t, plan.world.joint_drives.size());
     arena.take(motion, bodies);
     arena.take(forces, bodies);
-    arena.take(forest.body, bodies);
-    arena.take(forest.ball, bodies);
-    arena.take(forest.acceleration, bodies);
+    arena.take(multibody.body, bodies);
+    arena.take(multibody.ball, bodies);
+    arena.take(multibody.acceleration, bodies);
     couplings.take_from(arena, plan.couplings);
     arena.take(fast, layout.robots.size());
     arena.take(fast_bodies, kBodyConstantCount * bodies);
@@ -138,7 +138,7 @@ struct StepArrays {
 
 /// Writes the motion of bodies `first` to before `last` as GroupBlocks::bodies and StepCall::spins
 /// have it.
-/// @param lanes  a LanePlace or LaneList
+/// @param lanes  a LaneSlice or LaneList
 /// @param mask   lanes to write, or AllLanes
 template <class Real, class Lanes, class Mask>
 SKYBODY_INLINE void store_motion(int first, int last, const BodyKinematics<Real>* motion,

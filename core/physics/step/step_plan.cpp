@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "core/physics/step/broad_phase_update.h"
 #include "core/physics/step/contact_correction.h"
 #include "core/physics/step/free_robot_step.h"
 #include "core/physics/step/mechanics.h"
-#include "core/physics/step/near_search.h"
 
 namespace skybody {
 
@@ -13,7 +13,7 @@ DerivedLayout::DerivedLayout(const World& world)
     : factors(kLagSize * static_cast<int>(world.rotors.size())),
       bodies(factors + kRotorFactorCount * static_cast<int>(world.rotors.size())),
       obstacles(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())),
-      size(obstacles + kSolidConstantCount * count_obstacle_solids(world.scenario)) {}
+      size(obstacles + kShapeConstantCount * count_obstacle_shapes(world.scenario)) {}
 
 namespace {
 
@@ -33,14 +33,14 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   StepKernels kernels;
   kernels.refresh = refresh_kernel(lanes, isa);
   kernels.find_near = near_kernel(lanes, isa);
-  kernels.close_gaps = gap_kernel(lanes, isa);
+  kernels.project_constraints = gap_kernel(lanes, isa);
   kernels.correct = contact_kernel(lanes, isa);
   kernels.derive = derive_kernel(lanes, isa);
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
   if (!plan.free_robots) {
     kernels.advance = plan.has_rare_cases() ? tree_any_kernel(lanes, isa) : tree_kernel(lanes, isa);
-  } else if (plan.held == HeldKind::kAir) {
+  } else if (plan.held == HeldInputSet::kAir) {
     kernels.advance = free_air_kernel(lanes, isa);
   } else if (plan.has_held()) {
     kernels.advance = free_held_kernel(integrator, lanes, isa);
@@ -57,10 +57,10 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
 
 }  // namespace
 
-StepPlan::StepPlan(const World& w, DynamicsUse u)
+StepPlan::StepPlan(const World& w, DynamicsBackend u)
     : world(w),
       use(u),
-      forest(w),
+      multibody(w),
       forces(w),
       contact(w),
       couplings(w),
@@ -84,14 +84,14 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   }
   if (FreeRobots::is_possible(w)) free_robots.emplace(w);
   for (const WorldRotor& rotor : w.rotors) has_reversible_rotors |= rotor.model->is_reversible();
-  held = held_kind(w, free_robots && free_robots->robots[0].is_plain_quadrotor);
+  held = held_input_set(w, free_robots && free_robots->robots[0].is_plain_quadrotor);
   const auto one_lane =
       static_cast<std::size_t>(w.layout.physics_params + derived.size) * sizeof(double);
   using Widest = Pack<kWidestPack>;
   const std::size_t free_robots_bytes =
       w.layout.robots.size() * sizeof(FreeMotion<Widest>) + w.rotors.size() * sizeof(Widest);
   kernel_bytes = std::max({StepArrays<Widest>::bytes(*this), CorrectionArrays<Widest>::bytes(*this),
-                           NearSearch<Widest, SharedValues<Widest>>::bytes(*this), one_lane,
+                           BroadPhaseUpdate<Widest, SharedValues<Widest>>::bytes(*this), one_lane,
                            free_robots_bytes});
   kernel_bytes = (kernel_bytes + sizeof(Widest) - 1) / sizeof(Widest) * sizeof(Widest);
   std::size_t changed = 0;

@@ -12,10 +12,10 @@
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
-#include "core/physics/step/held_kind.h"
+#include "core/physics/step/held_input_set.h"
 #include "core/physics/step/joint_stops.h"
 #include "core/physics/step/step_rules.h"
-#include "core/physics/tree/forest.h"
+#include "core/physics/tree/multibody_tree.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
@@ -29,7 +29,7 @@ struct DrivenBase {
 
 /// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each) and
 /// factors (kRotorFactorCount each), then the bodies' constants (kBodyConstantCount each) and the
-/// obstacles' (kSolidConstantCount each).
+/// obstacles' (kShapeConstantCount each).
 struct DerivedLayout {
   explicit DerivedLayout(const World& world);
   int lags = 0;
@@ -80,8 +80,8 @@ struct StepCall {
   StepStart start = {};  ///< for `correct`
   /// For `find_near`: Clearance of each contact body, four values in lanes; null: none are kept
   double* clearances = nullptr;
-  /// Per Meeting of the contact scene: the lanes where it is near, which `find_near` adds to and
-  /// `correct` looks at; those that nothing moves in are left out
+  /// Per CollisionPair of the contact scene: the lanes where it is near, which `find_near` adds to
+  /// and `correct` looks at; those that nothing moves in are left out
   std::uint32_t* near = nullptr;
 };
 
@@ -101,7 +101,7 @@ struct StepKernels {
   StepKernel* find_near = nullptr;
   /// Takes away what the values, changed from outside, leave of the gaps of couplings; the lanes
   /// where that can be.
-  StepKernel* close_gaps = nullptr;
+  StepKernel* project_constraints = nullptr;
   /// What contact makes of the step that has been taken (contact_correction.h); the lanes that came
   /// through: the others keep the step without contact.
   StepKernel* correct = nullptr;
@@ -128,27 +128,30 @@ StepKernel* free_fast_kernel(IntegratorChoice integrator, int lanes, Isa isa);
 /// Immutable; refers to the world, which must outlive it.
 struct StepPlan {
   /// @throws Error (naming the body) if no rigid body can have the nominal mass properties
-  StepPlan(const World& world, DynamicsUse use);
+  StepPlan(const World& world, DynamicsBackend use);
 
   /// Whether tree's steps are taken by kernels: an error-controlled integrator's steps depend on
   /// the state, so that lanes part.
   bool has_kernels() const {
-    return !is_error_controlled(world.scenario.stepping.integrator) && use != DynamicsUse::kSimbody;
+    return !is_error_controlled(world.scenario.stepping.integrator) &&
+           use != DynamicsBackend::kSimbody;
   }
-  bool has_held() const { return held != HeldKind::kNothing; }
+  bool has_held() const { return held != HeldInputSet::kNothing; }
   /// Whether trees take the kernel for any world: TreeKind in mechanics.h.
   bool has_rare_cases() const { return has_held() || stops.any() || has_reversible_rotors; }
   /// Whether lanes read their own parameters even where these are nominal: a second kernel would
   /// double the compile time.
-  bool never_shares() const { return free_robots ? held == HeldKind::kAnything : has_rare_cases(); }
+  bool never_shares() const {
+    return free_robots ? held == HeldInputSet::kAnything : has_rare_cases();
+  }
   /// Those for groups of kGroupLanes lanes, or of one.
   const StepKernels& kernels(int lanes) const {
     return lanes == 1 ? kernels_of_one : kernels_of_all;
   }
 
   const World& world;
-  DynamicsUse use;
-  Forest forest;
+  DynamicsBackend use;
+  MultibodyTree multibody;
   ForceModel forces;
   ContactScene contact;
   CouplingScene couplings;
@@ -156,7 +159,7 @@ struct StepPlan {
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
   double fast_square;  ///< fast_spin_square()
-  HeldKind held = HeldKind::kNothing;
+  HeldInputSet held = HeldInputSet::kNothing;
   bool has_reversible_rotors = false;
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block

@@ -89,7 +89,7 @@ class TorqueFreeAdjoint {
   MaskOf<Real> mask_;
   Quat<Real> first_rotation_;
   Vec3<Real> first_spin_;
-  TorqueFreeParts<Real> parts_;
+  TorqueFreeSubsteps<Real> parts_;
 };
 
 }  // namespace skybody

@@ -35,7 +35,7 @@ struct CloseGaps {
             const auto& derived) SKYBODY_INLINE_LAMBDA {
           using Values = std::decay_t<decltype(params)>;
           Mechanics<Real, Values, TreeKind::kUsual> mechanics(call, first, params, derived, arrays);
-          return bits_from_mask(mechanics.close_gaps(mask_from_bits<Real>(bits))) & bits;
+          return bits_from_mask(mechanics.project_constraints(mask_from_bits<Real>(bits))) & bits;
         });
   }
 };
@@ -46,7 +46,7 @@ struct DeriveRotors {
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
     return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-      const LanePlace<Real> place(first);
+      const LaneSlice<Real> place(first);
       const MaskOf<Real> mask = mask_from_bits<Real>(bits);
       derive_rotors(
           call.plan->world, call.plan->derived, LaneValues<Real>(call.group->params + first),

@@ -80,7 +80,7 @@ SKYBODY_INLINE SpatialForce<Real> shifted(const SpatialForce<Real>& f, const Vec
 
 /// What one body's elimination leaves for the way back to the leaves.
 template <class Real>
-struct TreeBodyWork {
+struct ArticulatedBodyCache {
   ArticulatedInertia<Real> inertia;  ///< of the body and all that hangs on it
   SpatialForce<Real> bias;           ///< force that it takes where nothing accelerates
   SpatialAcceleration<Real> drift;   ///< acceleration at O with udot and the parent's zero
@@ -99,7 +99,7 @@ template <class Real>
 SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>* parent,
                                const Mat3<Real>& frame, const JointMotion<Real>& joint,
                                const BodyKinematics<Real>& body, const Real* u,
-                               TreeBodyWork<Real>& work) {
+                               ArticulatedBodyCache<Real>& work) {
   const Real none(0.0);
   const Vec3<Real> zero{none, none, none};
   Mat3<Real> m_axes = body.axes;
@@ -172,7 +172,7 @@ struct JointColumns {
 /// Takes a joint's coordinates out of the inertia of its body.
 /// @param own  inertias of the coordinates themselves, one each; null: they have none
 template <class Columns, class Real>
-SKYBODY_INLINE void eliminate(const Real* own, TreeBodyWork<Real>& work) {
+SKYBODY_INLINE void eliminate(const Real* own, ArticulatedBodyCache<Real>& work) {
   for (int k = 0; k < Columns::kCount; ++k) {
     SpatialForce<Real> row = Columns::force(work.inertia, work.column[k]);
     Real pivot = Columns::power(work.column[k], row);
@@ -193,7 +193,7 @@ SKYBODY_INLINE void eliminate(const Real* own, TreeBodyWork<Real>& work) {
 
 /// Takes them out of the forces on it.
 template <class Columns, class Real>
-SKYBODY_INLINE void leave_residual(const Real* joint_force, TreeBodyWork<Real>& work) {
+SKYBODY_INLINE void leave_residual(const Real* joint_force, ArticulatedBodyCache<Real>& work) {
   for (int k = 0; k < Columns::kCount; ++k) {
     Real residual = joint_force[k] - Columns::power(work.column[k], work.bias);
     for (int j = 0; j < k; ++j) residual -= work.lower[k][j] * work.residual[j];
@@ -221,7 +221,7 @@ SKYBODY_INLINE SpatialAcceleration<Real> free_acceleration(const ArticulatedIner
 
 /// Adds what the joint's coordinates pass on of the forces.
 template <class Columns, class Real>
-SKYBODY_INLINE void pass_on(const TreeBodyWork<Real>& work, SpatialForce<Real>& bias) {
+SKYBODY_INLINE void pass_on(const ArticulatedBodyCache<Real>& work, SpatialForce<Real>& bias) {
   for (int k = 0; k < Columns::kCount; ++k) {
     const Real rate = work.residual[k] * work.inverse_pivot[k];
     bias.moment += work.reduced[k].moment * rate;
@@ -231,8 +231,8 @@ SKYBODY_INLINE void pass_on(const TreeBodyWork<Real>& work, SpatialForce<Real>& 
 
 /// inertia and bias as they are felt through the joint.
 template <class Columns, class Real>
-SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Real>& inertia,
-                           SpatialForce<Real>& bias) {
+SKYBODY_INLINE void reduce(const ArticulatedBodyCache<Real>& work,
+                           ArticulatedInertia<Real>& inertia, SpatialForce<Real>& bias) {
   inertia = work.inertia;
   for (int k = 0; k < Columns::kCount; ++k) {
     const Vec3<Real>&m = work.reduced[k].moment, &f = work.reduced[k].force;
@@ -252,7 +252,7 @@ SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Re
 
 /// udot of a joint whose body would accelerate by `a` if they were zero; adds what they do to `a`.
 template <class Columns, class Real>
-SKYBODY_INLINE void substitute(const TreeBodyWork<Real>& work, SpatialAcceleration<Real>& a,
+SKYBODY_INLINE void substitute(const ArticulatedBodyCache<Real>& work, SpatialAcceleration<Real>& a,
                                Real* udot) {
   for (int k = 0; k < Columns::kCount; ++k) {
     const SpatialForce<Real>& row = work.reduced[k];

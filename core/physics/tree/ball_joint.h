@@ -12,7 +12,7 @@ namespace skybody {
 
 /// What taking out a ball joint leaves for the way back to the leaves.
 template <class Real>
-struct BallJointWork {
+struct BallJointCache {
   Mat3<Real> axes;       ///< of M, in W
   Vec3<Real> lever;      ///< from M's origin to O, W axes [m]
   Vec3<Real> free_turn;  ///< A^-1 (tau - b_m): alpha where a is zero [rad/s^2]
@@ -23,8 +23,8 @@ struct BallJointWork {
 /// @param parent  null where the joint's frame F is fixed to W
 template <class Real>
 SKYBODY_INLINE void open_ball(const TreeBody& tree, const BodyKinematics<Real>* parent,
-                              const BodyKinematics<Real>& body, TreeBodyWork<Real>& work,
-                              BallJointWork<Real>& ball) {
+                              const BodyKinematics<Real>& body, ArticulatedBodyCache<Real>& work,
+                              BallJointCache<Real>& ball) {
   const Real none(0.0);
   ball.axes = body.axes;
   ball.lever = {none, none, none};
@@ -43,7 +43,8 @@ SKYBODY_INLINE void open_ball(const TreeBody& tree, const BodyKinematics<Real>* 
 
 /// Acceleration of O where a and alpha are zero: the lever's centripetal one.
 template <class Real>
-SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body, const BallJointWork<Real>& ball) {
+SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body,
+                                const BallJointCache<Real>& ball) {
   const Vec3<Real>& w = body.angular_velocity;
   return cross(w, cross(w, ball.lever));
 }
@@ -54,8 +55,8 @@ SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body, const BallJoin
 /// @param bias    overwritten: about M's origin, what it takes where the parent does not accelerate
 template <class Real>
 SKYBODY_INLINE void take_out_ball(const TreeBody& tree, const BodyKinematics<Real>& body,
-                                  const Real* force, const TreeBodyWork<Real>& work,
-                                  BallJointWork<Real>& ball, SymMat3<Real>& linear,
+                                  const Real* force, const ArticulatedBodyCache<Real>& work,
+                                  BallJointCache<Real>& ball, SymMat3<Real>& linear,
                                   SpatialForce<Real>& bias) {
   ArticulatedInertia<Real> inertia = work.inertia;
   bias = work.bias;
@@ -98,7 +99,7 @@ SKYBODY_INLINE ArticulatedInertia<Real> carried(const SymMat3<Real>& linear,
 /// @param a  in: with the joint's own accelerations zero, about M's origin; out: about O
 template <class Real>
 SKYBODY_INLINE void follow_ball(const TreeBody& tree, const BodyKinematics<Real>& body,
-                                const BallJointWork<Real>& ball, SpatialAcceleration<Real>& a,
+                                const BallJointCache<Real>& ball, SpatialAcceleration<Real>& a,
                                 Real* udot) {
   const Vec3<Real> turn = ball.free_turn - ball.follow * a.linear;
   store(transpose_times(ball.axes, turn - a.angular), udot);

@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// The lanes that one Real holds: neighbours, or any lanes of the group. It is used as a LanePlace
+/// The lanes that one Real holds: neighbours, or any lanes of the group. It is used as a LaneSlice
 /// is.
 template <class Real>
 class LaneList {

@@ -22,7 +22,7 @@ static_assert(sizeof(BodyState) == 13 * sizeof(double));
 /// Values of one lane gathered from state words, in the order of the layout's blocks.
 struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
-  std::vector<double> joint_command, joint_state, pulls, bristles;
+  std::vector<double> joint_command, joint_state, coupling_forces, bristles;
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< in the order of SkybodyHeldInput
   std::vector<BodyState> bodies;                             ///< those of q and u
 };
@@ -41,7 +41,7 @@ inline constexpr LaneBlock kLaneBlocks[] = {{&LaneState::q, &Layout::q},
                                             {&LaneState::params, &Layout::params},
                                             {&LaneState::joint_command, &Layout::joint_command},
                                             {&LaneState::joint_state, &Layout::joint_state},
-                                            {&LaneState::pulls, &Layout::pulls},
+                                            {&LaneState::coupling_forces, &Layout::coupling_forces},
                                             {&LaneState::bristles, &Layout::bristles}};
 
 /// The values of a lane state that belong to a block.

@@ -99,10 +99,10 @@ struct AllLanes {};
 
 /// Where the lanes that one Real holds lie in the blocks of a group.
 template <class Real>
-class LanePlace {
+class LaneSlice {
  public:
   /// @param first  of the lanes, within the group
-  SKYBODY_INLINE LanePlace(int first) : first_(first) {}
+  SKYBODY_INLINE LaneSlice(int first) : first_(first) {}
 
   /// Bits of these lanes as bits of the group's; and the other way, with others above them.
   std::uint32_t in_group(std::uint32_t bits) const { return bits << first_; }

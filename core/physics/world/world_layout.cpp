@@ -144,7 +144,7 @@ Layout physics_layout(const Topology& world) {
     layout.u.size += layout.robots.back().u_count;
   }
   layout.rotor_speed.size = layout.rotor_command.size = static_cast<int>(world.rotors.size());
-  layout.pulls.size = 3 * static_cast<int>(world.scenario.couplings.size());
+  layout.coupling_forces.size = 3 * static_cast<int>(world.scenario.couplings.size());
   layout.bristles.size = 3 * count_bristles(world);
   add_physical_constants(layout, world);
   return layout;
@@ -181,7 +181,7 @@ Layout finish_layout(const WorldPlan& plan) {
   };
   for (Block* block : {&layout.header, &layout.q, &layout.u, &layout.rotor_speed,
                        &layout.rotor_command, &layout.wrench, &layout.drive, &layout.joint_command,
-                       &layout.joint_state, &layout.pulls, &layout.bristles}) {
+                       &layout.joint_state, &layout.coupling_forces, &layout.bristles}) {
     place(*block);
   }
   for (Block& block : layout.held) place(block);

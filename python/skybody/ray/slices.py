@@ -134,8 +134,8 @@ class RaySlices:
         """
         return self._all("find_gradients", self._ray.put(policy), self._ray.put(value), *rest)
 
-    def spread_starts(self, iteration: int) -> None:
-        self._each(lambda worker: worker.call.remote("spread_starts", iteration))
+    def stagger_resets(self, iteration: int) -> None:
+        self._each(lambda worker: worker.call.remote("stagger_resets", iteration))
 
     def save(self) -> list[Any]:
         return self._all("save")

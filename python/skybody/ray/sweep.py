@@ -17,7 +17,7 @@ from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
 from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
-from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
+from skybody.ray.places import folders_from_anywhere, absolute_scenario
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
@@ -101,7 +101,7 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
         check_option("--checkpoint-every", options.checkpoint_every, 1, 2**63 - 1)
         common += ["--checkpoint-every", str(options.checkpoint_every)]
     common += [word for change in options.override for word in ("--override", change)]
-    scenarios = [scenario_from_anywhere(scenario) for scenario in options.scenarios]
+    scenarios = [absolute_scenario(scenario) for scenario in options.scenarios]
     compiled = {scenario: _load(scenario, options) for scenario in scenarios}
     steps = {
         scenario: told(scenario, options.algo, loaded, (), options.total_steps).total_steps

@@ -6,7 +6,7 @@ import argparse
 import contextlib
 
 from skybody.ray.cluster import check_cpus, cluster
-from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
+from skybody.ray.places import folders_from_anywhere, absolute_scenario
 from skybody.ray.slices import MOST_SLICES, RaySlices, Setup
 from skybody.train.evaluate import check_option
 from skybody.train.hyperparameters import UsageError
@@ -53,7 +53,7 @@ def hold_slices(
 def setup_of(config: Config) -> Setup:
     """What workers make their slices of; they are at work in another folder."""
     return Setup(
-        scenario=scenario_from_anywhere(config.scenario),
+        scenario=absolute_scenario(config.scenario),
         overrides=config.overrides,
         plugin_path=folders_from_anywhere(config.searched),
         scenario_hash=config.scenario_hash,

@@ -98,11 +98,11 @@ TEST(NormalQuantile, IsTheInverseOfTheErrorFunction) {
     const double density = std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi);
     const double p = share_below(x), rounding = (x < 0.0 ? p : 1.0) * 1e-15 / density;
     EXPECT_NEAR(normal_quantile(p), x, rounding + 1e-14 * (1.0 + std::fabs(x))) << x;
-    EXPECT_NEAR(normal_share_below(x), share_below(x), 1e-15) << x;
+    EXPECT_NEAR(normal_cdf(x), share_below(x), 1e-15) << x;
   }
   EXPECT_EQ(normal_quantile(0.5), 0.0);
-  EXPECT_EQ(normal_share_below(-1e9), 0.0);
-  EXPECT_EQ(normal_share_below(1e9), 1.0);
+  EXPECT_EQ(normal_cdf(-1e9), 0.0);
+  EXPECT_EQ(normal_cdf(1e9), 1.0);
 }
 
 TEST(Distribution, SaysWhatItCannotBe) {

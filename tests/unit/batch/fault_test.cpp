@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "tests/unit/batch/small_env.h"
 
 namespace skybody {
@@ -69,7 +69,7 @@ TEST(Exception, OfAWorkerComesOutOfRecvAndOfEveryLaterCall) {
           while (envs.in_flight() > 0) envs.recv();
         };
         const auto thrown =
-            testing::ThrowsMessage<MarkedError>(testing::HasSubstr("thrown by the task"));
+            testing::ThrowsMessage<LocatedError>(testing::HasSubstr("thrown by the task"));
         EXPECT_THAT(receive_all, thrown);
         EXPECT_THAT([&] { envs.recv(); }, thrown);
         EXPECT_THAT([&] { envs.send(actions_of({0}, 1, 4), std::vector<std::int32_t>{0}); },
@@ -101,7 +101,7 @@ TEST(Exception, WhileTheCallerSleepsWakesIt) {
       test::gate.fail = true;
       test::ClosedGate::open();
     });
-    EXPECT_THROW(envs.recv(), MarkedError);
+    EXPECT_THROW(envs.recv(), LocatedError);
     opener.join();
     test::gate.fail = false;
   }

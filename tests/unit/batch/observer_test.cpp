@@ -19,7 +19,7 @@ using test::small_env;
 /// Cannot write what it is told, once.
 class FullDisk : public PoolObserver {
  public:
-  void received(const Batch&, const Fleet&) override {
+  void received(const Batch&, const EnvironmentStates&) override {
     if (++calls == 2) throw Error("no space left");
   }
   int calls = 0;

@@ -1,15 +1,15 @@
 // Sharing out the groups of a round.
-#include "core/batch/round_shares.h"
-
 #include <gtest/gtest.h>
 
 #include <thread>
 
+#include "core/batch/work_stealing_ranges.h"
+
 namespace skybody {
 namespace {
 
-TEST(RoundShares, AThreadTakesItsOwnRangeFirstAndTheSameInEveryRound) {
-  RoundShares shares(3);
+TEST(WorkStealingRanges, AThreadTakesItsOwnRangeFirstAndTheSameInEveryRound) {
+  WorkStealingRanges shares(3);
   for (int round = 0; round < 2; ++round) {
     shares.open(10, 3);  // 0-2, 3-5, 6-9
     int first = -1;
@@ -27,8 +27,8 @@ TEST(RoundShares, AThreadTakesItsOwnRangeFirstAndTheSameInEveryRound) {
   }
 }
 
-TEST(RoundShares, WithFewerThreadsThanThereAreTheOthersOnlyHelp) {
-  RoundShares shares(4);
+TEST(WorkStealingRanges, WithFewerThreadsThanThereAreTheOthersOnlyHelp) {
+  WorkStealingRanges shares(4);
   shares.open(5, 1);
   int first = -1;
   EXPECT_EQ(shares.take(3, first, [](int) { return 2; }), 2);
@@ -38,9 +38,9 @@ TEST(RoundShares, WithFewerThreadsThanThereAreTheOthersOnlyHelp) {
   EXPECT_EQ(shares.take(3, first, [](int) { return 1; }), 0);
 }
 
-TEST(RoundShares, EveryGroupIsTakenOnceByWhateverThreads) {
+TEST(WorkStealingRanges, EveryGroupIsTakenOnceByWhateverThreads) {
   constexpr int kGroups = 1000, kThreads = 4, kRounds = 200;
-  RoundShares shares(kThreads);
+  WorkStealingRanges shares(kThreads);
   std::vector<std::atomic<int>> taken(kGroups);
   std::atomic<int> count{0};
   std::atomic<bool> stop{false};

@@ -161,7 +161,7 @@ TEST(AllocationForms, QpIsTheMinimumWithinLimits) {
         }
         ASSERT_GE(f[i], 0.0);
         ASSERT_LE(f[i], full * (1.0 + 1e-12));
-        // The tie-break of 1e-8 tilts slopes by as much, times a wish of some times the limit.
+        // The tie-break of 1e-8 tilts slopes by as much, times a setpoint of some times the limit.
         if (f[i] > 1e-9 * full) {
           ASSERT_LT(slope, 1e-6) << robot.name << " " << n;
         }

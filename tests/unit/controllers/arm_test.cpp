@@ -154,8 +154,8 @@ TEST_F(ArmTest, ArmStretchesTowardsWhatIsOutOfReachAndLooksWhereItShould) {
   Group h = turner.group(1);
   pose(h, {0, 0, 2}, {1, 0, 0, 0}, 0.3, 0.5);
   turner.call(Call::kReset, h);
-  const Q wish = from_axis_angle(V{0, 1, 0}, 1.5);
-  h.input = {0.0, 0.0, -0.3, wish.w, wish.x, wish.y, wish.z};
+  const Q setpoint = from_axis_angle(V{0, 1, 0}, 1.5);
+  h.input = {0.0, 0.0, -0.3, setpoint.w, setpoint.x, setpoint.y, setpoint.z};
   for (int n = 0; n < 5000; ++n) turner.call(Call::kControl, h);
   EXPECT_NEAR(h.output[0] + h.output[1], 1.5, 1e-3);
 }

@@ -110,14 +110,14 @@ TEST_F(IndiTest, TakesAttitudesAndRates) {
   Flight flight(world);
   flight.spins = true;
   flight.other_torque = {0.05, 0.1, -0.02};
-  const Quat<double> wish = from_rpy(0.3, -0.2, 1.0);
+  const Quat<double> setpoint = from_rpy(0.3, -0.2, 1.0);
   const double turn = fly(
       attitude, flight, 6.0,
       [&](double) {
-        return std::vector<double>{15.0, wish.w, wish.x, wish.y, wish.z};
+        return std::vector<double>{15.0, setpoint.w, setpoint.x, setpoint.y, setpoint.z};
       },
       [&](double) {
-        const Quat<double> left = conjugate(flight.q) * wish;
+        const Quat<double> left = conjugate(flight.q) * setpoint;
         return norm(V{left.x, left.y, left.z});
       });
   // It falls ever faster, and the air turns it by its rotors' drag: the filter follows that 7.5 ms

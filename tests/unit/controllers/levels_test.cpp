@@ -62,7 +62,7 @@ TEST_F(Levels, RatesOfTheWishedAttitudeAreAddedInTheBodysAxes) {
   Numbers out = control(attitude, {9.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3});
   EXPECT_NEAR(out[1], 0.1, 1e-15);
   EXPECT_NEAR(out[3], 0.3, 1e-15);
-  // The wished body is turned by a quarter about z: its x axis is our y axis.
+  // The desired body is turned by a quarter about z: its x axis is our y axis.
   const double half = std::sqrt(0.5);
   out = control(attitude, {9.0, half, 0.0, 0.0, half, 1.0, 0.0, 0.0});
   EXPECT_NEAR(out[1], 0.0, 1e-15);
@@ -74,9 +74,9 @@ TEST_F(Levels, TiltComesFirstWhereItHasPriority) {
   // brought over by the shortest way.
   const Instance attitude("attitude", world,
                           {{"error", "tilt_priority"}, {"gain", Numbers{1, 1, 1}}});
-  const Quat<double> wish = Quat<double>{std::cos(0.1), 0, std::sin(0.1), 0} *
-                            Quat<double>{std::cos(1.0), 0, 0, std::sin(1.0)};
-  const Numbers out = control(attitude, {9.0, wish.w, wish.x, wish.y, wish.z});
+  const Quat<double> setpoint = Quat<double>{std::cos(0.1), 0, std::sin(0.1), 0} *
+                                Quat<double>{std::cos(1.0), 0, 0, std::sin(1.0)};
+  const Numbers out = control(attitude, {9.0, setpoint.w, setpoint.x, setpoint.y, setpoint.z});
   EXPECT_NEAR(out[1], 0.0, 1e-15);
   EXPECT_NEAR(out[2], 2.0 * std::sin(0.1), 1e-15);
   EXPECT_NEAR(out[3], 2.0 * std::sin(1.0), 1e-15);

@@ -1,7 +1,7 @@
 // From commands to actuators: several chains and several ends, periods, a task's own action.
 #include <gtest/gtest.h>
 
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {
@@ -225,7 +225,7 @@ std::string refusal(const std::vector<std::string>& controllers, const std::stri
   InProcessFactory factory;
   try {
     make(factory, controllers, task, action_repeat);
-  } catch (const MarkedError& e) {
+  } catch (const LocatedError& e) {
     return e.what();
   }
   return "";

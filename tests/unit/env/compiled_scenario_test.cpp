@@ -8,7 +8,7 @@
 #include <limits>
 #include <memory>
 
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
@@ -286,7 +286,7 @@ TEST(Configuration, ASignalThatNoActuatorTakesIsRefusedAtItsLine) {
   try {
     make(factory, {.controller = "dangling"});
     FAIL();
-  } catch (const MarkedError& e) {
+  } catch (const LocatedError& e) {
     EXPECT_EQ(e.mark().file, "test.yaml");
     EXPECT_STREQ(e.what(),
                  "the last controller, `dangling`, gives srt[4]; it must give rotor_speed, wrench, "
@@ -300,7 +300,7 @@ TEST(Configuration, ASiteOnABodyThatIsNotThereIsRefused) {
   try {
     make(factory, {.controller = "lost_site"});
     FAIL();
-  } catch (const MarkedError& e) {
+  } catch (const LocatedError& e) {
     EXPECT_STREQ(e.what(), "plugin `lost_site` names body 7 of 1; this is a mistake in the plugin");
   }
 }
@@ -310,7 +310,7 @@ TEST(Configuration, TwoRandomizersOfOneParameterAreRefused) {
   try {
     make(factory, {.kick = true, .kick_twice = true});
     FAIL();
-  } catch (const MarkedError& e) {
+  } catch (const LocatedError& e) {
     EXPECT_STREQ(e.what(),
                  "randomizers `kick` (line 1) and `again` both draw "
                  "robots.quad.controllers.direct.scale: leave it to one of them");

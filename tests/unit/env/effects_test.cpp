@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/model/held_inputs.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/env/value_names.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
@@ -105,7 +105,7 @@ std::unique_ptr<CompiledScenario> make(const Options& options) {
 std::string message_of(const Options& options) {
   try {
     make(options);
-  } catch (const MarkedError& error) {
+  } catch (const LocatedError& error) {
     return error.what();
   }
   return "";

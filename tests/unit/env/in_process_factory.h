@@ -9,9 +9,9 @@
 
 #include "core/base/error.h"
 #include "core/base/isa.h"
-#include "core/base/octets.h"
+#include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_work.h"
+#include "core/env/group_workspace.h"
 #include "core/env/plugin_instance.h"
 #include "core/io/parameter_reader.h"
 #include "plugins/api/export.h"
@@ -90,7 +90,7 @@ struct Flight {
   Flight(const CompiledScenario& compiled, int lanes, std::uint64_t seed = 1)
       : env(compiled),
         group(compiled.make_state(lanes)),
-        work(compiled.make_work(lanes)),
+        work(compiled.make_workspace(lanes)),
         observation(static_cast<std::size_t>(lanes * compiled.observation_size())),
         reward(static_cast<std::size_t>(lanes)),
         status(static_cast<std::size_t>(lanes)),
@@ -105,7 +105,7 @@ struct Flight {
 
   const CompiledScenario& env;
   StateGroup group;
-  std::unique_ptr<GroupWork> work;
+  std::unique_ptr<GroupWorkspace> work;
   std::vector<float> observation, reward;
   std::vector<std::uint64_t> status;
   std::uint32_t all;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/env/value_names.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/observed_plugins.h"
 
@@ -104,7 +104,7 @@ std::vector<std::string> names_of(const CompiledScenario& env) {
 std::string message_of(const Options& options) {
   try {
     make(options);
-  } catch (const MarkedError& error) {
+  } catch (const LocatedError& error) {
     return error.mark().file + ":" + std::to_string(error.mark().line) + ": " + error.what();
   }
   return "";

@@ -1,7 +1,7 @@
 // The shapes that plugins see, with ids, sizes, poses and the parameters of obstacles.
 #include <gtest/gtest.h>
 
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/env/state_values.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
@@ -204,7 +204,7 @@ std::string refusal(const Case& c) {
   InProcessFactory factory;
   try {
     make(factory, c);
-  } catch (const MarkedError& e) {
+  } catch (const LocatedError& e) {
     return e.what();
   }
   return "";

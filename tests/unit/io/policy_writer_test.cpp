@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/io/whole_file.h"
+#include "core/io/atomic_file.h"
 #include "tests/unit/io/temp_folder.h"
 
 namespace skybody {
@@ -147,10 +147,10 @@ class FileSizeLimit {
 
 TEST(WholeFile, KeepsTheOldFileAndLeavesNoOtherWhereThereIsNoSpace) {
   const TempFolder folder;
-  write_whole_file(folder.path("a.txt"), "before");
+  write_file_atomically(folder.path("a.txt"), "before");
   {
     const FileSizeLimit full(100);
-    EXPECT_THROW(write_whole_file(folder.path("a.txt"), std::string(1000, 'x')), Error);
+    EXPECT_THROW(write_file_atomically(folder.path("a.txt"), std::string(1000, 'x')), Error);
   }
   EXPECT_EQ(bytes_of(folder.path("a.txt")), "before");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path("")), {}), 1);

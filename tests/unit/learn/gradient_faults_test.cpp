@@ -110,7 +110,7 @@ struct Options : LearnerOptions {
 };
 
 std::uint64_t hash_after(const LearnerOptions& options, int iterations) {
-  Gradient learner(options, options.compiled);
+  AnalyticGradientLearner learner(options, options.compiled);
   for (int k = 0; k < iterations; ++k) learner.iterate();
   return learner.parameter_hash();
 }
@@ -136,7 +136,7 @@ TEST(GradientFaults, AreCountedAndLeaveEverythingFinite) {
   for (const double end_value_weight : {0.0, 0.5}) {
     Options options(place<Poison::kNaN>());
     options.hyper.end_value_weight = end_value_weight;
-    Gradient learner(options, options.compiled);
+    AnalyticGradientLearner learner(options, options.compiled);
     std::int64_t faults = 0;
     for (int k = 0; k < 6; ++k) {
       const Report report = learner.iterate();
@@ -171,7 +171,7 @@ TEST(GradientFaults, SpoilNoOtherFlightsLesson) {
 /// A steep flight goes on, and is part of what comes later: its figures stay numbers.
 TEST(GradientFaults, OfDerivativesAloneLeaveEverythingFinite) {
   Options options(place<Poison::kSteep>());
-  Gradient learner(options, options.compiled);
+  AnalyticGradientLearner learner(options, options.compiled);
   for (int k = 0; k < 6; ++k) {
     const Report report = learner.iterate();
     EXPECT_EQ(report.faults, 0);

@@ -33,8 +33,8 @@ LearnerOptions options(int threads) {
   return o;
 }
 
-Gradient gradient(const LearnerOptions& o) {
-  return Gradient(o, load(training_overrides(*o.compiled, o.hyper)));
+AnalyticGradientLearner gradient(const LearnerOptions& o) {
+  return AnalyticGradientLearner(o, load(training_overrides(*o.compiled, o.hyper)));
 }
 
 std::uint64_t hash_after(Learner& learner, int iterations) {
@@ -42,24 +42,24 @@ std::uint64_t hash_after(Learner& learner, int iterations) {
   return learner.parameter_hash();
 }
 
-TEST(Gradient, GivesTheSameBitsOnAnyNumberOfThreads) {
-  Gradient one = gradient(options(1));
-  Gradient three = gradient(options(3));
+TEST(AnalyticGradientLearner, GivesTheSameBitsOnAnyNumberOfThreads) {
+  AnalyticGradientLearner one = gradient(options(1));
+  AnalyticGradientLearner three = gradient(options(3));
   EXPECT_EQ(hash_after(one, 12), hash_after(three, 12));
   EXPECT_EQ(one.state().environments, three.state().environments);
 }
 
 /// A change of these is a change of what every seed learns: CHANGELOG says so.
-TEST(Gradient, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
+TEST(AnalyticGradientLearner, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {
     const ChosenIsa chosen(isa);
-    Gradient learner = gradient(options(2));
+    AnalyticGradientLearner learner = gradient(options(2));
     EXPECT_EQ(hash_after(learner, 12), 1789269190563457361ull) << name(isa);
   }
 }
 
-TEST(Gradient, WithAValueFunctionLearnsTheSameBitsOnEverySetWithFusedMultiplyAdd) {
+TEST(AnalyticGradientLearner, WithAValueFunctionLearnsTheSameBitsOnEverySetWithFusedMultiplyAdd) {
   const std::vector<Isa> sets = fused_isas();
   if (sets.size() < 2) GTEST_SKIP() << "this machine has " << machine_isas();
   std::set<std::uint64_t> hashes;
@@ -69,24 +69,25 @@ TEST(Gradient, WithAValueFunctionLearnsTheSameBitsOnEverySetWithFusedMultiplyAdd
     o.hyper.reward_weight = 0.5;
     o.hyper.end_value_weight = 1.0;
     o.hyper.activation = Activation::kElu;
-    Gradient learner = gradient(o);
+    AnalyticGradientLearner learner = gradient(o);
     hashes.insert(hash_after(learner, 6));
   }
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(Gradient, GoesOnFromItsStateWithTheSameBits) {
-  Gradient whole = gradient(options(2));
+TEST(AnalyticGradientLearner, GoesOnFromItsStateWithTheSameBits) {
+  AnalyticGradientLearner whole = gradient(options(2));
   whole.iterate();
   hash_after(whole, 4);
   const LearnerState middle = whole.state();
-  Gradient resumed = gradient(options(1));
+  AnalyticGradientLearner resumed = gradient(options(1));
   resumed.restore(middle);
   EXPECT_EQ(resumed.steps(), whole.steps());
   EXPECT_EQ(hash_after(resumed, 6), hash_after(whole, 6));
 }
 
-TEST(Gradient, WithAValueFunctionHasTheSameBitsOnAnyNumberOfThreadsAndAfterARestore) {
+TEST(AnalyticGradientLearner,
+     WithAValueFunctionHasTheSameBitsOnAnyNumberOfThreadsAndAfterARestore) {
   const auto with_value = [](int threads) {
     LearnerOptions o = options(threads);
     o.hyper.reward_weight = 0.5;
@@ -95,18 +96,18 @@ TEST(Gradient, WithAValueFunctionHasTheSameBitsOnAnyNumberOfThreadsAndAfterARest
     o.hyper.averaging_steps = 1000;
     return o;
   };
-  Gradient one = gradient(with_value(1)), three = gradient(with_value(3));
-  Gradient resumed = gradient(with_value(2));
+  AnalyticGradientLearner one = gradient(with_value(1)), three = gradient(with_value(3));
+  AnalyticGradientLearner resumed = gradient(with_value(2));
   EXPECT_EQ(hash_after(one, 6), hash_after(three, 6));
   resumed.restore(three.state());
   EXPECT_EQ(hash_after(resumed, 5), hash_after(one, 5));
   EXPECT_EQ(resumed.policy().layers[0].weight, one.policy().layers[0].weight);
-  Gradient without = gradient(options(1));
+  AnalyticGradientLearner without = gradient(options(1));
   EXPECT_NE(hash_after(without, 11), one.parameter_hash());
 }
 
-TEST(Gradient, RefusesAnotherLearnersState) {
-  Gradient learner = gradient(options(1));
+TEST(AnalyticGradientLearner, RefusesAnotherLearnersState) {
+  AnalyticGradientLearner learner = gradient(options(1));
   LearnerState state = learner.state();
   state.environments.pop_back();
   EXPECT_THROW(learner.restore(state), Error);
@@ -115,7 +116,7 @@ TEST(Gradient, RefusesAnotherLearnersState) {
   EXPECT_THROW(learner.restore(state), Error);
 }
 
-TEST(Gradient, BringsTheVehicleNearerToItsTarget) {
+TEST(AnalyticGradientLearner, BringsTheVehicleNearerToItsTarget) {
   LearnerOptions o = options(2);
   o.hyper.envs = 64;
   o.hyper.rollout_steps = 24;
@@ -123,17 +124,17 @@ TEST(Gradient, BringsTheVehicleNearerToItsTarget) {
   o.hyper.max_grad_norm = 1.0;
   o.hyper.hidden = {32, 32};
   o.total_steps = 64 * 24 * 120;
-  Gradient learner = gradient(o);
+  AnalyticGradientLearner learner = gradient(o);
   const double before = learner.iterate().position_error;
   for (int i = 0; i < 118; ++i) learner.iterate();
   EXPECT_LT(learner.iterate().position_error, 0.6 * before);
 }
 
 /// Fewer steps than `physics_steps` says, or more, would be learned in without a word.
-TEST(Gradient, RefusesAScenarioThatIsNotTheOneToTrainIn) {
+TEST(AnalyticGradientLearner, RefusesAScenarioThatIsNotTheOneToTrainIn) {
   const LearnerOptions o = options(1);
   try {
-    Gradient(o, o.compiled);
+    AnalyticGradientLearner(o, o.compiled);
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
@@ -145,7 +146,7 @@ TEST(Gradient, RefusesAScenarioThatIsNotTheOneToTrainIn) {
 
 TEST(MakeLearner, TrainsInTheLongerPhysicsStepsThatGradientAsksFor) {
   const LearnerOptions o = options(1);
-  Gradient by_hand = gradient(o);
+  AnalyticGradientLearner by_hand = gradient(o);
   LoadOptions scenario;
   scenario.scenario = "hover_learn";
   const auto made = make_learner(Algorithm::kGradient, scenario, o);
@@ -176,7 +177,7 @@ TEST(MakeLearner, CompilesAScenarioThatItIsNotGivenAndKeepsItsOverrides) {
   EXPECT_THROW(make_learner(Algorithm::kGradient, scenario, o), Error);
 }
 
-TEST(Gradient, LengthensPhysicsStepsAndKeepsAnActionsTime) {
+TEST(AnalyticGradientLearner, LengthensPhysicsStepsAndKeepsAnActionsTime) {
   Hyperparameters hyper;
   hyper.physics_steps = 4;
   const std::vector<std::string> expected = {"stepping.dt=0.005", "stepping.action_repeat=4"};

@@ -62,7 +62,7 @@ struct Subject {
   Sequences sequences;
   std::vector<float> parameters, x, dy, states;
   std::vector<std::uint8_t> begins;
-  GruMemory memory;
+  GruActivations memory;
   TransposedGru transposed;
 
   Subject(int inputs, int units, const Sequences& s, Isa isa)
@@ -245,7 +245,7 @@ TEST(Gru, HasItsGoldenHash) {
     gru.initialize(parameters, 3, 4);
     for (int i = 0; i < 5 * 7 * 20; ++i) x.push_back(static_cast<float>(i * 37 % 101 - 50) / 32.0f);
     std::vector<float> states(static_cast<std::size_t>(5 * gru.state_stride()));
-    GruMemory memory;
+    GruActivations memory;
     TransposedGru transposed;
     gru.transpose(parameters, transposed);
     gru.forward(parameters, x.data(), 9, {5, 7}, nullptr, states.data(), memory);

@@ -103,7 +103,7 @@ struct Subject {
   Network network;
   std::vector<float> parameters, gradient;
   TransposedWeights transposed;
-  NetworkMemory memory;
+  NetworkActivations memory;
 
   Subject(const NetworkShape& shape, Isa isa)
       : network(shape, isa),

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "learn/common/running_moments.h"
-#include "learn/common/task_crew.h"
+#include "learn/common/task_threads.h"
 #include "learn/ppo/gaussian.h"
 #include "learn/ppo/normalizer.h"
 #include "learn/ppo/policy_loss.h"
@@ -154,11 +154,11 @@ TEST_P(PolicyLossOf, GradientIsThatOfFiniteDifferences) {
 INSTANTIATE_TEST_SUITE_P(PolicyLoss, PolicyLossOf, testing::Bool(),
                          [](const auto& c) { return c.param ? "BoundedMean" : "FreeMean"; });
 
-TEST(TaskCrew, RunsEachTaskOnceAndPassesOnWhatOneThrows) {
-  TaskCrew crew(3, 8);
+TEST(TaskThreads, RunsEachTaskOnceAndPassesOnWhatOneThrows) {
+  TaskThreads threads(3, 8);
   for (int round = 0; round < 50; ++round) {
     std::vector<int> runs(8);
-    crew.run(8, [&](int task, int) { ++runs[static_cast<std::size_t>(task)]; });
+    threads.run(8, [&](int task, int) { ++runs[static_cast<std::size_t>(task)]; });
     ASSERT_THAT(runs, testing::Each(1));
   }
   std::atomic<int> ended{0};
@@ -166,9 +166,9 @@ TEST(TaskCrew, RunsEachTaskOnceAndPassesOnWhatOneThrows) {
     ++ended;
     if (task == 3) throw std::runtime_error("three");
   };
-  EXPECT_THROW(crew.run(8, bad), std::runtime_error);
+  EXPECT_THROW(threads.run(8, bad), std::runtime_error);
   EXPECT_EQ(ended.load(), 8);
-  crew.run(2, [&](int, int) { ++ended; });  // it goes on
+  threads.run(2, [&](int, int) { ++ended; });  // it goes on
   EXPECT_EQ(ended.load(), 10);
 }
 

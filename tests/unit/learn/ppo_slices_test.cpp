@@ -24,9 +24,9 @@ class TwoWorkers {
   explicit TwoWorkers(const LearnerOptions& options)
       : setup_(std::make_shared<const PpoSetup>(options)),
         driver_(setup_),
-        crew_(1, kSlices),
-        first_(setup_, 0, 3, crew_),
-        second_(setup_, 3, setup_->plan.slices() - 3, crew_),
+        threads_(1, kSlices),
+        first_(setup_, 0, 3, threads_),
+        second_(setup_, 3, setup_->plan.slices() - 3, threads_),
         networks_(setup_->agents, setup_->hyper, setup_->isa) {}
 
   void iterate() {
@@ -45,7 +45,7 @@ class TwoWorkers {
       driver_.take_figures(m, sums(&PpoSlice::minibatch_sums));
     }
     driver_.finish();
-    each([&](PpoSlices& s) { s.spread_starts(driver_.iteration()); });
+    each([&](PpoSlices& s) { s.stagger_resets(driver_.iteration()); });
   }
   int policy_steps() const { return policy_steps_; }  // of the last iteration
   int value_steps() const { return value_steps_; }
@@ -76,7 +76,7 @@ class TwoWorkers {
  private:
   std::shared_ptr<const PpoSetup> setup_;
   PpoDriver driver_;
-  TaskCrew crew_;
+  TaskThreads threads_;
   PpoSlices first_, second_;
   PpoNetworks networks_;
   int policy_steps_ = 0, value_steps_ = 0;

@@ -72,7 +72,7 @@ std::vector<Number> step(const StepPlan& plan, const std::vector<double>& params
     const Values q(inputs.data()), u(&inputs[7]);
     return FreeMotion<Number>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
   };
-  FreeRobotStep<Number, Values, FreeKind::kQuadrotor, HeldKind::kNothing, SpinKind::kAny>(
+  FreeRobotStep<Number, Values, FreeKind::kQuadrotor, HeldInputSet::kNothing, SpinKind::kAny>(
       *plan.free_robots, plan.free_robots->robots[0], in)
       .advance<IntegratorChoice::kMidpoint>(start, m, speeds);
   return {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x, m.rotation.y,
@@ -113,7 +113,7 @@ std::vector<double> odd_params(const World& world) {
 /// @param spin  of the lanes; every fourth turns slowly
 void expect_adjoint_is_transpose(const std::vector<double>& params, const World& world,
                                  double spin = 3.0) {
-  const StepPlan plan(world, DynamicsUse::kTree);
+  const StepPlan plan(world, DynamicsBackend::kTree);
   const StepAdjoint adjoint(world);
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;

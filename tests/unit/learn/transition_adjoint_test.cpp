@@ -30,7 +30,7 @@ class Flights {
         actions(compiled->action_size()),
         seen(compiled->observation_size()),
         state(compiled->make_state(kGroupLanes)),
-        work(compiled->make_work(kGroupLanes)),
+        work(compiled->make_workspace(kGroupLanes)),
         adjoint(*compiled, kSteps, with_reward),
         observation(static_cast<std::size_t>(kGroupLanes * seen)),
         reward(kGroupLanes),
@@ -108,7 +108,7 @@ class Flights {
   std::shared_ptr<const CompiledScenario> compiled;
   int actions, seen;
   StateGroup state;
-  std::unique_ptr<GroupWork> work;
+  std::unique_ptr<GroupWorkspace> work;
   TransitionAdjoint adjoint;
   std::vector<float> observation, reward, chosen;
   std::vector<std::uint64_t> status;
@@ -124,7 +124,7 @@ void expect_derivatives(const std::string& scenario, const std::vector<std::stri
   Flights flights(load(scenario, overrides));
   flights.fly();
   flights.adjoint.look(flights.state, ~0u, kSteps);
-  flights.adjoint.arrange();
+  flights.adjoint.color_columns();
   const std::vector<double> derived = flights.derivatives(of_motion);
   double largest = 0.0;
   for (const double d : derived) largest = std::max(largest, std::abs(d));
@@ -268,7 +268,7 @@ TEST(TransitionAdjoint, NeedsOneDirectionForEachValueOfATree) {
   Flights flights(compiled, false);
   flights.fly();
   flights.adjoint.look(flights.state, ~0u, kSteps);
-  flights.adjoint.arrange();
+  flights.adjoint.color_columns();
   const Layout& l = compiled->layout();
   EXPECT_EQ(flights.adjoint.evaluations().physics,
             l.q.size + l.u.size + l.rotor_speed.size + l.rotor_command.size);
@@ -304,7 +304,7 @@ TEST(TransitionAdjoint, AsksPluginsAsSeldomAsTheirDependencesAllow) {
   Flights flights(load("hover_learn"), false);
   flights.fly();
   flights.adjoint.look(flights.state, ~0u, kSteps);
-  flights.adjoint.arrange();
+  flights.adjoint.color_columns();
   const auto count = flights.adjoint.evaluations();
   EXPECT_EQ(count.task, 4);
   EXPECT_EQ(count.controllers, 1);

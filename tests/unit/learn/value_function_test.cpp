@@ -77,9 +77,9 @@ struct Horizon {
 
 /// By the delayed copy, which is the critic itself as long as nothing was learned.
 double value_of(const ValueFunction& function, const float* x) {
-  NetworkMemory memory;
+  NetworkActivations memory;
   float y = 0.0f;
-  function.network().forward(function.delayed(), x, kStride, 1, memory, &y, 1);
+  function.network().forward(function.target_parameters(), x, kStride, 1, memory, &y, 1);
   return function.scale() * static_cast<double>(y);
 }
 
@@ -212,9 +212,9 @@ class EndOfFlights : public ::testing::Test {
         x[static_cast<std::size_t>(k)] =
             static_cast<float>((static_cast<double>(observations[at]) - 0.1) * 0.8);
       }
-      NetworkMemory memory;
+      NetworkActivations memory;
       float y = 0.0f;
-      function.network().forward(function.delayed(), x.data(), stride, 1, memory, &y, 1);
+      function.network().forward(function.target_parameters(), x.data(), stride, 1, memory, &y, 1);
       sum += function.scale() * static_cast<double>(y);
     }
     return -2.0 * std::pow(0.9, 4) * sum / (kEnvs * 4);

@@ -15,7 +15,7 @@ constexpr CouplingEnd kAbove{-1, 0, {0, 0, 1}};
 
 /// The force on the second end in the last step, W [N].
 Vec3<double> pull_of(const Bench& bench, std::size_t coupling) {
-  const double* pull = bench.state.pulls.data() + 3 * coupling;
+  const double* pull = bench.state.coupling_forces.data() + 3 * coupling;
   return {-pull[0], -pull[1], -pull[2]};
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/coupled_worlds.h"
 
@@ -52,8 +52,8 @@ TEST(Rod, PullsAsHardAsAMassIsHeavyAndTurns) {
   bench.state.u[0] = 2.0;
   ASSERT_TRUE(bench.run(1));
   // m (g + v^2 / l) on the first end, the world's; a step moves the bob by 2 mm.
-  EXPECT_NEAR(bench.state.pulls[2], -0.5 * (9.81 + 4.0), 1e-3);
-  EXPECT_NEAR(bench.state.pulls[0], 0.0, 0.05);
+  EXPECT_NEAR(bench.state.coupling_forces[2], -0.5 * (9.81 + 4.0), 1e-3);
+  EXPECT_NEAR(bench.state.coupling_forces[0], 0.0, 0.05);
 }
 
 TEST(Rod, OfTwoRobotsKeepsTheirMomentum) {
@@ -122,14 +122,14 @@ TEST(Rope, IsSlackUntilItIsLongEnoughAndNeverPushes) {
       {with_length(make_coupling("rope", CouplingKind::kRope, kOrigin, {0, 0, {0, 0, 0}}), 1.0)}));
   ASSERT_TRUE(bench.run_seconds(0.3));
   EXPECT_NEAR(bench.state.bodies[0].position.z, -0.5 - 0.5 * 9.81 * 0.09, 1e-6);
-  EXPECT_EQ(bench.state.pulls[2], 0.0);
+  EXPECT_EQ(bench.state.coupling_forces[2], 0.0);
   ASSERT_TRUE(bench.run_seconds(0.7));
   EXPECT_NEAR(bench.state.bodies[0].position.z, -1.0, 1e-9);
-  EXPECT_NEAR(bench.state.pulls[2], -9.81, 1e-6);
+  EXPECT_NEAR(bench.state.coupling_forces[2], -9.81, 1e-6);
   bench.state.u[2] = 3.0;  // thrown up: slack
   ASSERT_TRUE(bench.run_seconds(0.2));
   EXPECT_NEAR(bench.state.bodies[0].position.z, -1.0 + 0.6 - 0.5 * 9.81 * 0.04, 1e-6);
-  EXPECT_EQ(bench.state.pulls[2], 0.0);
+  EXPECT_EQ(bench.state.coupling_forces[2], 0.0);
 }
 
 /// Thrown on a circle with less than it takes at the top, a bob leaves the circle where the rope
@@ -139,7 +139,8 @@ TEST(Rope, LetsGoOnACircleWhereItWouldHaveToPush) {
   const double speed = std::sqrt(3.5 * 9.81);
   bench.state.u[0] = speed;
   double height = 0.0;
-  for (int i = 0; i < 2000 && (i < 2 || bench.state.pulls[0] != 0.0 || bench.state.pulls[2] != 0.0);
+  for (int i = 0; i < 2000 && (i < 2 || bench.state.coupling_forces[0] != 0.0 ||
+                               bench.state.coupling_forces[2] != 0.0);
        ++i) {
     ASSERT_TRUE(bench.run(1));
     height = bench.state.bodies[0].position.z;
@@ -309,10 +310,10 @@ TEST(Coupling, IsRefusedWhereItsEndsAreElsewhere) {
     if (length > 0.0) coupling = with_length(coupling, length);
     return make_team({make_robot("bob", make_mass(0.5), at)}, {coupling});
   };
-  EXPECT_THROW(fitted(CouplingKind::kRope, 0.9, {0, 0, 1}), MarkedError);
-  EXPECT_THROW(fitted(CouplingKind::kRod, 1.1, {0, 0, 1}), MarkedError);
-  EXPECT_THROW(fitted(CouplingKind::kRod, 0.0, {0, 0, 0}), MarkedError);
-  EXPECT_THROW(fitted(CouplingKind::kPoint, 0.0, {0, 0, 0.1}), MarkedError);
+  EXPECT_THROW(fitted(CouplingKind::kRope, 0.9, {0, 0, 1}), LocatedError);
+  EXPECT_THROW(fitted(CouplingKind::kRod, 1.1, {0, 0, 1}), LocatedError);
+  EXPECT_THROW(fitted(CouplingKind::kRod, 0.0, {0, 0, 0}), LocatedError);
+  EXPECT_THROW(fitted(CouplingKind::kPoint, 0.0, {0, 0, 0.1}), LocatedError);
   EXPECT_NO_THROW(fitted(CouplingKind::kRope, 1.1, {0, 0, 1}));
   EXPECT_NO_THROW(fitted(CouplingKind::kSpring, 0.5, {0, 0, 1}));
 }
@@ -334,7 +335,7 @@ TEST(Rope, GoesSlackWhereItsLoadIsSetDown) {
   ASSERT_TRUE(bench.run_seconds(0.6));
   EXPECT_NEAR(bench.state.bodies[1].position.z, 0.1, 0.01);  // it lies
   EXPECT_LT(distance_of(bench), 0.9);                        // the upper one falls on
-  EXPECT_EQ(bench.state.pulls[2], 0.0);
+  EXPECT_EQ(bench.state.coupling_forces[2], 0.0);
 }
 
 TEST(Rod, DragsWhatHangsOnItWhereItIsHit) {

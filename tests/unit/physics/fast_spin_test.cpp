@@ -148,7 +148,7 @@ TEST(FastSpin, IsThatOfTheTreeAlgorithms) {
           make_body("arm", JointType::kPin, 0, 0.1, {0.1, 0, 0}, diagonal(1e-4, 1e-4, 1e-4)));
       both.robots.push_back(other);
       Bench free(alone), tree(both);
-      ASSERT_FALSE(StepPlan(tree.world, DynamicsUse::kTree).free_robots);
+      ASSERT_FALSE(StepPlan(tree.world, DynamicsBackend::kTree).free_robots);
       set_spin(free, s.spin, 300.0);
       set_spin(tree, s.spin, 300.0);
       ASSERT_TRUE(free.run(200) && tree.run(200));

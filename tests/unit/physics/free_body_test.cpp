@@ -7,7 +7,7 @@
 
 #include "core/base/inertia.h"
 #include "core/base/random.h"
-#include "core/model/marked_error.h"
+#include "core/model/located_error.h"
 #include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/random_trees.h"
 #include "tests/unit/physics/tree_dynamics.h"

@@ -8,7 +8,7 @@
 
 #include "core/physics/forces/rotor_force.h"
 #include "core/physics/step/free_robots.h"
-#include "core/physics/step/held_kind.h"
+#include "core/physics/step/held_input_set.h"
 #include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
@@ -337,7 +337,7 @@ void draw_inputs(Random<double>& random, LaneState& state) {
   }
 }
 
-// A plain quadrotor in the air has a kernel of its own (HeldKind::kAir).
+// A plain quadrotor in the air has a kernel of its own (HeldInputSet::kAir).
 TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
   RobotModel model = make_dragging_vehicle();
   for (std::size_t i = 0; i < 4; ++i) {  // in rows
@@ -354,10 +354,10 @@ TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
     some[i] = false;
     Bench quick = make_bench(scenario, some), any = make_bench(scenario, more);
     const auto kind_of = [](const Bench& bench) {
-      return held_kind(bench.world, FreeRobots(bench.world).robots[0].is_plain_quadrotor);
+      return held_input_set(bench.world, FreeRobots(bench.world).robots[0].is_plain_quadrotor);
     };
-    ASSERT_EQ(kind_of(quick), HeldKind::kAir);
-    ASSERT_EQ(kind_of(any), HeldKind::kAnything);
+    ASSERT_EQ(kind_of(quick), HeldInputSet::kAir);
+    ASSERT_EQ(kind_of(any), HeldInputSet::kAnything);
     Random<double> random({3, i}, 0, 0, 0);
     draw_inputs(random, quick.state);
     for (Bench* bench : {&quick, &any}) {

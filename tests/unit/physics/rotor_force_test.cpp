@@ -14,7 +14,7 @@ namespace {
 
 /// Four level rotors in rows, alike, under random conditions.
 struct Case {
-  std::vector<RotorPlace> places;
+  std::vector<RotorMount> places;
   std::vector<double> constants;  ///< kRotorParamCount each
   std::vector<RotorMotion<double>> motion;
   Vec3<double> velocity, spin;
@@ -30,7 +30,7 @@ struct Case {
     one[kRollingMomentConstant] = random.uniform(1e-7, 1e-6);
     one[kRotorInertia] = random.uniform(1e-6, 1e-5);
     for (const Vec3<double> side : {Vec3<double>{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
-      RotorPlace place;
+      RotorMount place;
       one[kRotorPosition] = side.x * hub.x;
       one[kRotorPosition + 1] = side.y * hub.y;
       one[kRotorPosition + 2] = hub.z;
@@ -63,7 +63,7 @@ struct Case {
         group, places.data(), [&](int i) { return of(i); },
         [&](int i) { return motion[static_cast<std::size_t>(i)]; }, 1.0, velocity, spin);
   }
-  SpatialForce<double> force_of(const LevelRotors<double>& level) const {
+  SpatialForce<double> force_of(const CoplanarRotors<double>& level) const {
     return level.force(constants[kRotorPosition + 2], 1.0, velocity, spin);
   }
 };
@@ -79,9 +79,9 @@ TEST(RotorForce, LevelRotorsDoWhatTheLawSaysRotorByRotor) {
   for (std::uint64_t k = 0; k < 1000; ++k) {
     const Case c(k);
     const std::vector<double> factors = c.factors();
-    LevelRotors<double> level(factors.data(), c.motion[0]);
+    CoplanarRotors<double> level(factors.data(), c.motion[0]);
     for (std::size_t i = 1; i < 4; ++i) {
-      level += LevelRotors<double>(factors.data() + kRotorFactorCount * i, c.motion[i]);
+      level += CoplanarRotors<double>(factors.data() + kRotorFactorCount * i, c.motion[i]);
     }
     expect_equal(c.force_of(level), c.by_law());
   }
@@ -105,7 +105,7 @@ TEST(RotorForce, RotorsInRowsDoWhatTheLawSaysRotorByRotor) {
     const std::vector<double> factors = c.factors();
     ASSERT_TRUE(are_alike(static_cast<const double*>(factors.data())));
     const RotorMotion<double> rotors[4] = {c.motion[0], c.motion[1], c.motion[2], c.motion[3]};
-    expect_equal(c.force_of(LevelRotors<double>(factors.data(), rotors)), c.by_law());
+    expect_equal(c.force_of(CoplanarRotors<double>(factors.data(), rotors)), c.by_law());
   }
 }
 

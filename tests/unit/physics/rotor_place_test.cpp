@@ -79,7 +79,7 @@ void start(Bench& bench) {
 
 constexpr Hubs kAll[] = {Hubs::kWider, Hubs::kOblong, Hubs::kUneven, Hubs::kAnywhere};
 
-TEST(RotorPlace, ADrawnHubFliesAsOneOfTheModelToTheBit) {
+TEST(RotorMount, ADrawnHubFliesAsOneOfTheModelToTheBit) {
   for (const IntegratorChoice integrator : kFixedSteps) {
     for (const Hubs hubs : kAll) {
       Bench drawn(make_scenario(vehicle(), integrator));
@@ -95,7 +95,7 @@ TEST(RotorPlace, ADrawnHubFliesAsOneOfTheModelToTheBit) {
   }
 }
 
-TEST(RotorPlace, ADrawnHubAcceleratesAsOnSimbody) {
+TEST(RotorMount, ADrawnHubAcceleratesAsOnSimbody) {
   for (const Hubs hubs : kAll) {
     Bench bench(make_scenario(vehicle()));
     start(bench);
@@ -110,7 +110,7 @@ TEST(RotorPlace, ADrawnHubAcceleratesAsOnSimbody) {
   }
 }
 
-TEST(RotorPlace, NominalValuesThatWereDrawnLeaveTheBits) {
+TEST(RotorMount, NominalValuesThatWereDrawnLeaveTheBits) {
   Bench drawn(make_scenario(vehicle())), nominal(make_scenario(vehicle()));
   start(drawn);
   start(nominal);
@@ -122,7 +122,7 @@ TEST(RotorPlace, NominalValuesThatWereDrawnLeaveTheBits) {
   EXPECT_EQ(drawn.state.u, nominal.state.u);
 }
 
-TEST(RotorPlace, DrawnHubsCountForRotorsThatEffectsHold) {
+TEST(RotorMount, DrawnHubsCountForRotorsThatEffectsHold) {
   const auto holds = [](WorldPlan& plan) {
     plan.holds[SKYBODY_HELD_WIND] = plan.holds[SKYBODY_HELD_ROTOR_FLOW] = true;
   };

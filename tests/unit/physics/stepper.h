@@ -12,7 +12,7 @@ namespace skybody::test {
 /// A group of one lane. Whatever a test has changed in the state counts in the next call.
 class Stepper {
  public:
-  Stepper(const World& world, DynamicsUse use)
+  Stepper(const World& world, DynamicsBackend use)
       : physics_(world, use),
         stepper_(physics_.make_stepper(1)),
         scratch_(physics_.make_scratch()) {}
@@ -55,10 +55,10 @@ inline std::unique_ptr<Stepper> make_stepper(const World& world) {
   return std::make_unique<Stepper>(world, chosen_dynamics(world));
 }
 inline std::unique_ptr<Stepper> make_tree_stepper(const World& world) {
-  return std::make_unique<Stepper>(world, DynamicsUse::kTree);
+  return std::make_unique<Stepper>(world, DynamicsBackend::kTree);
 }
 inline std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {
-  return std::make_unique<Stepper>(world, DynamicsUse::kSimbody);
+  return std::make_unique<Stepper>(world, DynamicsBackend::kSimbody);
 }
 
 }  // namespace skybody::test

@@ -254,7 +254,7 @@ struct Bug : std::logic_error {
 
 template <class Failure>
 bool advance_with_failure(Bench& bench) {
-  const StepPlan plan(bench.world, DynamicsUse::kSimbody);
+  const StepPlan plan(bench.world, DynamicsBackend::kSimbody);
   LaneStepper stepper(plan, std::make_unique<FailingDynamics<Failure>>());
   const GroupBlocks lane = Stepper::blocks(bench.state);
   return stepper.advance({&plan, &lane, nullptr, nullptr, nullptr});

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/physics/tree/forest.h"
+#include "core/physics/tree/multibody_tree.h"
 #include "tests/unit/physics/uncoupled_dynamics.h"
 
 namespace skybody::test {
@@ -29,9 +29,9 @@ class TreeDynamics final : public UncoupledDynamics {
                      const double* joint_forces, double* udot) override {
     forward_kinematics(forest_.bodies(), q, u, motion_.data());
     const double* constants = constants_.data();
-    forest_.accelerations(q, u, motion_.data(), constants, body_forces, joint_forces,
-                          Forest::Work<double>{body_.data(), ball_.data(), acceleration_.data()},
-                          udot);
+    forest_.accelerations(
+        q, u, motion_.data(), constants, body_forces, joint_forces,
+        MultibodyTree::Work<double>{body_.data(), ball_.data(), acceleration_.data()}, udot);
   }
   void body_states(const double* q, const double* u, BodyState* bodies) override {
     forward_kinematics(forest_.bodies(), q, u, motion_.data());
@@ -40,11 +40,11 @@ class TreeDynamics final : public UncoupledDynamics {
 
  private:
   const World& world_;
-  Forest forest_;
+  MultibodyTree forest_;
   std::vector<double> constants_;
   std::vector<BodyKinematics<double>> motion_;
-  std::vector<TreeBodyWork<double>> body_;
-  std::vector<BallJointWork<double>> ball_;
+  std::vector<ArticulatedBodyCache<double>> body_;
+  std::vector<BallJointCache<double>> ball_;
   std::vector<SpatialAcceleration<double>> acceleration_;
 };
 

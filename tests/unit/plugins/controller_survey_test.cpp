@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "plugins/host/places.h"
+#include "plugins/host/search_path.h"
 
 namespace skybody {
 namespace {

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <thread>
 
-#include "core/base/breadcrumb.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
 #include "core/base/isa.h"
+#include "core/base/plugin_call_trace.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/registry.h"
 #include "tests/unit/plugins/small_world.h"
@@ -41,7 +41,7 @@ TEST(PluginLibrary, IsWatchedWhileItsFileIsChecked) {
   const path file = std::filesystem::canonical(folder.path()) / "short.so";
   std::ofstream(file) << "\x7f"
                       << "ELF";
-  Breadcrumb found{};
+  PluginCallTrace found{};
   watch_plugins(&found);
   EXPECT_THROW(PluginLibrary{file}, PluginLoadError);
   watch_plugins(nullptr);

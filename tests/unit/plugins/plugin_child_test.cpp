@@ -9,14 +9,14 @@
 #include <cstdio>
 #include <string>
 
-#include "core/base/breadcrumb.h"
+#include "core/base/plugin_call_trace.h"
 
 namespace skybody {
 namespace {
 
 /// Writes why files are refused, or calls the plugin's code, if any, `in configure()`.
 template <class Code>
-ChildOutput output_with(const Code& code, unsigned patience = kPluginPatience) {
+ChildOutput output_with(const Code& code, unsigned patience = kPluginTimeout) {
   return output_of_child(
       [&code](const RefusedFiles& refused) {
         for (const auto& [file, why] : refused) std::printf("%s: %s\n", file.c_str(), why.c_str());

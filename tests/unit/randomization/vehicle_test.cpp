@@ -101,9 +101,9 @@ std::function<double(double)> uniform(double low, double high) {
 /// Of the logarithm: normal about the middle, the ends two deviations away.
 std::function<double(double)> normal_between(double low, double high) {
   const double mean = 0.5 * (low + high), deviation = 0.25 * (high - low);
-  const double below = normal_share_below(-2.0), between = normal_share_below(2.0) - below;
+  const double below = normal_cdf(-2.0), between = normal_cdf(2.0) - below;
   return [=](double x) {
-    return std::clamp((normal_share_below((x - mean) / deviation) - below) / between, 0.0, 1.0);
+    return std::clamp((normal_cdf((x - mean) / deviation) - below) / between, 0.0, 1.0);
   };
 }
 
@@ -129,7 +129,7 @@ TEST_F(VehicleDraws, GivesTheBitsOfDouble) {
   for (const char* preset : {"scaling", "l2f", "raptor"}) {
     expect_same_bits("vehicle", world, {{"preset", preset}});
   }
-  expect_same_bits("vehicle", world, {{"every", 3}, {"fleet", 7}});
+  expect_same_bits("vehicle", world, {{"every", 3}, {"environments", 7}});
 }
 
 TEST_F(VehicleDraws, EachQuantityHasItsDistribution) {
@@ -299,7 +299,7 @@ TEST_F(VehicleDraws, DrawsByItsScheduleAndEachRobotForItself) {
 }
 
 TEST_F(VehicleDraws, AFleetHasItsNumberOfVehiclesWhoeverDraws) {
-  const Instance r("vehicle", world, {{"fleet", 5}});
+  const Instance r("vehicle", world, {{"environments", 5}});
   std::map<double, int> met;
   for (const std::uint64_t env : {0, 1}) {
     Group g = r.group(1);

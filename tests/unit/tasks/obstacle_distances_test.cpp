@@ -14,12 +14,12 @@ namespace {
 
 using V = Vec3<double>;
 
-Placed<double> placed(const V& size, const V& position = {0, 0, 0},
-                      const Quat<double>& rotation = {1, 0, 0, 0}) {
+PlacedObstacle<double> placed(const V& size, const V& position = {0, 0, 0},
+                              const Quat<double>& rotation = {1, 0, 0, 0}) {
   return {true, position, rotation, size};
 }
 
-V way(int kind, const Placed<double>& at, const V& p) { return way_to({kind, 0}, at, p); }
+V way(int kind, const PlacedObstacle<double>& at, const V& p) { return way_to({kind, 0}, at, p); }
 
 void expect_near(const V& found, const V& wanted) {
   EXPECT_NEAR(found.x, wanted.x, 1e-15);
@@ -64,7 +64,7 @@ TEST(ObstacleDistances, OfAllFormsAgree) {
     for (int k = 0; k < 2000; ++k) {
       const Quat<double> rotation = normalized(Quat<double>{draw(), draw(), draw(), draw()});
       const V size{0.2 + std::abs(draw()), 0.2 + std::abs(draw()), 0.1 + 0.1 * std::abs(draw())};
-      const Placed<double> at = placed(size, {draw(), draw(), draw()}, rotation);
+      const PlacedObstacle<double> at = placed(size, {draw(), draw(), draw()}, rotation);
       const V p{draw(), draw(), draw()};
       const Gap<double> to = gap({kind, 0}, at, p);
       const double distance = std::max(0.0, to.distance);

@@ -1,0 +1,197 @@
+#include "core/assemble/check_plausibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/io/fold_warnings.h"
+#include "core/io/plausibility_limits.h"
+#include "core/physics/bodies/default_state.h"
+
+namespace skybody {
+namespace {
+
+/// The value farthest from its usual range, with whose it is.
+struct Worst {
+  double value = 1.0;
+  double distance = 0.0;
+  const Rotor* rotor = nullptr;
+};
+
+/// How far a positive value lies beyond a usual range, as a logarithm that compares.
+double distance_from(PlausibilityLimit what, double value) {
+  return is_plausible(what, value) ? 0.0 : 1.0 + std::fabs(std::log(value));
+}
+
+/// One robot.
+class RobotCheck {
+ public:
+  RobotCheck(const CompiledScenario& compiled, int robot, const LaneState& start,
+             Diagnostics& diagnostics)
+      : scenario_(compiled.scenario()),
+        use_(scenario_.robots[static_cast<std::size_t>(robot)]),
+        first_body_(compiled.layout().robots[static_cast<std::size_t>(robot)].first_body),
+        start_(start),
+        diagnostics_(diagnostics) {}
+
+  void run() {
+    check_thrust();
+    check_moment_arms();
+    check_lags();
+    if (check_arms()) {
+      for (std::size_t b = 0; b < use_.model.bodies.size(); ++b) {
+        check_gyration(static_cast<int>(b));
+      }
+    }
+    check_sizes();
+  }
+
+ private:
+  const RobotModel& model() const { return use_.model; }
+
+  void warn(PlausibilityLimit what, double value, const std::string& name,
+            std::initializer_list<GivenValue> given) {
+    warn_if_implausible(what, value, name + " of the robot `" + use_.name + "`", given, use_.mark,
+                        diagnostics_);
+  }
+
+  Vec3<double> in_base(int body, const Vec3<double>& direction) const {
+    const auto rotation = [&](int b) {
+      return start_.bodies[static_cast<std::size_t>(first_body_ + b)].rotation;
+    };
+    return rotate(conjugate(rotation(0)), rotate(rotation(body), direction));
+  }
+
+  void check_thrust() {
+    const double weight = model().total_mass() * norm(scenario_.gravity());
+    if (model().rotors.empty() || model().fixed_base || !(weight > 0.0)) return;
+    Vec3<double> sum{0.0, 0.0, 0.0};
+    double up = 0.0;
+    const auto lifts_backwards = [&](const Rotor& rotor) {
+      return rotor.is_reversible() && in_base(rotor.body, rotor.axis).z < -1e-6;
+    };
+    const auto lifting_speed = [&](const Rotor& rotor) {
+      return lifts_backwards(rotor) ? rotor.min_speed : rotor.constants[kMaxSpeed];
+    };
+    for (const Rotor& rotor : model().rotors) {
+      const double speed = lifting_speed(rotor);
+      const Vec3<double> thrust = in_base(rotor.body, rotor.axis) *
+                                  (rotor.constants[kThrustConstant] * speed * std::abs(speed));
+      sum += thrust;
+      up += std::max(thrust.z, 0.0);  // rotors that push all ways carry with some of them
+    }
+    const Rotor& first = model().rotors[0];
+    const double lifted = sum.z < 0.0 ? up : std::max(norm(sum), up);
+    warn(PlausibilityLimit::kThrustToWeight, lifted / weight, "thrust to weight",
+         {{lifts_backwards(first) ? "min_speed" : "max_speed", lifting_speed(first)},
+          {"mass", model().total_mass()}});
+  }
+
+  /// Looks for the rotor whose value is farthest from usual.
+  template <class Value>
+  Worst worst_rotor(PlausibilityLimit what, Value&& value_of) const {
+    Worst worst;
+    for (const Rotor& rotor : model().rotors) {
+      const double value = value_of(rotor);
+      if (value == 0.0) continue;  // that term is left out
+      const double distance = distance_from(what, value);
+      if (distance > worst.distance) worst = {value, distance, &rotor};
+    }
+    return worst;
+  }
+
+  void check_moment_arms() {
+    const Worst worst = worst_rotor(PlausibilityLimit::kMomentArm, [](const Rotor& rotor) {
+      return rotor.constants[kMomentConstant] / rotor.constants[kThrustConstant];
+    });
+    if (worst.rotor == nullptr) return;
+    warn(PlausibilityLimit::kMomentArm, worst.value,
+         "`moment_constant` [N m s^2/rad^2] by `thrust_constant` of the rotor `" +
+             worst.rotor->name + "`",
+         {{"moment_constant", worst.rotor->constants[kMomentConstant],
+           worst.rotor->constants[kThrustConstant]}});
+  }
+
+  void check_lags() {
+    for (const RotorParam lag : {kTauUp, kTauDown}) {
+      const Worst worst =
+          worst_rotor(PlausibilityLimit::kLag, [&](const Rotor& r) { return r.constants[lag]; });
+      if (worst.rotor == nullptr) continue;
+      warn(PlausibilityLimit::kLag, worst.value,
+           "`" + std::string(row_at(kRotorConstants, lag).key) + "` of the rotor `" +
+               worst.rotor->name + "`",
+           {});
+    }
+  }
+
+  /// @returns whether all are usual: gyration is measured by them
+  bool check_arms() {
+    double longest = 0.0;
+    for (const Rotor& rotor : model().rotors) {
+      const Pose place = place_at_reset(model(), rotor.body);
+      const Vec3<double> hub = place.position + rotate(place.rotation, rotor.position());
+      longest = std::max(longest, norm(hub - model().bodies[0].mass.com));
+    }
+    warn(PlausibilityLimit::kArm, longest, "the longest arm of a rotor", {{"position", longest}});
+    return is_plausible(PlausibilityLimit::kArm, longest);
+  }
+
+  /// Of a body with three rotors or more: fewer do not say how large it is.
+  void check_gyration(int body) {
+    const MassProperties& mass = model().bodies[static_cast<std::size_t>(body)].mass;
+    double arm = 0.0;
+    int rotors = 0;
+    for (const Rotor& rotor : model().rotors) {
+      if (rotor.body != body) continue;
+      arm = std::max(arm, norm(rotor.position() - mass.com));
+      ++rotors;
+    }
+    if (rotors < 3 || !(arm > 0.0)) return;
+    const double moments[] = {mass.inertia.xx, mass.inertia.yy, mass.inertia.zz};
+    const char* const names[] = {"ixx", "iyy", "izz"};
+    for (int k = 0; k < 3; ++k) {
+      const double ratio = std::sqrt(moments[k] / mass.mass) / arm;
+      if (is_plausible(PlausibilityLimit::kGyration, ratio)) continue;
+      warn(PlausibilityLimit::kGyration, ratio,
+           std::string("radius of gyration (") + names[k] + ") by the longest arm",
+           {{"inertia", moments[k]}});
+      return;
+    }
+  }
+
+  void check_sizes() {
+    double largest = 0.0;
+    for (const Body& body : model().bodies) {
+      for (const Shape& shape : body.collisions) largest = std::max(largest, length_of(shape));
+    }
+    warn(PlausibilityLimit::kSize, largest, "the longest collision shape", {});
+  }
+
+  static double length_of(const Shape& shape) {
+    const Shape solid = contact_shape(shape);
+    const double box = std::max({solid.size.x, solid.size.y, solid.size.z});
+    return solid.type == ShapeType::kBox ? box : std::max(2.0 * solid.radius, solid.length);
+  }
+
+  const Scenario& scenario_;
+  const RobotUse& use_;
+  int first_body_;
+  const LaneState& start_;
+  Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+void warn_of_implausible_parameters(const CompiledScenario& compiled, Diagnostics& diagnostics) {
+  const Scenario& scenario = compiled.scenario();
+  Diagnostics found;
+  LaneState start;
+  write_default_state(compiled.world(), start);
+  for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
+    RobotCheck(compiled, static_cast<int>(r), start, found).run();
+  }
+  diagnostics.add(fold_warnings(found));
+}
+
+}  // namespace skybody

@@ -1,0 +1,93 @@
+// Saving and restoring all environments of a EnvironmentStates.
+#include <algorithm>
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/batch/environment_states.h"
+
+namespace skybody {
+namespace {
+
+// A saved states: these words, then per environment its state words, its images and its hash chain.
+enum SavedWord : int {
+  kMagicWord,
+  kVersionWord,
+  kScenarioWord,
+  kEnvsWord,
+  kWordsWord,
+  kSavedHeader,
+};
+constexpr std::uint64_t kMagic = 0x544545'4c464253ull;  // "SBFLEET"
+constexpr std::uint64_t kVersion = 2;                   // 2: with a checksum (Pool::save)
+constexpr std::size_t kChainWords = sizeof(HashChain) / sizeof(std::uint64_t);
+static_assert(std::is_trivially_copyable_v<HashChain> &&
+              sizeof(HashChain) == kChainWords * sizeof(std::uint64_t));
+
+std::vector<std::uint64_t> header(const CompiledScenario& compiled, int envs) {
+  return {kMagic, kVersion, compiled.scenario().hash, static_cast<std::uint64_t>(envs),
+          compiled.saved_words()};
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> EnvironmentStates::save() const {
+  std::vector<std::uint64_t> out = header(*compiled_, envs_);
+  const std::size_t words = compiled_->saved_words();
+  out.reserve(out.size() + index(envs_) * (words + kChainWords));
+  for (int env = 0; env < envs_; ++env) {
+    const std::vector<std::uint64_t> lane_words = state(env).save(lane_of(env));
+    out.insert(out.end(), lane_words.begin(), lane_words.end());
+    std::uint64_t chain[kChainWords];
+    std::memcpy(chain, &chains_[index(env)], sizeof(chain));
+    out.insert(out.end(), chain, chain + kChainWords);
+  }
+  return out;
+}
+
+void EnvironmentStates::check_saved(std::span<const std::uint64_t> saved) const {
+  const std::vector<std::uint64_t> expected = header(*compiled_, envs_);
+  const std::size_t words = compiled_->saved_words();
+  const std::size_t each = words + kChainWords;
+  if (saved.size() < kSavedHeader || saved[kMagicWord] != kMagic) {
+    throw Error("this is not a saved state: give what save() gave");
+  }
+  if (saved[kVersionWord] != kVersion) {
+    throw Error("saved by another version of Skybody (format " +
+                std::to_string(saved[kVersionWord]) + ", this one reads " +
+                std::to_string(kVersion) + ")");
+  }
+  if (saved[kScenarioWord] != expected[kScenarioWord] ||
+      saved[kWordsWord] != expected[kWordsWord]) {
+    throw Error("this state was saved with another scenario than " + compiled_->scenario().file +
+                ": restore it where it was saved");
+  }
+  if (saved[kEnvsWord] != expected[kEnvsWord]) {
+    throw Error("this state is of " + std::to_string(saved[kEnvsWord]) +
+                " environments; here are " + std::to_string(envs_));
+  }
+  if (saved.size() != kSavedHeader + index(envs_) * each) {
+    throw Error("this saved state is cut short: " + std::to_string(saved.size()) + " words of " +
+                std::to_string(kSavedHeader + index(envs_) * each));
+  }
+}
+
+void EnvironmentStates::restore(std::span<const std::uint64_t> saved) {
+  check_saved(saved);
+  const std::size_t words = compiled_->saved_words();
+  const std::size_t each = words + kChainWords;
+  const std::uint64_t* from = saved.data() + kSavedHeader;
+  for (int env = 0; env < envs_; ++env, from += each) {
+    state(env).restore(lane_of(env), {from, from + words});
+    std::memcpy(static_cast<void*>(&chains_[index(env)]), from + words, sizeof(HashChain));
+    refresh_flags(env);
+  }
+}
+
+/// What the flags say follows from the state words.
+void EnvironmentStates::refresh_flags(int env) {
+  const StateGroup& group = state(env);
+  started_.set(group_of(env), bit(env), group.bits(kEpisode)[lane_of(env)] > 0);
+  ended_.set(group_of(env), bit(env), group.bits(kStatus)[lane_of(env)] != kRunning);
+}
+
+}  // namespace skybody

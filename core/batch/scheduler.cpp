@@ -1,0 +1,348 @@
+#include "core/batch/scheduler.h"
+
+#include <algorithm>
+#include <bit>
+#include <exception>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/base/arguments.h"
+#include "core/base/error.h"
+#include "core/base/process_id.h"
+#include "core/base/processors.h"
+
+namespace skybody {
+namespace {
+
+// A group's state: lanes that wait to be run, and whether some thread will look at them.
+constexpr std::uint64_t kLaneBits = 0xffffffffu;
+constexpr std::uint64_t kOwned = std::uint64_t{1} << 32;
+
+int threads_for(const PoolOptions& options) {
+  if (options.threads > 0) return options.threads;
+  return std::min(static_cast<int>(allowed_processors().size()), options.envs);
+}
+
+PoolOptions completed(PoolOptions options) {
+  if (options.batch == 0) options.batch = options.envs;
+  options.threads = threads_for(options);
+  return options;
+}
+
+}  // namespace
+
+Pool::Scheduler::Scheduler(std::shared_ptr<const CompiledScenario> compiled,
+                           const PoolOptions& given)
+    : options(completed(given)),
+      states(std::move(compiled), options),
+      in_flight_(static_cast<std::size_t>(options.envs)),
+      finished_(in_flight_.size()),
+      marked_(in_flight_.size()),
+      group_state_(static_cast<std::size_t>(states.groups())),
+      buffers_(options.batch, states.widths(), options.autoreset == Autoreset::kSameStep,
+               options.debug_buffers),
+      staging_(options.envs, states.widths(), options.autoreset == Autoreset::kSameStep),
+      done_(options.envs),
+      process_(process_id()),
+      threads_(options.threads, states.groups(), options.pin_threads, *this) {
+  arrived_.reserve(in_flight_.size());
+  chosen_.reserve(in_flight_.size());
+  std::iota(staging_.env_id.begin(), staging_.env_id.end(), 0);
+}
+
+bool Pool::Scheduler::of_this_process() const { return process_ == process_id(); }
+
+void Pool::Scheduler::check_alive() {
+  if (!of_this_process()) {
+    throw StateError(
+        "this Pool belongs to the parent process: its threads did not come along with the fork. "
+        "Make one in the child, or start processes by `spawn`");
+  }
+  threads_.rethrow_failure();
+  if (!observer_failure_.empty()) throw StateError(std::exchange(observer_failure_, {}));
+}
+
+void Pool::Scheduler::check_idle(const char* what) {
+  check_alive();
+  if (in_flight_count == 0) return;
+  throw StateError(std::string(what) + " while " + std::to_string(in_flight_count) +
+                   " environments are in flight: recv() them first");
+}
+
+void Pool::Scheduler::check_id(std::int32_t env) const {
+  check_index("environment", env, states.envs());
+}
+
+void Pool::Scheduler::settle(int env) {
+  const std::atomic<std::uint64_t>& state =
+      group_state_[static_cast<std::size_t>(states.group_of(env))];
+  threads_.wait([&] { return state.load(std::memory_order_acquire) == 0; },
+                ThreadPool::Clock::time_point::max());
+}
+
+void Pool::Scheduler::send_reset(std::span<const std::uint8_t> mask) {
+  check_alive();
+  int count = 0;
+  for (int env = 0; env < states.envs(); ++env) {
+    if (mask[static_cast<std::size_t>(env)] == 0) continue;
+    ++count;
+    if (in_flight(env)) {
+      throw Error("environment " + std::to_string(env) +
+                  " is to be reset while it is in flight: recv() it first");
+    }
+  }
+  open_round(count);
+  for (int env = 0; env < states.envs(); ++env) {
+    if (mask[static_cast<std::size_t>(env)] == 0) continue;
+    states.want_reset(env);
+    states.hand_over(env);
+    enqueue(env);
+  }
+  threads_.submit();
+}
+
+/// All of them, under another seed.
+void Pool::Scheduler::send_reset(std::uint64_t seed) {
+  check_idle("a reset under another seed");
+  open_round(states.envs());  // may refuse: before anything is changed
+  states.initialize(seed);
+  options.seed = seed;
+  cursor = 0;
+  for (int env = 0; env < states.envs(); ++env) states.want_reset(env);
+  enqueue_all();
+}
+
+void Pool::Scheduler::send_steps(std::span<const float> actions,
+                                 std::span<const std::int32_t> env_ids) {
+  check_alive();
+  if (env_ids.empty() && in_flight_count == 0 && states.can_step_all()) {
+    send_all_steps(actions);
+    return;
+  }
+  check_steps(actions, env_ids);
+  const auto width = static_cast<std::size_t>(states.compiled().action_size());
+  const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
+  open_round(static_cast<int>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const int env = env_ids.empty() ? static_cast<int>(k) : env_ids[k];
+    std::copy_n(actions.data() + k * width, width, states.action(env));
+    states.want_step(env);
+    states.hand_over(env);
+    enqueue(env);
+  }
+  threads_.submit();
+}
+
+/// The same at once for all, none of which is in flight or waits for a reset.
+void Pool::Scheduler::send_all_steps(std::span<const float> actions) {
+  check_size(actions, in_flight_.size());
+  open_round(states.envs());
+  std::copy(actions.begin(), actions.end(), states.action(0));
+  states.want_step_all();
+  states.hand_over_all();
+  enqueue_all();
+}
+
+void Pool::Scheduler::check_size(std::span<const float> actions, std::size_t count) const {
+  check_values("actions", actions.size(), count, states.compiled().action_size());
+}
+
+void Pool::Scheduler::check_steps(std::span<const float> actions,
+                                  std::span<const std::int32_t> env_ids) {
+  const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
+  check_size(actions, count);
+  std::size_t k = 0;
+  try {
+    for (; k < count; ++k) {
+      const std::int32_t env = env_ids.empty() ? static_cast<std::int32_t>(k) : env_ids[k];
+      check_step(env);
+      marked_[static_cast<std::size_t>(env)] = 1;
+    }
+  } catch (...) {
+    unmark(env_ids, k);
+    throw;
+  }
+  unmark(env_ids, count);
+}
+
+/// May this environment be stepped now? `marked_` are those of the same send().
+void Pool::Scheduler::check_step(std::int32_t env) {
+  check_id(env);
+  if (marked_[static_cast<std::size_t>(env)] != 0) refuse_twice("environment", env);
+  const auto name = [env] { return "environment " + std::to_string(env); };  // only where it failed
+  if (in_flight(env)) throw Error(name() + " is still in flight: recv() it before the next send()");
+  if (!states.started(env)) throw Error(name() + " has not begun an episode: reset it first");
+  if (options.autoreset == Autoreset::kDisabled && states.ended(env)) {
+    throw Error("the episode of " + name() +
+                " has ended, and autoreset is disabled: reset it first");
+  }
+}
+
+void Pool::Scheduler::unmark(std::span<const std::int32_t> env_ids, std::size_t count) {
+  if (env_ids.empty()) {
+    std::fill(marked_.begin(), marked_.end(), std::uint8_t{0});
+    return;
+  }
+  for (std::size_t k = 0; k < count; ++k) marked_[static_cast<std::size_t>(env_ids[k])] = 0;
+}
+
+/// Decides where the rows of the environments that follow will be written.
+void Pool::Scheduler::open_round(int count) {
+  if (in_flight_count > 0) return;  // some are being written to `target_` right now
+  round_ = count == states.envs() && options.batch == states.envs();
+  target_ = &staging_;
+  if (!round_) return;
+  target_ = &buffers_.next();
+  std::iota(target_->env_id.begin(), target_->env_id.end(), 0);
+  round_left_.store(count, std::memory_order_relaxed);
+}
+
+void Pool::Scheduler::enqueue(int env) {
+  in_flight_[static_cast<std::size_t>(env)] = 1;
+  ++in_flight_count;
+  const int group = states.group_of(env);
+  const std::uint64_t lane = std::uint64_t{1} << states.lane_of(env);
+  const std::uint64_t before = group_state_[static_cast<std::size_t>(group)].fetch_or(
+      lane | kOwned, std::memory_order_acq_rel);
+  if ((before & kOwned) == 0) threads_.add(group);
+}
+
+/// All environments, none of which is in flight.
+void Pool::Scheduler::enqueue_all() {
+  std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{1});
+  in_flight_count = states.envs();
+  for (int group = 0; group < states.groups(); ++group) {
+    // Nobody looks at a group that is not owned: the queue makes it visible.
+    group_state_[static_cast<std::size_t>(group)].store(states.all_lanes(group) | kOwned,
+                                                        std::memory_order_relaxed);
+    if (!round_) threads_.add(group);
+  }
+  if (round_) return threads_.submit_round();
+  threads_.submit();
+}
+
+/// In a round all lanes of a group are in flight, so that none can be sent while it runs.
+void Pool::Scheduler::run(const int* groups, int count, int thread) {
+  if (!round_) {
+    for (int k = 0; k < count; ++k) run_lanes(groups[k], thread);
+    return;
+  }
+  int envs = 0;
+  for (int k = 0; k < count; ++k) {
+    const std::uint32_t lanes = states.all_lanes(groups[k]);
+    states.transition(groups[k], lanes, *target_, thread);
+    group_state_[static_cast<std::size_t>(groups[k])].store(0, std::memory_order_relaxed);
+    envs += std::popcount(lanes);
+  }
+  round_left_.fetch_sub(envs, std::memory_order_seq_cst);
+  threads_.announce();
+}
+
+/// Lanes that are sent while the group runs are run by the same thread right after.
+void Pool::Scheduler::run_lanes(int group, int thread) {
+  std::atomic<std::uint64_t>& state = group_state_[static_cast<std::size_t>(group)];
+  for (std::uint64_t idle = kOwned;; idle = kOwned) {
+    const auto lanes =
+        static_cast<std::uint32_t>(state.fetch_and(~kLaneBits, std::memory_order_acq_rel));
+    states.transition(group, lanes, *target_, thread);
+    // Before it is announced: once all are back, nobody owns a group, and enqueue_all() may.
+    const bool is_over = state.compare_exchange_strong(idle, 0, std::memory_order_acq_rel);
+    done_.push(group, lanes);
+    threads_.announce();
+    if (is_over) return;
+  }
+}
+
+/// Takes what has finished out of the queue.
+void Pool::Scheduler::drain() {
+  int group = 0;
+  std::uint32_t lanes = 0;
+  while (done_.pop(group, lanes)) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int env = states.env_of(group, std::countr_zero(lanes));
+      finished_[static_cast<std::size_t>(env)] = 1;
+      if (options.order == Order::kArrival) arrived_.push_back(env);
+    }
+  }
+}
+
+std::shared_ptr<const Batch> Pool::Scheduler::recv(ThreadPool::Clock::time_point deadline) {
+  check_alive();
+  if (in_flight_count == 0) {
+    throw Error("recv() with nothing in flight: send() actions or a reset first");
+  }
+  if (round_) return recv_round(deadline);
+  Batch& out = buffers_.next();
+  const int count = std::min(options.batch, in_flight_count);
+  if (options.order == Order::kFixed) choose_in_turn(count);
+  const auto ready = [&] {
+    drain();
+    return batch_ready(count);
+  };
+  if (!threads_.wait(ready, deadline)) return nullptr;
+  if (options.order == Order::kArrival) choose_oldest(count);
+  gather(out);
+  return finish(out);
+}
+
+std::shared_ptr<const Batch> Pool::Scheduler::recv_round(ThreadPool::Clock::time_point deadline) {
+  const auto ready = [&] { return round_left_.load(std::memory_order_seq_cst) == 0; };
+  if (!threads_.wait(ready, deadline)) return nullptr;
+  round_ = false;
+  in_flight_count = 0;
+  std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{0});
+  target_->rows = states.envs();
+  return finish(*target_);
+}
+
+/// The next `count` environments in flight, from the cursor on.
+void Pool::Scheduler::choose_in_turn(int count) {
+  chosen_.clear();
+  for (int env = cursor; static_cast<int>(chosen_.size()) < count;
+       env = (env + 1) % states.envs()) {
+    if (in_flight(env)) chosen_.push_back(env);
+  }
+}
+
+void Pool::Scheduler::choose_oldest(int count) {
+  chosen_.assign(arrived_.begin(), arrived_.begin() + count);
+  arrived_.erase(arrived_.begin(), arrived_.begin() + count);
+}
+
+bool Pool::Scheduler::batch_ready(int count) {
+  if (options.order == Order::kArrival) return static_cast<int>(arrived_.size()) >= count;
+  return std::all_of(chosen_.begin(), chosen_.end(), [&](std::int32_t env) {
+    return finished_[static_cast<std::size_t>(env)] != 0;
+  });
+}
+
+/// Copies the chosen environments' rows, runs of consecutive ones at a time.
+void Pool::Scheduler::gather(Batch& out) {
+  const auto count = static_cast<int>(chosen_.size());
+  for (int at = 0, run = 0; at < count; at += run) {
+    const int first = chosen_[static_cast<std::size_t>(at)];
+    run = 1;
+    while (at + run < count && chosen_[static_cast<std::size_t>(at + run)] == first + run) ++run;
+    out.take(staging_, first, run, at);
+  }
+  for (const std::int32_t env : chosen_) {
+    in_flight_[static_cast<std::size_t>(env)] = finished_[static_cast<std::size_t>(env)] = 0;
+  }
+  if (options.order == Order::kFixed) cursor = (chosen_.back() + 1) % states.envs();
+  in_flight_count -= count;
+  out.rows = count;
+}
+
+std::shared_ptr<const Batch> Pool::Scheduler::finish(Batch& out) {
+  for (int k = 0; k < out.rows; ++k) faults += out.fault[static_cast<std::size_t>(k)];
+  auto batch = buffers_.commit();
+  try {
+    if (observer) observer->received(*batch, states);
+  } catch (const std::exception& error) {
+    observer_failure_ = error.what();  // for the next call: these rows are the caller's
+  }
+  return batch;
+}
+
+}  // namespace skybody

@@ -1,0 +1,47 @@
+// Where robots begin an episode, as EnvParams: pose and motion of floating bases, rotors' speeds,
+// positions and velocities of joints.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/env/state_group.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// The EnvParams of starts, and the words of q, u and rotor speeds that a reset takes from them.
+/// Immutable. `places` below are indices of such pieces: a position, a rotation with its turn, a
+/// velocity, the speed of a rotor, a joint's position or velocity.
+class InitialStates {
+ public:
+  InitialStates() = default;
+  /// Appends the EnvParams to the layout, with the scenario's own start as their nominal values.
+  InitialStates(const Topology& topology, Layout& layout);
+
+  bool has(int param) const { return first_ <= param && param < end_; }
+  /// The places that these EnvParams belong to, each once, in order.
+  std::vector<int> places_of(const std::vector<int>& params) const;
+
+  /// Puts the lanes' robots where their EnvParams say: all of them, or some places alone.
+  void place(StateGroup& group, std::uint32_t mask) const;
+  void place(StateGroup& group, std::uint32_t mask, const std::vector<int>& places) const;
+
+ private:
+  struct Place {
+    Block Layout::*block;  ///< q, u or rotor_speed
+    int first;             ///< within the block
+    int param, count;      ///< EnvParams that are copied there
+    int turn = -1;         ///< of a rotation: three EnvParams of the turn; else -1
+    int limit = -1;        ///< of a rotor: the EnvParam of its greatest speed; else -1
+  };
+  struct Author;
+  static void place(StateGroup& group, std::uint32_t mask, const Layout& layout,
+                    const Place& place);
+
+  std::vector<Place> places_;
+  int first_ = 0, end_ = 0;  ///< EnvParams
+};
+
+}  // namespace skybody

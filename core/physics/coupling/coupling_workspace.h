@@ -1,0 +1,106 @@
+// What couplings of an environment, or of a pack of them, work on: arrays in a thread's scratch
+// memory.
+#pragma once
+
+#include "core/physics/bodies/body_accelerations.h"
+#include "core/physics/bodies/spatial_force.h"
+#include "core/physics/coupling/coupling_scene.h"
+#include "core/physics/tree/multibody_tree.h"
+
+namespace skybody {
+
+/// Where an end is and how it moves, W.
+template <class Real>
+struct AttachmentMotion {
+  Vec3<Real> arm;       ///< from its body's origin [m]
+  Vec3<Real> position;  ///< [m]
+  Vec3<Real> velocity;  ///< [m/s]
+
+  SKYBODY_INLINE AttachmentMotion(const Attachment& end, const BodyKinematics<Real>* motion) {
+    const Vec3<Real> point = to_real<Real>(end.point);
+    arm = velocity = SpatialForce<Real>::zero().force;
+    position = point;
+    if (end.body < 0) return;
+    const BodyKinematics<Real>& m = motion[end.body];
+    arm = m.axes * point;
+    position = m.position + arm;
+    velocity = m.velocity + cross(m.angular_velocity, arm);
+  }
+};
+
+/// One equation: what it asks of the distance between two points, along a direction.
+template <class Real>
+struct CouplingRow {
+  Vec3<Real> out;     ///< unit, W: a positive force pushes the first end this way
+  Vec3<Real> arm[2];  ///< from the bodies' origins to the ends, W [m]
+  Real gap;           ///< how far the ends are too far apart along `out` [m]
+  Real rounding;      ///< what counts as none [m]
+  Real rate;          ///< at which that grows [m/s]
+  Real bend;          ///< at which the rate grows because `out` turns [m/s^2]
+};
+
+template <class Real>
+struct CouplingWorkspace {
+  Real* bodies = nullptr;            ///< kBodyConstantCount per body
+  Real* lengths = nullptr;           ///< per constraint [m]
+  MaskOf<Real>* is_there = nullptr;  ///< per constraint
+  MaskOf<Real>* is_held = nullptr;   ///< per constraint: whether its rows are equations just now
+  MaskOf<Real>* was_held = nullptr;  ///< per constraint: in the last constrain()
+  MaskOf<Real>* is_taut = nullptr;   ///< per constraint: when the step began
+  MaskOf<Real>* is_new = nullptr;    ///< per constraint: a rope that got taut within the step
+  MaskOf<Real>* is_open = nullptr;   ///< per constraint: where the last project() left its gap open
+  Vec3<Real>* coupling_forces = nullptr;  ///< per constraint: force on the first end, W [N]
+  MaskOf<Real>* held_before = nullptr;    ///< per constraint: was_held, as remember() found it
+  Vec3<Real>* forces_before = nullptr;    ///< per constraint: pulls, likewise
+
+  CouplingRow<Real>* rows = nullptr;
+  Real* change = nullptr;  ///< per row, then per u: what a unit force does to u
+  Real* mass = nullptr;    ///< per row and row: what it does to the rate of another one [1/kg]
+  Real* factor = nullptr;  ///< the same, as L D L^T of the rows that are held
+  Real* inverse_pivot = nullptr;  ///< per row
+  Real* least_pivot = nullptr;    ///< per row: what is no more than that is rounding
+  Real* asked = nullptr;          ///< per row: by how much rates are to grow
+  Real* force = nullptr;          ///< per row: what makes them
+
+  Real* shift = nullptr;    ///< per u
+  Real* nothing = nullptr;  ///< per u: zeros
+  Real* driven = nullptr;   ///< 7 per driven base: its coordinates at a step's end
+  BodyKinematics<Real>* motion = nullptr;
+  BodyKinematics<Real>* at_rest = nullptr;
+  SpatialForce<Real>* forces = nullptr;
+  BodyAccelerationOf<Real>* accelerations = nullptr;
+  typename MultibodyTree::template Work<Real> multibody;
+
+  /// @tparam Arena  has take(array, count)
+  template <class Arena>
+  SKYBODY_INLINE void take_from(Arena& arena, const CouplingScene& scene) {
+    const std::size_t constraints = scene.constraints.size(), count = scene.row_owners.size();
+    if (constraints == 0) return;
+    const std::size_t body_count = scene.world.bodies.size();
+    const auto us = static_cast<std::size_t>(scene.world.layout.u.size);
+    arena.take(bodies, kBodyConstantCount * body_count);
+    arena.take(lengths, constraints);
+    arena.take(coupling_forces, constraints);
+    arena.take(forces_before, constraints);
+    arena.take(rows, count);
+    arena.take(change, count * us);
+    arena.take(mass, count * count);
+    arena.take(factor, count * count);
+    for (Real** values : {&inverse_pivot, &least_pivot, &asked, &force}) arena.take(*values, count);
+    for (Real** values : {&shift, &nothing}) arena.take(*values, us);
+    arena.take(driven, 7 * scene.driven.size());
+    arena.take(motion, body_count);
+    arena.take(at_rest, body_count);
+    arena.take(forces, body_count);
+    arena.take(accelerations, body_count);
+    arena.take(multibody.body, body_count);
+    arena.take(multibody.ball, body_count);
+    arena.take(multibody.acceleration, body_count);
+    for (MaskOf<Real>** masks :
+         {&is_there, &is_held, &was_held, &is_taut, &is_new, &is_open, &held_before}) {
+      arena.take(*masks, constraints);
+    }
+  }
+};
+
+}  // namespace skybody

@@ -1,0 +1,50 @@
+// The threads of a learner: tasks of a phase run on them, and the caller, who works too.
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <type_traits>
+
+#include "core/batch/thread_pool.h"
+
+namespace skybody::learn {
+
+/// A ThreadPool for phases of learning: some tasks at once, then all of them are done. While a task
+/// runs, its thread flushes denormal numbers to zero: they arise in gradients of saturated units,
+/// mean nothing there, and take a processor a hundred times as long as others. (A Pool that a task
+/// steps sets the standard mode for itself.)
+class TaskThreads : private GroupRunner {
+ public:
+  /// @param threads     the caller counted; 0: one per processor that the process may use
+  /// @param most_tasks  that run() is ever given; more threads than that are not started
+  TaskThreads(int threads, int most_tasks);
+
+  int threads() const { return threads_.threads(); }
+
+  /// Calls work(task, thread) once for each task 0 ... count - 1, on any thread, and returns when
+  /// all have ended. Does not allocate.
+  /// @throws what a task threw, after the others have ended
+  template <class Work>
+  void run(int count, Work&& work) {
+    context_ = const_cast<void*>(static_cast<const void*>(&work));
+    call_ = [](void* context, int task, int thread) {
+      (*static_cast<std::remove_reference_t<Work>*>(context))(task, thread);
+    };
+    run_tasks(count);
+  }
+
+ private:
+  void run(const int* tasks, int count, int thread) override;
+  void run_tasks(int count);
+  void keep_failure();
+
+  void* context_ = nullptr;
+  void (*call_)(void* context, int task, int thread) = nullptr;
+  std::atomic<int> left_{0};
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+  ThreadPool threads_;  // last: its threads end before what they use
+};
+
+}  // namespace skybody::learn
