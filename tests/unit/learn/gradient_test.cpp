@@ -49,7 +49,7 @@ TEST(AnalyticGradientLearner, GivesTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(one.state().environments, three.state().environments);
 }
 
-/// A change of these is a change of what every seed learns: CHANGELOG says so.
+/// A change of these is a change of what every seed learns: docs/golden_log.md says so.
 TEST(AnalyticGradientLearner, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {

@@ -80,7 +80,7 @@ std::uint64_t hash_of_hover(const Sizes& hidden, Isa isa) {
   return hash_after(options, 2);
 }
 
-/// A change of these is a change of what every seed learns: CHANGELOG says so.
+/// A change of these is a change of what every seed learns: docs/golden_log.md says so.
 TEST(Ppo, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {
