@@ -16,8 +16,8 @@ from skybody._native import CompiledScenario, Error, InputError
 from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
+from skybody.ray.absolute_paths import absolute_scenario, folders_from_anywhere
 from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
-from skybody.ray.places import folders_from_anywhere, absolute_scenario
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries

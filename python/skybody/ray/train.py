@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import contextlib
 
+from skybody.ray.absolute_paths import absolute_scenario, folders_from_anywhere
 from skybody.ray.cluster import check_cpus, cluster
-from skybody.ray.places import folders_from_anywhere, absolute_scenario
 from skybody.ray.slices import MOST_SLICES, RaySlices, Setup
 from skybody.train.evaluate import check_option
 from skybody.train.hyperparameters import UsageError
