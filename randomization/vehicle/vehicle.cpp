@@ -74,8 +74,8 @@ class Vehicle : public Randomizer {
   template <class Real>
   SKYBODY_INLINE Random<Real> numbers(const EnvView<Real>& env, std::uint64_t substream) const {
     Random<Real> draw = random(env, substream);
-    if (states_.value() == 0) return draw;
-    const Real count = static_cast<double>(states_.value());
+    if (fleet_.value() == 0) return draw;
+    const Real count = static_cast<double>(fleet_.value());
     const Word<Real> which = to_word(floor(draw.uniform() * count));
     return Random<Real>(env.seed(), which, Word<Real>(0), Word<Real>(0),
                         derive_stream("vehicle.fleet"));
@@ -294,7 +294,7 @@ class Vehicle : public Randomizer {
                          .doc = "mass: time constants grow with its sixth root (preset scaling); "
                                 "itself: they do not (the others)"}};
   IntegerParameter every_{this, every_spec()};
-  IntegerParameter states_{
+  IntegerParameter fleet_{
       this,
       {.name = "fleet",
        .value = 0,

@@ -129,7 +129,7 @@ TEST_F(VehicleDraws, GivesTheBitsOfDouble) {
   for (const char* preset : {"scaling", "l2f", "raptor"}) {
     expect_same_bits("vehicle", world, {{"preset", preset}});
   }
-  expect_same_bits("vehicle", world, {{"every", 3}, {"environments", 7}});
+  expect_same_bits("vehicle", world, {{"every", 3}, {"fleet", 7}});
 }
 
 TEST_F(VehicleDraws, EachQuantityHasItsDistribution) {
@@ -299,7 +299,7 @@ TEST_F(VehicleDraws, DrawsByItsScheduleAndEachRobotForItself) {
 }
 
 TEST_F(VehicleDraws, AFleetHasItsNumberOfVehiclesWhoeverDraws) {
-  const Instance r("vehicle", world, {{"environments", 5}});
+  const Instance r("vehicle", world, {{"fleet", 5}});
   std::map<double, int> met;
   for (const std::uint64_t env : {0, 1}) {
     Group g = r.group(1);

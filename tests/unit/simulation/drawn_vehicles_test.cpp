@@ -14,7 +14,7 @@ namespace {
 
 std::shared_ptr<const CompiledScenario> load_vehicles(const std::string& preset) {
   return compile_scenario({.scenario = SKYBODY_SOURCE_DIR "/scenarios/vehicles.yaml",
-                           .overrides = {"randomization[0].parameters.environments=0",
+                           .overrides = {"randomization[0].parameters.fleet=0",
                                          "randomization[0].parameters.preset=" + preset,
                                          "randomization[1].parameters.position_min=[-0.1,-0.1,2.9]",
                                          "randomization[1].parameters.position_max=[0.1,0.1,3.1]",
