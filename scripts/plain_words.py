@@ -1,12 +1,15 @@
-"""Counts of plain language: what `./dev lint` asks of comments, docstrings and documents.
+"""Counts of plain language: the rules of `./dev lint` for comments, docstrings and documents.
 
-    .venv/bin/python scripts/plain_words.py            # lists what breaks a rule; exit status 1
-    .venv/bin/python scripts/plain_words.py --table    # "what" in 1,000 words, by folder
-    .venv/bin/python scripts/plain_words.py core/env   # of some folders or files alone
+    .venv/bin/python scripts/plain_words.py            # lists violations; exit status 1
+    .venv/bin/python scripts/plain_words.py --table    # counts per 1,000 words, by folder
+    .venv/bin/python scripts/plain_words.py core/env   # only some folders or files
 
-Rules: the word "what" at most WHAT_PER_THOUSAND times in 1,000 words of a folder's comments and
-documents, lines of at most COLUMNS characters (tables, links and code in documents are exempt), and
-sentences of at most SENTENCE_WORDS words in documents.
+Rules:
+
+* the word "what" occurs at most WHAT_PER_THOUSAND times per 1,000 words of a folder's comments
+  and documents;
+* lines have at most COLUMNS characters (tables, links and code in documents are exempt);
+* sentences have at most SENTENCE_WORDS words in documents.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ WHAT_PER_THOUSAND = 0.5
 COLUMNS = 100
 SENTENCE_WORDS = 40
 CODE = (".h", ".cpp", ".py", ".yaml", ".txt", ".cmake")
-# Records of what was, and pages that scripts write.
+# Historical records, and pages that scripts write.
 RECORDS = ("CHANGELOG.md", "docs/results/", "docs/golden_log.md", "tests/golden/", "requirements/")
 WORD = re.compile(r"[A-Za-z][A-Za-z'-]*")
 C_COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|//(?P<line>[^\n]*)|/\*(?P<block>.*?)\*/', re.DOTALL)
@@ -44,7 +47,7 @@ class Prose:
 
 
 def tracked(paths: list[str]) -> list[Path]:
-    """The files that git knows, below `paths`."""
+    """The files tracked by git below `paths`."""
     found = subprocess.run(
         ["git", "ls-files", *paths], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split("\n")
@@ -69,7 +72,7 @@ def python_prose(text: str) -> list[tuple[int, str]]:
 
 
 def prose_of(path: Path, text: str) -> list[tuple[int, str]]:
-    """Pieces of prose with the line on which each begins."""
+    """Pieces of prose, each with its first line."""
     if path.suffix == ".md":
         return [(1, without_code(text))]
     if path.suffix == ".py":
@@ -90,7 +93,9 @@ def prose_of(path: Path, text: str) -> list[tuple[int, str]]:
 
 def without_code(text: str) -> str:
     """A document's prose: code and targets of links are blanked, lines stay."""
-    text = re.sub(r"^```.*?^```", lambda match: "\n" * match[0].count("\n"), text, flags=re.M | re.S)
+    text = re.sub(
+        r"^```.*?^```", lambda match: "\n" * match[0].count("\n"), text, flags=re.M | re.S
+    )
     text = re.sub(r"^    .*$", "", text, flags=re.M)
     text = re.sub(r"`[^`\n]*`", "code", text)
     return re.sub(r"\]\([^)\n]*\)", "]", text)
@@ -137,13 +142,13 @@ def long_sentences(text: str) -> list[tuple[int, int]]:
 
 
 def folder_of(path: Path) -> str:
-    """The folder that a file is counted in."""
+    """The folder under which a file is counted."""
     parts = path.parts[:-1]
     return "/".join(parts[:2] if parts[:1] in (("core",), ("plugins",), ("learn",)) else parts[:1])
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Lists what breaks a rule."""
+    """Lists the violations of the rules."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -168,8 +173,10 @@ def main(arguments: list[str] | None = None) -> int:
             continue
         if rate > WHAT_PER_THOUSAND:
             status = 1
-            print(f'{folder or "(top)"}: "what" {rate:.2f} times in 1,000 words, allowed '
-                  f"{WHAT_PER_THOUSAND}")
+            print(
+                f'{folder or "(top)"}: "what" {rate:.2f} times in 1,000 words, allowed '
+                f"{WHAT_PER_THOUSAND}"
+            )
             for path in paths:
                 for line in found[path].whats:
                     print(f"  {path}:{line}")
