@@ -1,4 +1,4 @@
-// What a command does, and what the program's exit status says.
+// The work of a command, and the program's exit statuses.
 #pragma once
 
 #include <functional>
@@ -8,13 +8,13 @@ namespace skybody {
 /// Exit statuses of the program.
 enum ExitStatus : int {
   kExitDone = 0,
-  kExitDiffers = 1,  ///< replay: the runs are not the same
-  kExitError = 2,    ///< the user's input: command line, files, plugins, places to write to
-  kExitBug = 3,      ///< ours
+  kExitDiffers = 1,  ///< replay: the runs differ
+  kExitError = 2,  ///< an error in the user's input: command line, files, plugins, output locations
+  kExitBug = 3,    ///< a bug in Skybody
   kExitSignal = 128  ///< plus the signal: 130 after Ctrl-C
 };
 
-/// Does the command's work. @returns the exit status
+/// The work of a command. @returns the exit status
 using Action = std::function<int()>;
 
 }  // namespace skybody

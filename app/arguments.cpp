@@ -14,7 +14,7 @@ bool parse_whole(const std::string& text, std::uint64_t& value) {
   return error == std::errc() && stop == end;
 }
 
-/// The command that was given, or the program itself.
+/// The innermost selected command, or the program itself.
 const CLI::App& innermost(const CLI::App& app) {
   const std::vector<CLI::App*> given = app.get_subcommands();
   return given.empty() ? app : innermost(*given.front());
@@ -48,8 +48,8 @@ std::string describe_extra(const CLI::App& command, const std::string& argument)
   return "unknown option `" + name + "`" + (near.empty() ? "" : "; did you mean `" + near + "`?");
 }
 
-/// What nothing took: an option before what may be its value, else the first of the rest. CLI11
-/// keeps them in its message only, "... not expected: LAST ... FIRST".
+/// The argument to report as unexpected: an option rather than its possible value, otherwise the
+/// first one. CLI11 lists them in its message only: "... not expected: LAST ... FIRST".
 std::string first_extra(const CLI::ParseError& error) {
   const std::string text = error.what();
   const std::vector<std::string> extras = split_words(text.substr(text.find(": ") + 1));
@@ -59,7 +59,7 @@ std::string first_extra(const CLI::ParseError& error) {
   return extras.empty() ? "" : extras.back();
 }
 
-/// CLI11's own text: "--seed: what is wrong", "SCENARIO is required".
+/// CLI11's own text: "--seed: PROBLEM", "SCENARIO is required".
 std::string describe_other(const CLI::ParseError& error) {
   std::string text = error.what();
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -93,7 +93,7 @@ CLI::Validator number_within(double min, double max) {
   const auto check = [min, max, range](const std::string& text) -> std::string {
     const std::optional<double> value = parse_number(text);
     if (!value) return "`" + text + "` is not a number; allowed: " + range;
-    if (*value >= min && *value <= max) return "";  // not true of NaN
+    if (*value >= min && *value <= max) return "";  // false for NaN
     return text + " is out of range; allowed: " + range;
   };
   return {check, "", "number"};

@@ -1,4 +1,4 @@
-// What CLI11 leaves open: checks with clear messages, and one line for a wrong command line.
+// Additions to CLI11: checks with clear messages, and one-line errors for a wrong command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,16 +11,17 @@ namespace skybody {
 /// Accepts whole numbers in min..max, in decimal digits.
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
-/// Accepts finite numbers in min..max. (CLI::Range takes NaN, and says nothing of what is allowed.)
+/// Accepts finite numbers in min..max. (CLI::Range accepts NaN, and its message omits the allowed
+/// range.)
 CLI::Validator number_within(double min, double max);
 
-/// Accepts one of `words`. @param noun  what it is, such as "policy"
+/// Accepts one of `words`. @param noun  their kind, such as "policy"
 CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words);
 
-/// One line about a command line that cannot be used, with the remedy.
+/// One line about an invalid command line, with the remedy.
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error);
 
-/// "" if the first argument is a command or an option, else what is wrong with it.
+/// "" if the first argument is a command or an option, otherwise an error message.
 std::string check_command_name(const CLI::App& app, int count, const char* const* arguments);
 
 }  // namespace skybody

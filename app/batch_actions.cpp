@@ -7,9 +7,11 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kMoreRows = 61;  // beyond a batch, so that actions of environments change
+constexpr std::size_t kMoreRows =
+    61;  // more rows than a batch, so that the actions of an environment change
 
-/// The hold policy's action when the robots have settled: its first action, kept, turns them over.
+/// The hold policy's action after the robots have settled. Its first action, if kept, would turn
+/// them over.
 std::vector<float> hold_row(const std::shared_ptr<const CompiledScenario>& compiled) {
   constexpr double kSettle = 5.0;  // [s]
   Simulation simulation(compiled, 0, 0);

@@ -1,4 +1,4 @@
-// Actions for measurements: made beforehand, so that making them costs nothing.
+// Actions for measurements, computed in advance so that they cost no time in the measurement.
 #pragma once
 
 #include <memory>
@@ -13,20 +13,20 @@ namespace skybody {
 /// Rows of actions for a batch of any size.
 class BatchActions {
  public:
-  /// hold, zero, random.
+  /// Names of the action sources: hold, zero, random.
   static const std::vector<std::string>& names();
 
-  /// @param name  one of names()   @param rows  the most that next() will be asked for
+  /// @param name  one of names()   @param rows  largest argument of next()
   /// @throws Error if the hold policy cannot fly the scenario
   BatchActions(const std::string& name, const std::shared_ptr<const CompiledScenario>& compiled,
                int rows);
 
-  /// So many rows; valid until the object goes.
+  /// The given number of rows; valid during this object's life.
   std::span<const float> next(std::size_t rows);
 
  private:
   std::size_t width_, rows_;
-  std::size_t turn_ = 0;  ///< first row of the next answer
+  std::size_t turn_ = 0;  ///< first row of the next result
   std::vector<float> table_;
 };
 

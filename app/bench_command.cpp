@@ -1,4 +1,4 @@
-// skybody bench: how many steps a second a batch of environments takes on this machine.
+// skybody bench: measures the steps per second of a batch of environments on this machine.
 #include <skybody/build_info.h>
 
 #include <chrono>
@@ -46,18 +46,18 @@ struct BenchOptions {
   bool json = false;
 };
 
-/// What was counted, and in what time.
+/// Counters, and the time of the measurement.
 struct Counts {
   std::uint64_t steps = 0, resets = 0, faults = 0;
   double seconds = 0.0;
 };
 
-/// Waits for what is under way, without sending it on.
+/// Waits for pending environments without stepping them again.
 void drain(Pool& envs) {
   while (envs.in_flight() > 0) envs.recv();
 }
 
-/// Sends every environment on as it comes back, until the time is over.
+/// Steps every environment again as soon as it returns, until the time is over.
 Counts run_for(double seconds, Pool& envs, BatchActions& actions) {
   Counts counts;
   const std::uint64_t faults = envs.faults();
@@ -80,11 +80,11 @@ Counts run_for(double seconds, Pool& envs, BatchActions& actions) {
   return counts;
 }
 
-/// A result in numbers.
+/// Results of the measurement.
 struct Figures {
   double steps, steps_per_thread, physics_steps, physics_share;
-  double near_share;  ///< of the physics steps, warm-up included, those with something near enough
-                      ///< to touch
+  double near_share;  ///< fraction of the physics steps, including warm-up, with shapes close
+                      ///< enough for contact
 };
 
 Figures figures_of(const Counts& counts, const Pool& envs, double physics_cost) {

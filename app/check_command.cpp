@@ -1,4 +1,4 @@
-// skybody check: reads a scenario with everything it names, and says what is wrong.
+// skybody check: reads a scenario with all files that it names, and reports errors and warnings.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -56,7 +56,7 @@ std::string shape_text(const std::vector<int>& shape) {
   return text;
 }
 
-/// Who sees it: a robot, or all; or a critic alone.
+/// The observer of a column: a robot, or all; or only a critic.
 std::string owner_text(const CompiledScenario& compiled, const ObservationColumn& column) {
   if (column.privileged) return "critic";
   if (column.robot < 0) return "all";

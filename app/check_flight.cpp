@@ -22,13 +22,13 @@
 namespace skybody {
 namespace {
 
-/// Steps: every phase of a plugin with a period of at most so many actions is met.
+/// Steps: enough to reach every phase of a plugin whose period is at most this many actions.
 constexpr int kSteps = 8;
 
-/// Starts that are drawn to see whether they fail at once.
+/// Number of drawn starts that are checked for immediate failure.
 constexpr int kStarts = 32;
 
-/// A collision shape as it lies at the start of an episode.
+/// A collision shape in its pose at the start of an episode.
 struct PlacedShape {
   const Shape* shape;
   Pose pose;            ///< of its frame, W
@@ -36,7 +36,7 @@ struct PlacedShape {
   SourceLocation mark;  ///< of the robot in the scenario
 };
 
-/// How deep something begins inside something else.
+/// Penetration depth between two shapes at the start.
 struct Overlap {
   double depth = 0.0;   ///< [m]
   SourceLocation mark;  ///< of the robot
@@ -57,7 +57,7 @@ std::vector<PlacedShape> shapes_of_robots(const CompiledScenario& compiled,
   return placed;
 }
 
-/// How deep the lowest point of a shape lies below the plane z = 0 [m].
+/// Depth of the lowest point of a shape below the plane z = 0 [m].
 double depth_in_ground(const PlacedShape& placed) {
   double depth = 0.0;
   for (const Vec3<double>& point : points_of(*placed.shape)) {
@@ -66,7 +66,7 @@ double depth_in_ground(const PlacedShape& placed) {
   return depth;
 }
 
-/// What begins inside something else, by "robot `a` begins inside robot `b`".
+/// Overlaps at the start, by text such as "robot `a` begins inside robot `b`".
 std::map<std::string, Overlap> find_overlaps(const CompiledScenario& compiled,
                                              const std::vector<PlacedShape>& robots) {
   std::map<std::string, Overlap> overlaps;
@@ -92,8 +92,8 @@ std::map<std::string, Overlap> find_overlaps(const CompiledScenario& compiled,
   return overlaps;
 }
 
-/// Contact pushes apart what begins inside one another, hard.
-/// @param bodies  where they are with obstacles in their nominal places
+/// Warns of overlaps: contact separates overlapping shapes with large forces.
+/// @param bodies  their states, with obstacles in their nominal places
 void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<BodyState>& bodies,
                       Diagnostics& diagnostics) {
   const double deep = kDeepStart * compiled.scenario().contact.penetration;
@@ -111,7 +111,8 @@ std::vector<float> random_action(int size, std::uint64_t step) {
   return action;
 }
 
-/// Where the scenario tells a randomizer to write what a rigid body is made of; no line: none does.
+/// Line of the scenario whose randomizer writes the mass properties of a rigid body; no line if
+/// there is none.
 SourceLocation mark_of_drawn_body(const CompiledScenario& compiled, int body) {
   const Layout& layout = compiled.layout();
   const int first = layout.body_params[static_cast<std::size_t>(body)];
@@ -126,8 +127,8 @@ SourceLocation mark_of_drawn_body(const CompiledScenario& compiled, int body) {
   return {compiled.scenario().file, 0, 0};
 }
 
-/// Steps of the trial flight were faults. Bodies that cannot be, in all the draws of several
-/// resets, are the scenario's mistake; of other faults it may be the actions'.
+/// Reports faults in the trial flight. If bodies are not physical in all draws of several resets,
+/// the scenario is wrong; other faults may be caused by the actions.
 /// @param faults  of kSteps; @param status  of the last of them
 void tell_of_faults(const CompiledScenario& compiled, int faults, std::uint64_t status,
                     Diagnostics& diagnostics) {
@@ -146,7 +147,7 @@ void tell_of_faults(const CompiledScenario& compiled, int faults, std::uint64_t 
   diagnostics.warning({compiled.scenario().file, 0, 0}, which + ": " + reason);
 }
 
-/// Where the user gives a parameter of a plugin, if the user does and no included file.
+/// Location of a plugin's parameter in the user's own file; none if it comes from an included file.
 std::optional<SourceLocation> own_parameter(const Scenario& scenario, const PluginUse& use) {
   for (const ParameterValue& value : use.parameters) {
     if (value.is_given && is_own(scenario, value.mark)) return value.mark;
@@ -154,7 +155,7 @@ std::optional<SourceLocation> own_parameter(const Scenario& scenario, const Plug
   return std::nullopt;
 }
 
-/// The randomizer that writes where a robot begins, or null.
+/// The randomizer that writes the starts of robots, or null.
 const PluginUse* drawer_of_starts(const CompiledScenario& compiled) {
   const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
   for (std::size_t i = 0; i < randomizers.size(); ++i) {
@@ -167,8 +168,8 @@ const PluginUse* drawer_of_starts(const CompiledScenario& compiled) {
   return nullptr;
 }
 
-/// Where a start may be wrong: what the user says about the draw of starts, the robot or the task,
-/// in this order; else what an included file says.
+/// Location to report for a bad start: the user's entry for the draw of starts, the robot or the
+/// task, in this order; otherwise the entry in an included file.
 SourceLocation mark_of_starts(const CompiledScenario& compiled) {
   const Scenario& scenario = compiled.scenario();
   const PluginUse* drawer = drawer_of_starts(compiled);
@@ -182,7 +183,7 @@ SourceLocation mark_of_starts(const CompiledScenario& compiled) {
   return scenario.robots.size() == 1 ? first.mark : scenario.task.mark;
 }
 
-/// The failure that the task sees in the present moment, with what it means; empty: none.
+/// The failure that the task reports now, with its meaning; empty: none.
 std::string present_failure(const Simulation& simulation) {
   std::size_t first = 0;
   for (const Channel& info : simulation.compiled().info_channels()) {
@@ -195,7 +196,7 @@ std::string present_failure(const Simulation& simulation) {
   return "";
 }
 
-/// Where robots are: "robot `quad` at [0, 0, 1] m", of several the first ones.
+/// Positions of robots: "robot `quad` at [0, 0, 1] m"; if there are many, only the first ones.
 std::string places_text(const Simulation& simulation) {
   constexpr std::size_t kMost = 3;
   std::string text;
@@ -208,7 +209,7 @@ std::string places_text(const Simulation& simulation) {
   return text + (robots.size() > kMost ? ", ..." : "");
 }
 
-/// The height of the lowest goal [m]; infinite: there is none.
+/// The height of the lowest goal [m]; infinite without goals.
 double lowest_goal(const Simulation& simulation) {
   double lowest = kInfinity;
   const std::vector<double> goals = simulation.goals();
@@ -216,7 +217,7 @@ double lowest_goal(const Simulation& simulation) {
   return lowest;
 }
 
-/// Says that something is wrong with all drawn starts, an error, or with some.
+/// Reports a problem of drawn starts: an error if all have it, otherwise a warning.
 void tell_of_starts(const SourceLocation& mark, int wrong, int all, const std::string& what,
                     const std::string& more, Diagnostics& diagnostics) {
   if (wrong == 0) return;
@@ -228,12 +229,13 @@ void tell_of_starts(const SourceLocation& mark, int wrong, int all, const std::s
   }
 }
 
-/// Episodes that begin where the task sees a failure end with their first step, and goals under
-/// the ground are never reached. If all are so, nobody can fly or learn; if some, those are lost.
+/// Checks drawn starts. An episode that begins with a failure ends after its first step, and a goal
+/// below the ground is never reached. If this holds for all starts, flight and learning are
+/// impossible; if for some, these episodes are lost.
 void try_starts(const std::shared_ptr<const CompiledScenario>& compiled, Diagnostics& diagnostics) {
   Simulation simulation(compiled, 0, 0);
   const bool has_ground = compiled->scenario().contact.ground;
-  int failed = 0, buried = 0, begun = 0;  // faults are told of elsewhere
+  int failed = 0, buried = 0, begun = 0;  // faults are reported elsewhere
   std::string how;
   double lowest = kInfinity;
   for (int k = 0; k < kStarts; ++k) {
@@ -264,7 +266,7 @@ void try_starts(const std::shared_ptr<const CompiledScenario>& compiled, Diagnos
 
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics) {
-  LaneState own;  // the start that the scenario describes, before anything is drawn
+  LaneState own;  // the scenario's own start, before any draw
   write_default_state(compiled->world(), own);
   warn_of_overlaps(*compiled, own.bodies, diagnostics);
   Simulation simulation(compiled, 0, 0);
@@ -277,7 +279,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
   warn_of_light_links(*compiled, diagnostics);
   warn_of_stiff_joints(*compiled, diagnostics);
   try_starts(compiled, diagnostics);
-  static_cast<void>(simulation.goals());  // the task's goal() is tried, too
+  static_cast<void>(simulation.goals());  // also tries the task's goal()
   int faults = 0;
   std::uint64_t status = 0;
   for (int k = 0; k < kSteps; ++k) {

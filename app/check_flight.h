@@ -1,4 +1,4 @@
-// What `skybody check` learns by flying a scenario for a moment.
+// The trial flight of `skybody check`.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,15 @@
 
 namespace skybody {
 
-/// Resets the environment and takes a few steps with idle and with random actions; warns of robots
-/// that begin inside something and of those that cannot carry their weight though they are to
-/// hover. Draws that give nothing but bodies that cannot be are an error, and so are starts of
-/// which the task sees each as a failure, and goals below the ground.
+/// Resets the environment and takes a few steps with idle and with random actions. Warnings:
+///   - robots that begin inside another shape;
+///   - robots that must hover but cannot carry their weight.
+/// Errors:
+///   - every draw gives bodies that are not physical;
+///   - the task reports a failure at every start;
+///   - every goal is below the ground.
 /// @param compiled  in checked mode
-/// @throws LocatedError where a plugin touches values beyond those that it may
+/// @throws LocatedError if a plugin accesses values out of its range
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics);
 

@@ -10,17 +10,17 @@
 namespace skybody {
 namespace {
 
-/// Shares of a link's own time, sqrt(inertia / weight's moment), that a step may be, measured on
-/// chains of 2 to 16 links of 0.1 g to 10 g with 0.2 kg to 2 kg at their end, which swing and whip
-/// below a base: from the first on flights end in faults, at the second all keep their energy to
-/// 5 % of what the swing has.
+/// Step size as a fraction of a link's time constant, sqrt(inertia / weight's moment). Measured on
+/// chains of 2 to 16 links of 0.1 g to 10 g with 0.2 kg to 2 kg at their end, swinging and whipping
+/// below a base. From kFailingShare on flights end in faults. At kHoldingShare all keep their
+/// energy within 5 % of the swing's energy.
 constexpr double kFailingShare = 0.08, kHoldingShare = 0.01;
 
-/// What a body and all that hangs on it are for its parent, as if all hung straight down from its
-/// joint.
+/// Load of a body on its parent: the body and its descendants, as if all hung straight down from
+/// its joint.
 struct Hanging {
-  double mass = 0.0;     ///< all of it [kg]
-  double carried = 0.0;  ///< what the parent feels of it across the line [kg]
+  double mass = 0.0;     ///< total mass [kg]
+  double carried = 0.0;  ///< effective mass across the line, seen by the parent [kg]
   double time = 0.0;     ///< sqrt(inertia / weight's moment) [s]; infinite: no joint that swings
 };
 
@@ -30,7 +30,7 @@ bool swings(JointType type) {
   return type == JointType::kPin || type == JointType::kUniversal || type == JointType::kBall;
 }
 
-/// From the leaves to the base, one per body.
+/// Computes the loads from the leaves to the base, one per body.
 std::vector<Hanging> hang(const RobotModel& model, double gravity) {
   const std::size_t count = model.bodies.size();
   std::vector<Hanging> hanging(count);

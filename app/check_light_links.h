@@ -1,4 +1,5 @@
-// Links that are light beside what hangs on them: where those swing, these whip.
+// Detects links that are much lighter than their load: when the load swings, they move faster than
+// the step can follow.
 #pragma once
 
 #include "core/env/compiled_scenario.h"
@@ -6,7 +7,7 @@
 
 namespace skybody {
 
-/// Warns, once a robot, of joints whose links answer quicker to the weight that hangs on them than
+/// Warns, once per robot, of joints whose links respond to the weight of their load faster than
 /// fixed steps of this scenario's `dt` can follow.
 void warn_of_light_links(const CompiledScenario& compiled, Diagnostics& diagnostics);
 

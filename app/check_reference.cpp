@@ -11,7 +11,8 @@ namespace skybody {
 namespace {
 
 constexpr double kSeconds = 20.0;
-/// The share of the steps from which on it is told: a law may be cut while it catches up.
+/// Fraction of steps from which on a warning is given: a controller may reach its limits briefly
+/// while it catches up.
 constexpr double kShare = 0.01;
 
 void warn(const CompiledScenario& compiled, const FlownReference& reference,

@@ -1,4 +1,4 @@
-// Flies references to see whether limits of the laws that follow them cut what they ask for.
+// Flies references to detect tracking controllers that are limited by their own bounds.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace skybody {
 
-/// Warns of each reference that a law of the robot's chain follows only within limits of its own,
-/// from a flight of 20 s. A scenario without references, or without such laws, is not flown.
+/// Warns of each reference that saturates the limits of a controller in the robot's chain, from a
+/// flight of 20 s. Skipped for a scenario without references or without such controllers.
 void warn_of_limited_references(const std::shared_ptr<const CompiledScenario>& compiled,
                                 Diagnostics& diagnostics);
 

@@ -12,17 +12,17 @@
 namespace skybody {
 namespace {
 
-/// The largest rate of a damper, and frequency of a spring, times dt: half of what explicit
-/// midpoint and semi-implicit Euler bear.
+/// The largest rate of a damper, and frequency of a spring, times dt: half the stability limit of
+/// explicit midpoint and semi-implicit Euler.
 constexpr double kLargestStep = 1.0;
 
-/// The quickest answer of a robot's joints.
+/// The fastest response of a robot's joints.
 struct Quickest {
   double value = 0.0;  ///< rate of decay [1/s], or square of a frequency [rad^2/s^2]
-  int u = 0;           ///< the coordinate that moves most
+  int u = 0;           ///< the coordinate with the largest motion
 };
 
-/// Forces along the joints of one robot, and the accelerations that they make.
+/// Accelerations of one robot caused by forces along its joints.
 class JointAnswer {
  public:
   JointAnswer(const World& world, int robot)
@@ -44,7 +44,7 @@ class JointAnswer {
                        at_rest_.data());
   }
 
-  /// The largest eigenvalue of M^-1 S, with S the strengths, by its powers.
+  /// The largest eigenvalue of M^-1 S, with S the strengths, by power iteration.
   Quickest quickest(const std::vector<double>& strength) const {
     std::vector<double> change = strength, force(strength.size());
     Quickest found;
@@ -67,7 +67,7 @@ class JointAnswer {
     return found;
   }
 
-  /// Of each u of the world: what constants of the robot's joints, and of their drives, come to.
+  /// For each u of the world: the sum of a constant of the robot's joints and of their drives.
   std::vector<double> strengths(int constant, double JointDrive::*of_drive) const {
     std::vector<double> strength(nothing_.size(), 0.0);
     for (int i = robot_.first_body + 1; i < robot_.first_body + robot_.body_count; ++i) {
@@ -90,7 +90,7 @@ class JointAnswer {
     return strength;
   }
 
-  /// The joint that has a coordinate.
+  /// Name of the joint that has a coordinate.
   const std::string& joint_of(int u) const {
     const WorldBody* found = nullptr;
     for (int i = robot_.first_body; i < robot_.first_body + robot_.body_count; ++i) {

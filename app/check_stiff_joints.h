@@ -1,4 +1,4 @@
-// Joints whose dampers, springs or drives are too stiff for a fixed step.
+// Detects joints whose dampers, springs or drives are too stiff for a fixed step.
 #pragma once
 
 #include "core/env/compiled_scenario.h"
@@ -6,8 +6,8 @@
 
 namespace skybody {
 
-/// Warns, once a robot, where the forces in its joints answer quicker than fixed steps of this
-/// scenario's `dt` can follow: by nominal constants, with the joints as at a reset.
+/// Warns, once per robot, if joint forces respond faster than fixed steps of this scenario's `dt`
+/// can follow. Uses nominal constants and the joint positions of a reset.
 void warn_of_stiff_joints(const CompiledScenario& compiled, Diagnostics& diagnostics);
 
 }  // namespace skybody

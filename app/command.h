@@ -1,5 +1,5 @@
-// The sub-commands. Each add_*_command declares one to CLI11 and, when it is given, leaves what is
-// to be done in `chosen`; main runs that once the whole command line has been found good.
+// The sub-commands. Each add_*_command declares one to CLI11. If it is selected, it stores its work
+// in `chosen`, which main runs after the whole command line has been validated.
 #pragma once
 
 #include "app/action.h"

@@ -5,8 +5,8 @@
 namespace skybody {
 namespace {
 
-/// Components of a signal in their order: of a wrench those of one site, of a trajectory those of
-/// one point. An attitude may lack the last three, a force the last one.
+/// Components of a signal in order: for a wrench those of one site, for a trajectory those of one
+/// point. An attitude may lack the last three, a force the last one.
 std::vector<LogColumn> fixed_columns(int signal) {
   switch (signal) {
     case SKYBODY_CTBT:
@@ -43,7 +43,7 @@ std::vector<LogColumn> fixed_columns(int signal) {
   }
 }
 
-/// One component for each rotor of the robot.
+/// One component per rotor of the robot.
 std::vector<LogColumn> rotor_columns(const RobotModel& model, int signal) {
   const LogColumn column = signal == SKYBODY_ROTOR_SPEED ? LogColumn{".speed", "rad/s"}
                            : signal == SKYBODY_SRT       ? LogColumn{".thrust", "N"}

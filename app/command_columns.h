@@ -13,7 +13,7 @@ namespace skybody {
 std::vector<LogColumn> command_columns(const CompiledScenario& compiled,
                                        const ControllerChain& chain);
 
-/// The values of the action row: the commands' names, or the task's own.
+/// Names of the values of an action row: those of the commands, or the task's own.
 std::vector<std::string> action_names(const CompiledScenario& compiled);
 
 }  // namespace skybody

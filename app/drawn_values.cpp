@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMostRows = 24;
 
-/// Least and greatest value of a parameter in the episodes, at resets and later.
+/// Smallest and largest value of a parameter in the episodes, at resets and later.
 std::pair<double, double> range_of(const std::vector<EpisodeSummary>& episodes, std::size_t param) {
   double least = episodes.front().params.front()[param], greatest = least;
   for (const EpisodeSummary& episode : episodes) {

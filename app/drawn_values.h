@@ -1,4 +1,4 @@
-// Which randomizable values differed from nominal, over the episodes of a flight.
+// Randomizable values that differed from nominal, over the episodes of a flight.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace skybody {
 
-/// A table of what was drawn, its longer part left to the log; empty if nothing was.
+/// A table of the drawn values, truncated if long (the log has all); empty if none was drawn.
 std::string drawn_values(const CompiledScenario& compiled,
                          const std::vector<EpisodeSummary>& episodes);
 

@@ -8,7 +8,7 @@
 namespace skybody {
 namespace {
 
-/// Least absolute difference of two angles.
+/// Smallest absolute difference of two angles.
 double angle_between(double a, double b) {
   return std::abs(std::remainder(a - b, 2.0 * std::numbers::pi));
 }

@@ -1,4 +1,4 @@
-// What a row of the summary table says about one episode.
+// Data of one episode for the summary table.
 #pragma once
 
 #include <cstddef>
@@ -11,19 +11,19 @@
 
 namespace skybody {
 
-/// Infos by which a task tells success, and the reasons of failures, from one another
-/// (plugins/task_kit/ends.h): 1 where it is so, else 0.
+/// Infos by which a task reports success and reasons of failure (plugins/task_kit/ends.h): 1 if
+/// true, otherwise 0.
 inline constexpr const char* kSuccessInfo = "success";
 inline constexpr const char* kFailureInfoPrefix = "failed.";
 
-/// How far a goal's body was from its goal in the last second of an episode.
+/// Distance between a goal and its body in the last second of an episode.
 struct GoalError {
   double mean = 0.0;  ///< distance of the body's origin [m]
   double max = 0.0;
   double yaw = 0.0;  ///< mean absolute error [rad]
 };
 
-/// Values of an info over an episode's steps. NaN: a time that has not come.
+/// Values of an info over an episode's steps. NaN for a time that has not come.
 struct InfoRange {
   double least = 0.0;
   double greatest = 0.0;
@@ -38,15 +38,16 @@ struct EpisodeSummary {
   std::vector<GoalError> goals;  ///< as the task declares them
   std::vector<ReferenceError> references;
   std::vector<std::vector<double>> params;  ///< drawn values: at the reset, then after each change
-  std::vector<InfoRange> infos;             ///< in the order of the row; empty: no step
-  std::uint64_t redraws = 0;                ///< how often the start was drawn again
-  std::uint64_t clipped = 0;                ///< action values that the policy held to [-1, 1]
+  std::vector<InfoRange> infos;             ///< in the order of the info row; empty: no step
+  std::uint64_t redraws = 0;                ///< number of times that the start was redrawn
+  std::uint64_t clipped = 0;                ///< action values that the policy clipped to [-1, 1]
 };
 
-/// Plugins report a time below 0 of what does not happen in the episode, such as a rotor's failure.
+/// Plugins report a time below 0 for an event that does not happen in the episode, such as a
+/// rotor's failure.
 bool is_time_to_come(const Channel& channel, double value);
 
-/// Takes in the infos after a step.
+/// Adds the infos after a step.
 void add_infos(const Simulation& simulation, std::vector<InfoRange>& ranges);
 
 /// Keeps the goal errors of the last second of simulated time.
@@ -54,9 +55,9 @@ class ErrorWindow {
  public:
   explicit ErrorWindow(const CompiledScenario& compiled);
 
-  /// Takes in the state after a step.
+  /// Adds the state after a step.
   void add(const Simulation& simulation);
-  /// Over the last second, or all that was added if that is less; NaN where there was nothing.
+  /// Errors over the last second, or over all added steps if fewer; NaN if there are none.
   std::vector<GoalError> errors() const;
 
  private:

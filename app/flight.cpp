@@ -12,8 +12,8 @@
 namespace skybody {
 namespace {
 
-/// Why the task has ended the episode, of tasks that say so by the infos `success` and `failed.*`:
-/// ": success", ": tilt"; empty: unsaid.
+/// The task's reason for ending the episode, such as ": tilt" or ": success", from the infos
+/// `success` and `failed.*`; empty for tasks without them.
 std::string reason_of(const Simulation& simulation) {
   const std::span<const float> values = simulation.info();
   std::size_t k = 0;
@@ -28,7 +28,7 @@ std::string reason_of(const Simulation& simulation) {
   return "";
 }
 
-/// Why the episode is over; empty: it goes on.
+/// Reason for the end of the episode; empty: it goes on.
 std::string end_of(const RolloutPlan& plan, const Simulation& simulation) {
   if (simulation.fault())
     return "fault: " + simulation.compiled().fault_reason(simulation.status());
@@ -47,8 +47,8 @@ std::string progress(std::uint64_t episode, const RolloutPlan& plan, const Simul
          fixed(simulation.time(), 1) + " s  return " + fixed(summary.total_reward, 3);
 }
 
-/// Parameters that have changed in the episode since the last of `params` become events, and are
-/// added.
+/// Logs an event for parameters that have changed in the episode since the last entry of `params`,
+/// and adds an entry.
 void note_changes(const Simulation& simulation, std::vector<std::vector<double>>& params,
                   FlightLog& log) {
   std::vector<double> now = simulation.params();

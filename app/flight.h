@@ -1,4 +1,4 @@
-// Flying some episodes: policy, simulation and log step by step.
+// Flies episodes: policy, simulation and log step by step.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@ namespace skybody {
 
 struct RolloutPlan {
   std::uint64_t episodes = 1;
-  std::uint64_t most_steps = 0;  ///< an episode, when neither task nor horizon ends it before
+  std::uint64_t most_steps = 0;  ///< per episode, unless task or horizon end it earlier
 };
 
 struct FlightResult {
   std::vector<EpisodeSummary> episodes;
-  int signal = 0;  ///< that stopped the flight; 0: none
+  int signal = 0;  ///< signal that stopped the flight; 0: none
 };
 
-/// Flies the plan, or until a signal comes, and writes every state to `log`, which stays open.
+/// Flies the plan until its end or a signal, and writes every state to `log`, which stays open.
 FlightResult fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log);
 
 }  // namespace skybody

@@ -105,7 +105,7 @@ void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header)
   describe_observation(compiled, header);
   for (const Channel& channel : compiled.info_channels())
     append(header.info, channel.name, channel.unit, channel.count);
-  // Readers take a body's first goal: where it follows a reference, that is the goal.
+  // Readers use a body's first goal: if it follows a reference, that is the goal.
   for (const FlownReference& reference : flown_references(compiled)) {
     header.goals.push_back(body_name(compiled, reference.body));
     header.references.push_back(reference.kind);
@@ -135,7 +135,7 @@ std::vector<double> values_of(const Snapshot& snapshot, Block block) {
   return values;
 }
 
-/// A state in which something went wrong may have no contacts that can be computed.
+/// Whether there are contacts. After a fault they may not be computable.
 bool touches_anything(const Simulation& simulation) {
   return !simulation.fault() && !simulation.contacts().empty();
 }

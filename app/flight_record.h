@@ -1,4 +1,4 @@
-// An environment's names and values as the flight log takes them.
+// Converts an environment's names and values for the flight log.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace skybody {
 
-/// `robot.body` of a body in the world's numbering.
+/// `robot.body` for a body in the world's numbering.
 std::string body_name(const CompiledScenario& compiled, int body);
 
-/// What holds for the whole flight.
+/// Data of the log that is constant over the flight.
 FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t seed,
                                 const std::string& policy);
 
-/// Appends the simulation's present state to the log's episode.
+/// Appends the simulation's current state to the log's episode.
 void record(const Simulation& simulation, FlightLog& log);
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// skybody hash: one line that says whether two machines, builds or runs fly the same trajectory.
+// skybody hash: prints one line to compare trajectories between machines, builds or runs.
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
@@ -47,7 +47,7 @@ struct HashOptions {
   bool motion = false;
 };
 
-/// Gives every environment its steps, as its earlier ones come back.
+/// Steps every environment again as soon as it returns.
 class Run {
  public:
   Run(Pool& envs, std::uint64_t steps)
@@ -59,7 +59,7 @@ class Run {
     ids_.reserve(taken_.size());
   }
 
-  /// Until all steps are taken, or until a first Ctrl-C where an InterruptGuard lives.
+  /// Runs until all steps are taken, or until the first Ctrl-C while an InterruptGuard exists.
   void operator()() {
     envs_.send_reset();
     while (envs_.in_flight() > 0) {
@@ -91,14 +91,13 @@ class Run {
 
   Pool& envs_;
   std::uint64_t steps_;
-  std::vector<std::uint64_t> taken_;  ///< by each environment
+  std::vector<std::uint64_t> taken_;  ///< steps taken by each environment
   std::size_t width_;
   std::vector<float> actions_;
   std::vector<std::int32_t> ids_;
 };
 
-/// Runs with a recording; what was recorded before an interruption is kept. @returns its signal or
-/// 0
+/// Runs with a recording. After an interruption the recorded part is kept. @returns the signal or 0
 int record(Pool& envs, Run& run, const HashOptions& options) {
   skip_hdf5_cleanup_at_exit();
   const InterruptGuard guard;

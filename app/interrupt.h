@@ -1,10 +1,10 @@
-// Ctrl-C and SIGTERM as a request to stop after the present step.
+// Handles Ctrl-C and SIGTERM as a request to stop after the current step.
 #pragma once
 
 namespace skybody {
 
-/// While it lives, the first such signal only sets a flag; a second one ends the program at once.
-/// One at a time.
+/// During its life the first such signal only sets a flag; a second one ends the program at once.
+/// At most one instance may exist.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -12,7 +12,7 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// The signal that came, or 0.
+  /// The received signal, or 0.
   static int signal();
 };
 

@@ -1,4 +1,4 @@
-// What a measurement was made on.
+// The machine of a measurement.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ namespace skybody {
 
 /// The host's name.
 std::string machine_name();
-/// The processor's model, as the system calls it.
+/// The processor's model, as the system reports it.
 std::string processor_name();
 /// Logical processors.
 int processor_count();

@@ -21,9 +21,9 @@ std::string range_of(double low, double high) {
   return rounded(low) + ".." + rounded(high);
 }
 
-constexpr std::size_t kMostRanges = 8;  // of a signal of many points each repeats them
+constexpr std::size_t kMostRanges = 8;  // for a signal of many points each point repeats them
 
-/// "0..35.3, 2 x +-10, +-5": neighbours that are alike together.
+/// "0..35.3, 2 x +-10, +-5": equal neighbours are combined.
 std::string ranges_text(const std::vector<double>& low, const std::vector<double>& high) {
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < low.size();) {
@@ -69,8 +69,8 @@ std::string signal_table() {
   return table.to_string();
 }
 
-/// Chains that begin with each mode and lead on to rotors, or where none does to other actuators,
-/// by the level at which they begin; places within the survey.
+/// For each mode, the chains that begin with it and end at rotors, or at other actuators if none
+/// ends at rotors, by their first level; values are indices in the survey.
 std::vector<std::vector<int>> entries_of(const ControllerSurvey& survey) {
   std::vector<std::vector<int>> entries;
   for (int i = 0; i < static_cast<int>(survey.modes.size()); ++i) {
@@ -131,7 +131,7 @@ std::string chain_heading(const CompiledScenario& compiled, const ControllerChai
   return owner_of(compiled, chain) + ": " + entry + "\n";
 }
 
-/// What a controller gives, and to whom where that is not obvious.
+/// A controller's outputs, and their receivers where they are not obvious.
 std::string gives_text(const CompiledScenario& compiled, const PluginInstance& controller) {
   std::vector<std::string> parts;
   for (const PluginOutput& output : controller.outputs) {
@@ -228,7 +228,8 @@ std::string robot_json(const RobotModes& robot) {
   return object.text();
 }
 
-/// The modes of robots that are alike, and why other controllers do not serve the first of them.
+/// The modes of robots with equal modes, and the reasons why other controllers do not suit the
+/// first of them.
 std::string modes_text(const RobotModes& robot, const std::vector<std::string>& alike,
                        const std::string& table) {
   const std::string refused = refused_text(robot.survey);

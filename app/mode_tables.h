@@ -1,4 +1,4 @@
-// Levels of control as text for people and as JSON for programs.
+// Control levels as text for users and as JSON for programs.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace skybody {
 
-/// What controllers could do for one robot of a scenario.
+/// Control modes that are possible for one robot of a scenario.
 struct RobotModes {
   std::string robot;
   ControllerSurvey survey;
 };
 
-/// All levels, and all controllers with what they take and give.
+/// All levels, and all controllers with their inputs and outputs.
 std::string survey_text(const ControllerSurvey& survey);
 std::string survey_json(const ControllerSurvey& survey);
 

@@ -1,4 +1,5 @@
-// skybody modes: levels of control, who leads from one to the next, and where a policy may enter.
+// skybody modes: control levels, the controllers between them, and the possible inputs for a
+// policy.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
@@ -40,7 +41,7 @@ std::vector<const PluginEntry*> usable_controllers(const PluginRegistry& registr
   return entries;
 }
 
-/// Of each robot that has controllers.
+/// The modes of each robot with controllers.
 std::vector<RobotModes> modes_of(const CompiledScenario& compiled, const PluginRegistry& registry) {
   const std::vector<const PluginEntry*> entries = usable_controllers(registry);
   std::vector<RobotModes> all;

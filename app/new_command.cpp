@@ -1,4 +1,4 @@
-// skybody new: writes a plugin project or a vehicle to start from.
+// skybody new: writes a starter project for a plugin or a vehicle.
 #include <cstdio>
 
 #include "app/arguments.h"
@@ -97,7 +97,7 @@ void add_new_command(CLI::App& app, Action& chosen) {
   add_new_vehicle_command(*command, chosen);
   command->callback([command, options, &chosen] {
     if (!command->get_subcommands().empty()) return;
-    // Not declared as required, which would count beside `vehicle`, too.
+    // Not declared as required, since that would also apply to `vehicle`.
     if (options->kind.empty()) throw CLI::RequiredError("KIND");
     if (options->name.empty()) throw CLI::RequiredError("NAME");
     chosen = [options] { return write_project(*options); };

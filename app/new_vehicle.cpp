@@ -17,18 +17,18 @@ namespace {
 using randomization::VehicleLaws;
 using randomization::VehicleRotors;
 
-constexpr double kStandardGravity = 9.81;  // [m/s^2], of a scenario that gives none
-constexpr double kBodyHeight = 0.3;        // of the collision shape, by the arm
-constexpr double kBarWidth = 0.06;         // of an arm in pictures, likewise
+constexpr double kStandardGravity = 9.81;  // [m/s^2], for a scenario without gravity
+constexpr double kBodyHeight = 0.3;        // of the collision shape, relative to the arm
+constexpr double kBarWidth = 0.06;         // of an arm in pictures, relative to the arm's length
 
-/// Six digits: what scaling laws give has fewer.
+/// Six significant digits: the scaling laws are less precise.
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", std::fabs(value) < 1e-12 ? 0.0 : value);
   return text;
 }
 
-/// The middle of what the randomizer draws.
+/// The middle of the randomizer's range.
 double middle(int quantity) {
   const randomization::Range& range = randomization::kVehicleRows[quantity].scaling;
   return 0.5 * (range.low + range.high);
@@ -77,7 +77,7 @@ std::string about(const VehicleOptions& options) {
          ", all else by scaling laws.";
 }
 
-/// Scaling laws keep to the ranges of files.
+/// Refuses results of the scaling laws that are beyond the ranges of rotor files.
 void require_possible(const VehicleOptions& options, const VehicleRotors<double>& rotors) {
   for (const ConstantRow& row : kRotorConstants) {
     const double value = rotors.constants[row.place];

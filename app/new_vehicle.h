@@ -1,4 +1,4 @@
-// A vehicle to start from, by its size and the scaling laws of the randomizer `vehicle`.
+// Creates a vehicle from its size and the scaling laws of the randomizer `vehicle`.
 #pragma once
 
 #include <filesystem>
@@ -6,21 +6,22 @@
 
 namespace skybody {
 
-/// What is known of it.
+/// The given properties.
 struct VehicleOptions {
   std::string name = "vehicle";
   std::filesystem::path folder = ".";
   double mass = 0.0;              ///< [kg]
-  double arm = 0.0;               ///< of a hub from the middle [m]
-  double thrust_to_weight = 0.0;  ///< all rotors at their largest speed, by the weight
-  int rotors = 4;                 ///< even: as many of one sense as of the other
-  std::string layout = "x";       ///< x: two arms beside the x axis; plus: one along it
+  double arm = 0.0;               ///< distance of a hub from the centre [m]
+  double thrust_to_weight = 0.0;  ///< thrust of all rotors at their largest speed over the weight
+  int rotors = 4;                 ///< even: half of them turn in each direction
+  std::string layout =
+      "x";  ///< x: no arm on the x axis, one on either side; plus: one arm along it
 };
 
-/// Writes the folder `options.folder`/`options.name`: a URDF, rotors.yaml, a scenario that flies it
+/// Writes the folder `options.folder`/`options.name`: a URDF, rotors.yaml, a scenario that uses it
 /// and a README. @returns the new folder
-/// @throws Error if the name is none, if no rotors that files may have carry it on such arms, if
-/// the folder exists, or if it cannot be written
+/// @throws Error if the name is invalid, if no rotors within the ranges of rotor files carry it on
+///         such arms, if the folder exists, or if it cannot be written
 std::filesystem::path write_new_vehicle(const VehicleOptions& options);
 
 }  // namespace skybody

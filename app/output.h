@@ -5,10 +5,10 @@
 
 namespace skybody {
 
-/// Writes `text`. @throws Error with what the operating system says
+/// Writes `text`. @throws Error with the operating system's message
 void print(const std::string& text);
 
-/// Hands everything that was written to the operating system. @throws Error likewise
+/// Flushes all output to the operating system. @throws Error with the operating system's message
 void flush_output();
 
 }  // namespace skybody

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
               "; choose another with --out DIR");
 }
 
-/// Makes it where it is missing. @returns whether it was made
+/// Creates a folder if it is missing. @returns whether it was created
 bool make_folder(const fs::path& folder) {
   std::error_code error;
   const bool made = fs::create_directories(folder, error);
@@ -25,7 +25,7 @@ bool make_folder(const fs::path& folder) {
   return made;
 }
 
-/// The first free name; making the folder claims it.
+/// The first free name; creating the folder claims it.
 fs::path make_new_folder(const std::string& name) {
   const fs::path parent = "flights";
   make_folder(parent);
@@ -59,7 +59,7 @@ OutputFolder::OutputFolder(const fs::path& out, const std::string& scenario, std
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   fs::remove(partial_log(), ignored);
-  if (created_) fs::remove(path_, ignored);  // only where it is empty
+  if (created_) fs::remove(path_, ignored);  // only if it is empty
 }
 
 void OutputFolder::commit() {

@@ -1,4 +1,5 @@
-// Where a flight's files go: written under another name first, so that nothing is half-written.
+// Output folder of a flight. Files are written under a temporary name first, so that none is
+// incomplete.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +8,11 @@
 
 namespace skybody {
 
-/// The folder of one run's flight.h5 and pictures. What is not committed is removed again.
+/// The folder of one run's flight.h5 and pictures. Files that are not committed are removed.
 class OutputFolder {
  public:
-  /// `out`, which may exist: its flight.h5 is replaced. Where `out` is empty, a new folder
-  /// flights/NAME-SEED, or flights/NAME-SEED-2, -3, ... where that exists.
+  /// Uses `out`, which may exist: its flight.h5 is replaced. If `out` is empty, creates
+  /// flights/NAME-SEED, or flights/NAME-SEED-2, -3, ... if that exists.
   /// @throws Error with the folder and the reason
   OutputFolder(const std::filesystem::path& out, const std::string& scenario, std::uint64_t seed);
   ~OutputFolder();
@@ -20,10 +21,10 @@ class OutputFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path log() const { return path_ / "flight.h5"; }
-  /// Where the log is written before it is committed.
+  /// Path of the log until it is committed.
   const std::filesystem::path& partial_log() const { return partial_log_; }
 
-  /// Puts the finished log in its place and removes pictures of the one before.
+  /// Moves the finished log to its place and removes pictures of the previous one.
   void commit();
 
  private:

@@ -9,7 +9,7 @@
 namespace skybody {
 namespace {
 
-/// One parameter in words.
+/// The texts of one parameter.
 struct Words {
   std::string name, type, unit, default_value, range, randomizable, doc;
 };
@@ -54,7 +54,7 @@ Words words_of(const ParameterSpec& spec) {
           spec.doc};
 }
 
-/// A bar would end the cell.
+/// Escapes a bar, which would end the cell.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {

@@ -11,7 +11,7 @@ namespace skybody {
 /// One aligned line per parameter, indented.
 std::string parameter_lines(const std::vector<ParameterSpec>& parameters);
 
-/// A Markdown table with a line per parameter.
+/// A Markdown table with one row per parameter.
 std::string parameter_markdown(const std::vector<ParameterSpec>& parameters);
 
 }  // namespace skybody

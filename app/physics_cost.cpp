@@ -12,7 +12,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kSeconds = 0.3;
-constexpr int kRun = 50;  // steps from the start, so that the world stays near it
+constexpr int kRun = 50;  // steps from the start; few, so that the state stays near it
 
 }  // namespace
 

@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPicturePrefix = "picture ";
 
-/// A program that was run to its end.
+/// Result of a program that has ended.
 struct Outcome {
-  int spawn_error = 0;  ///< errno; 0: it ran
-  int status = 0;       ///< of waitpid
+  int spawn_error = 0;  ///< errno; 0: it was started
+  int status = 0;       ///< from waitpid
   std::string output;   ///< stdout and stderr
 };
 
@@ -75,7 +75,7 @@ Outcome run(const std::vector<std::string>& command) {
   return outcome;
 }
 
-/// The paths among the lines of the script; `last` becomes the last other line.
+/// The paths among the script's output lines; `last` is set to the last other line.
 std::vector<fs::path> picture_paths(const std::string& output, std::string& last) {
   std::vector<fs::path> files;
   std::istringstream lines(output);

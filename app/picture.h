@@ -1,4 +1,4 @@
-// Pictures of a flight, drawn by scripts/plot_flight.py in a Python of its own.
+// Pictures of a flight, drawn by scripts/plot_flight.py in a separate Python process.
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,15 @@
 
 namespace skybody {
 
-/// What came of it.
+/// The result of draw_pictures().
 struct Pictures {
   std::vector<std::filesystem::path> files;
-  std::string failure;  ///< why there are none or not all; empty: all is well
+  std::string failure;  ///< reason why some or all are missing; empty: success
 };
 
-/// Draws `log` into its folder. The interpreter is $SKYBODY_PYTHON, else the one chosen when
-/// Skybody was configured, else python3 on PATH; it is started directly, never through a shell.
+/// Draws `log` into its folder. The interpreter is $SKYBODY_PYTHON, otherwise the one chosen when
+/// Skybody was configured, otherwise python3 on PATH. It is started directly, never through a
+/// shell.
 Pictures draw_pictures(const std::filesystem::path& log);
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// skybody plan: a quick line through gates for a vehicle, as a table that `kind: csv` flies.
+// skybody plan: computes a fast line through gates for a vehicle, as a table for `kind: csv`.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -110,7 +110,7 @@ RaceCourse read_course(const std::string& file) {
   return course;
 }
 
-/// A shipped model or a URDF is flown in the place of hover's robot.
+/// A shipped model or a URDF replaces the robot of the scenario `hover`.
 void take_model(LoadOptions& load) {
   const auto shipped = find_shipped_model(load.scenario);
   const bool is_urdf = fs::path(load.scenario).extension() == ".urdf";
@@ -120,7 +120,7 @@ void take_model(LoadOptions& load) {
   load.scenario = "hover";
 }
 
-/// The envelope of the first robot with rotors, its rotors weaker by the reserve.
+/// The envelope of the first robot with rotors, with rotor thrust reduced by the reserve.
 control::FlightEnvelope envelope_of(const CompiledScenario& compiled, const PlanOptions& options) {
   const std::vector<RobotUse>& robots = compiled.scenario().robots;
   const auto found = std::find_if(robots.begin(), robots.end(),

@@ -1,6 +1,6 @@
-// A page of memory shared with the child holds the plugin whose code is running and whether the
-// work was done: after a child's end that says whose fault it was. Nothing else would: exit(0) in
-// a plugin looks like success, and a crash in it like one of ours.
+// A page of memory shared with the child records the plugin whose code is running and whether the
+// work was done. After the child's end it shows the cause. The exit status alone does not: exit(0)
+// in a plugin looks like success, and its crash looks like one of Skybody.
 #include "app/plugin_child.h"
 
 #include <signal.h>
@@ -33,9 +33,9 @@ namespace {
 
 using Work = std::function<int(const RefusedFiles&)>;
 
-/// The longest last line of a child that a message repeats.
+/// Maximum length of a child's last line in a message.
 constexpr std::size_t kLongestLastWords = 300;
-/// Between two looks at the child: short beside the time of a command, long beside that of a look.
+/// Polling interval for the child: short compared with a command, long compared with one poll.
 constexpr std::chrono::milliseconds kRest(2);
 
 [[noreturn]] void fail(const std::string& what) {
@@ -43,7 +43,7 @@ constexpr std::chrono::milliseconds kRest(2);
               std::strerror(errno));
 }
 
-/// What parent and child share.
+/// Memory shared by parent and child.
 struct SharedPage {
   PluginCallTrace trace;
   bool done;
@@ -66,7 +66,7 @@ class Shared {
   void* memory_;
 };
 
-/// A file in memory that takes what the child writes.
+/// A file in memory that receives the child's output.
 class Capture {
  public:
   Capture() : descriptor_(memfd_create("skybody-output", MFD_CLOEXEC)) {
@@ -76,7 +76,7 @@ class Capture {
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
-  /// Everything that is written to `stream` from now on, a descriptor of this process.
+  /// Redirects `stream`, a descriptor of this process, to this file.
   void take(int stream) const {
     if (dup2(descriptor_, stream) < 0) _exit(kExitBug);
   }
@@ -95,17 +95,17 @@ class Capture {
   int descriptor_;
 };
 
-/// How a child ended.
+/// Data about a child's end.
 struct End {
-  bool done = false;  ///< its work, down to the last line
-  int status = 0;     ///< as waitpid() gives it
+  bool done = false;  ///< completed its work, including all output
+  int status = 0;     ///< from waitpid()
   std::string out, err;
-  bool late = false;        ///< a phase lasted longer than the patience
+  bool late = false;        ///< a phase exceeded the time limit
   std::string file, phase;  ///< the plugin whose code was running; empty phase: none
 };
 
 [[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, SharedPage& page) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // does not outlive a parent that is killed
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends with a parent that is killed
   watch_plugins(&page.trace);
   const int status = run_and_report([&] { return work(refused); });
   std::fflush(nullptr);
@@ -113,13 +113,15 @@ struct End {
   _exit(status);
 }
 
-/// How long one phase has lasted, as the parent sees it: a child may block every signal of its own.
-/// Counts the parent's rests, not the clock: time in which both are stopped is nobody's fault.
+/// Duration of a phase, measured by the parent, since a child may block all its own signals. It
+/// counts the parent's polling intervals and not the clock, so that time in which both processes
+/// are stopped does not count.
 class PhaseTime {
  public:
   explicit PhaseTime(const PluginCallTrace& trace) : trace_(trace) {}
 
-  /// After one rest more. @returns how long the present phase has lasted; about nothing without one
+  /// Call it after each polling interval. @returns the duration of the current phase; about 0
+  /// without one
   std::chrono::milliseconds after_rest() {
     const std::uint32_t phase = trace_.phases;
     if (phase != phase_ || trace_.phase[0] == '\0') time_ = {};
@@ -133,7 +135,7 @@ class PhaseTime {
   std::chrono::milliseconds time_{0};
 };
 
-/// Waits until the child ends; ends it where a phase takes longer than `patience` seconds.
+/// Waits until the child ends; kills it if a phase takes longer than `patience` seconds.
 void wait_for(pid_t child, unsigned patience, const SharedPage& page, End& end) {
   PhaseTime time(page.trace);
   while (true) {
@@ -143,7 +145,7 @@ void wait_for(pid_t child, unsigned patience, const SharedPage& page, End& end) 
     std::this_thread::sleep_for(kRest);
     if (time.after_rest() <= std::chrono::seconds(patience)) continue;
     end.late = true;
-    kill(child, SIGKILL);  // which it cannot block
+    kill(child, SIGKILL);  // cannot be blocked
   }
 }
 
@@ -168,7 +170,7 @@ End run_child(const Work& work, const RefusedFiles& refused, unsigned patience) 
   return end;
 }
 
-/// The last line that it wrote to stderr, such as a failed assertion.
+/// The child's last line on stderr, such as a failed assertion.
 std::string last_words(const std::string& err) {
   const std::size_t last = err.find_last_not_of("\r\n ");
   if (last == std::string::npos) return {};
@@ -180,7 +182,7 @@ std::string last_words(const std::string& err) {
   return ", its last words are `" + line + "`";
 }
 
-/// "signal 11, Segmentation fault" or "exit status 0", and its last words
+/// "signal 11, Segmentation fault" or "exit status 0", and the child's last line
 std::string how_it_ended(const End& end) {
   const std::string how = WIFSIGNALED(end.status)
                               ? "signal " + std::to_string(WTERMSIG(end.status)) + ", " +
@@ -203,8 +205,8 @@ bool was_interrupted(int status) {
          std::find(kByTheUser.begin(), kByTheUser.end(), WTERMSIG(status)) != kByTheUser.end();
 }
 
-/// Where no plugin's code was running: a plugin may have damaged memory before, or the fault is
-/// ours.
+/// Result if no plugin's code was running: a plugin may have damaged memory earlier, or Skybody has
+/// a bug.
 ChildOutput unexplained(const End& end) {
   return {
       kExitBug, "",
@@ -213,11 +215,11 @@ ChildOutput unexplained(const End& end) {
           (end.file.empty() ? "\n" : "; a plugin that it opened may have damaged its memory\n")};
 }
 
-/// Ends as the child did, which the user has interrupted.
+/// Ends this process by the signal that ended the child, after an interruption by the user.
 [[noreturn]] void follow(int status) {
   signal(WTERMSIG(status), SIG_DFL);
   raise(WTERMSIG(status));
-  _exit(kExitSignal + WTERMSIG(status));  // not reached: the signal has no other effect
+  _exit(kExitSignal + WTERMSIG(status));  // not reached: the signal ends the process
 }
 
 }  // namespace
@@ -229,7 +231,8 @@ ChildOutput output_of_child(const Work& work, unsigned patience) {
     if (end.done && WIFEXITED(end.status)) {
       return {WEXITSTATUS(end.status), std::move(end.out), std::move(end.err)};
     }
-    // An interruption by the user reaches this process as well; a plugin's is the plugin's.
+    // An interruption by the user reaches this process as well; a signal raised by a plugin is the
+    // plugin's error.
     if (end.phase.empty() && was_interrupted(end.status)) follow(end.status);
     const bool is_new = !end.phase.empty() && refused.emplace(end.file, why_refused(end)).second;
     if (!is_new) return unexplained(end);

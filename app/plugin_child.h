@@ -1,4 +1,5 @@
-// Work that opens plugins, in a child process: their code may end it without ending the program.
+// Runs work that opens plugins in a child process, which their code may end without ending the
+// program.
 #pragma once
 
 #include <functional>
@@ -8,24 +9,24 @@
 
 namespace skybody {
 
-/// What a child process has left.
+/// Results of a child process.
 struct ChildOutput {
   int status = 0;  ///< exit status
   std::string out, err;
 };
 
-/// How long a plugin may take to be loaded or configured in a child [s].
+/// Time limit for loading or configuring a plugin in a child [s].
 inline constexpr unsigned kPluginTimeout = 30;
 
-/// Does `work` in a child process. Where the code of a plugin ends the child (exit, crash, an
-/// exception that nobody catches, a signal, no return within `patience` seconds), the output is
-/// dropped and the work is done again in a new child with that plugin's file among the refused
-/// ones. Must be called before the program has threads.
+/// Runs `work` in a child process. A plugin's code may end the child: exit, a crash, an uncaught
+/// exception, a signal, or no return within `patience` seconds. Then the output is dropped, and the
+/// work is repeated in a new child that refuses this plugin's file. Must be called before the
+/// program has threads.
 /// @param work  returns the exit status; exceptions become messages, as in run_and_report()
 ChildOutput output_of_child(const std::function<int(const RefusedFiles&)>& work,
                             unsigned patience = kPluginTimeout);
 
-/// The same; writes the output when the work is done. @returns the exit status
+/// The same; writes the output after the work. @returns the exit status
 int run_in_child(const std::function<int(const RefusedFiles&)>& work);
 
 }  // namespace skybody

@@ -19,13 +19,13 @@ constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 PluginCallTrace trace;
 std::array<struct sigaction, kCrashes.size()> previous;
 
-/// Only calls that a handler of signals may make.
+/// Uses only functions that are safe in signal handlers.
 void write_text(const char* text) {
   [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, text, std::strlen(text));
 }
 
 /// Writes "error: FILE HOW PHASE; REMEDY"; does nothing while no plugin's code runs.
-/// @returns whether one does
+/// @returns whether a plugin's code runs
 bool name_plugin(const char* how) {
   if (trace.phase[0] == '\0') return false;
   const std::array texts = {"error: ", static_cast<const char*>(trace.file), how,
@@ -34,18 +34,18 @@ bool name_plugin(const char* how) {
   return true;
 }
 
-pid_t running_command = 0;  ///< the process that runs it; 0: none does
+pid_t running_command = 0;  ///< process of the running command; 0: none
 
-/// The end of the process, past the _exit() below.
+/// Ends the process, bypassing the _exit() below.
 [[noreturn]] void end_process(int status) {
   while (true) syscall(SYS_exit_group, status);
 }
 
-/// Ends the program with an error if nothing but a plugin can have asked for its end.
-/// @param function  that was called
+/// Ends the program with an error if only a plugin can have requested its end.
+/// @param function  the function that was called
 void refuse_end(const char* function) {
   if (name_plugin(": ends the program ")) end_process(kExitError);
-  if (running_command != getpid()) return;  // a child has a parent that says it
+  if (running_command != getpid()) return;  // in a child the parent reports it
   const std::array texts = {"error: something calls ", function,
                             "() before the command is done, most likely a step of a plugin; "
                             "`skybody check` says which\n"};
@@ -56,8 +56,8 @@ void refuse_end(const char* function) {
 void at_exit() { refuse_end("exit"); }
 void at_quick_exit() { refuse_end("quick_exit"); }
 
-/// Does what the signal would have done: a fault comes again after this, one that was sent would
-/// not.
+/// Restores the signal's default action. A fault occurs again after the handler returns; a sent
+/// signal would not, so it is raised.
 void at_crash(int signal, siginfo_t* info, void*) {
   name_plugin(": crashes ");
   for (std::size_t i = 0; i < kCrashes.size(); ++i) {
@@ -66,8 +66,8 @@ void at_crash(int signal, siginfo_t* info, void*) {
   if (info->si_code <= 0) raise(signal);  // sent by a process; pending until the handler returns
 }
 
-/// Where the handler runs: the plugin may have used up the program's own stack. Sanitizers have
-/// made one for theirs.
+/// Stack for the handler: the plugin may have exhausted the program's own. Sanitizers have already
+/// set one.
 void make_own_stack() {
   stack_t present{};
   if (sigaltstack(nullptr, &present) != 0 || (present.ss_flags & SS_DISABLE) == 0) return;
@@ -96,9 +96,10 @@ void name_plugins_that_end_the_program() {
 
 }  // namespace skybody
 
-/// In place of the C library's, which would end the program as if all were well: the loader takes
-/// a program's own symbols first, for plugins as well. A plugin that makes the system call itself
-/// is seen by `skybody check` alone, whose parent process notices that the work was not done.
+/// Replaces the C library's function, which would end the program as if it had succeeded: the
+/// loader prefers a program's own symbols, for plugins as well. Only `skybody check` detects a
+/// plugin that makes the system call itself, since its parent process sees that the work was not
+/// done.
 extern "C" __attribute__((visibility("default"), noreturn)) void _exit(int status) {
   skybody::refuse_end("_exit");
   skybody::end_process(status);

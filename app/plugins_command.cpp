@@ -1,4 +1,4 @@
-// skybody plugins: what was found on the search path.
+// skybody plugins: lists the plugins on the search path.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <set>
@@ -70,7 +70,7 @@ void print_places(const PluginRegistry& registry) {
   std::printf("\nsearched: %s\n", join(places).c_str());
 }
 
-/// KIND/NAME -> the entry. @throws Error with what there is
+/// The entry of KIND/NAME. @throws Error with the available ones
 const PluginEntry& require_plugin(const Entries& entries, const std::string& kind_and_name) {
   std::vector<std::string> known;
   for (const PluginEntry* entry : entries) {

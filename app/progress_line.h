@@ -1,4 +1,4 @@
-// One line on stderr that says how far a flight is; nothing where stderr is not a terminal.
+// One line on stderr with the progress of a flight; no output if stderr is not a terminal.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Whether the line may be written anew: on a terminal, at most ten times a second.
+  /// Whether the line may be updated: on a terminal, at most ten times a second.
   bool is_due();
   void show(const std::string& text);
   void clear();

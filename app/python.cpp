@@ -13,7 +13,7 @@
 namespace skybody {
 namespace {
 
-/// The environment variable; empty where there is none.
+/// The environment variable; empty if it is not set.
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
   return value != nullptr ? value : "";
@@ -39,7 +39,7 @@ std::filesystem::path plot_script() {
 }
 
 void set_python_environment() {
-  // Scripts lie beside the package in the source tree, and in share/skybody of an installation.
+  // Scripts are beside the package in the source tree, and in share/skybody of an installation.
   const std::filesystem::path package = shipped_data("scripts", "scripts").parent_path() / "python";
   std::error_code ignored;
   std::string path;

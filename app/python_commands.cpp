@@ -1,4 +1,4 @@
-// Commands that Python does: each hands its arguments over.
+// Commands implemented in Python: each passes its arguments on.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -26,8 +26,8 @@ constexpr PythonCommand kCommands[] = {
     {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
 };
 
-/// Becomes `python -P -m MODULE ARGUMENTS`, or the script of pictures, whose exit status is the
-/// program's.
+/// Replaces this process by `python -P -m MODULE ARGUMENTS`, or by the plot script, whose exit
+/// status becomes the program's.
 int become_python(const char* module, const std::vector<std::string>& arguments) {
   std::vector<std::string> command = python_command();
   if (module == nullptr) {
@@ -51,7 +51,7 @@ int become_python(const char* module, const std::vector<std::string>& arguments)
 void add_python_commands(CLI::App& app, Action& chosen) {
   for (const PythonCommand& row : kCommands) {
     CLI::App* command = app.add_subcommand(row.name, row.help);
-    command->prefix_command();   // all that follows is Python's to read,
+    command->prefix_command();   // all following arguments are for Python,
     command->set_help_flag("");  // --help too
     command->callback([command, module = row.module, &chosen] {
       chosen = [command, module] { return become_python(module, command->remaining()); };

@@ -12,15 +12,17 @@ using reference::derivative;
 using reference::Spline;
 using reference::SplineEnds;
 
-constexpr int kCoarse = 24, kFine = 400;  // samples of a piece: while searching, and of the result
-constexpr double kShortest = 1e-3;        // [m] between points, for times by distance
-constexpr double kFirstStep = 0.3;        // of logarithms of durations, and of reaches
-constexpr double kLeastStep = 1e-3;       // below it the search begins anew around the best
-constexpr double kGrowth = 1.22, kDecay = 0.95;  // balance where one sample in five is better
-constexpr double kFarthest = 0.7071;  // of a reach, along each of two axes: within a circle
-constexpr double kAtRest = 1.5;       // times as long for a piece that begins or ends at rest
+constexpr int kCoarse = 24,
+              kFine = 400;  // samples per piece: during the search, and for the result
+constexpr double kShortest =
+    1e-3;  // [m] between points; lower bound for durations in proportion to distances
+constexpr double kFirstStep = 0.3;   // of logarithms of durations, and of offsets in reaches
+constexpr double kLeastStep = 1e-3;  // below it the search restarts around the best line
+constexpr double kGrowth = 1.22, kDecay = 0.95;  // in balance if one sample in five is better
+constexpr double kFarthest = 0.7071;  // of a reach, along each of two axes: keeps within a circle
+constexpr double kAtRest = 1.5;  // factor on the duration of a piece that begins or ends at rest
 
-/// What is sampled: logarithms of the pieces' durations, then two offsets a gate, in reaches.
+/// The sampled values: logarithms of the pieces' durations, then two offsets per gate, in reaches.
 struct Genes {
   std::vector<double> durations, offsets;
 };
@@ -42,7 +44,7 @@ class Planner {
     return genes;
   }
 
-  /// The line at the fastest pace that can be flown; a longer time than `bound` is none.
+  /// The line at the fastest feasible pace; none if it takes longer than `bound`.
   /// @param samples  of each piece
   bool line(const Genes& genes, double bound, int samples, Spline& out) const {
     const Spline spline = spline_of(genes);
@@ -82,7 +84,7 @@ class Planner {
     return points;
   }
 
-  /// A horizontal unit vector across a direction, or zero where there is no direction.
+  /// A horizontal unit vector perpendicular to a direction, or zero for a zero direction.
   static Vec3<double> across(const Vec3<double>& direction) {
     if (norm(direction) == 0.0) return {0.0, 0.0, 0.0};
     const Vec3<double> side{-direction.y, direction.x, 0.0};

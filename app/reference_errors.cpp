@@ -22,13 +22,14 @@ const ParameterValue* given(const PluginUse& use, const std::string& name) {
   return nullptr;
 }
 
-/// Whether it is the shipped controller, and no plugin of somebody's own of that name.
+/// Whether it is the shipped controller, and not a user's plugin of that name.
 bool is_reference(const PluginUse& use) {
   const ParameterValue* const kind = given(use, "kind");
   return use.plugin == kPlugin && kind != nullptr && !kind->texts.empty();
 }
 
-/// When approach and ramp of a controller `reference` are over [s]. Figures have a ramp by default.
+/// Time at which approach and ramp of a controller `reference` are over [s]. Figures have a ramp by
+/// default.
 double begin_of(const PluginUse& use) {
   constexpr double kRampOfFigures = 2.0;
   const ParameterValue *approach = given(use, "approach"), *ramp = given(use, "ramp");
@@ -40,7 +41,7 @@ double begin_of(const PluginUse& use) {
                                                                              : 0.0);
 }
 
-/// Calls visit(controller, report, place) for all reports of controllers, with their places among
+/// Calls visit(controller, report, place) for all reports of controllers, with their indices among
 /// the infos.
 template <class Visit>
 void each_report(const CompiledScenario& compiled, const Visit& visit) {
@@ -56,7 +57,7 @@ void each_report(const CompiledScenario& compiled, const Visit& visit) {
   }
 }
 
-/// What a law reports of its limits (controllers/common/limit_report.h).
+/// Name of a controller's report about its limits (controllers/common/limit_report.h).
 constexpr const char* kLimited = "limited";
 
 }  // namespace
@@ -149,7 +150,7 @@ void ReferenceErrors::add_effort(const Simulation& simulation, const FlownRefere
     const std::size_t place = static_cast<std::size_t>(layout.first_rotor) + i;
     const double share = speeds[place] / hover_speed_[k];
     cubes += std::abs(share * share * share) / static_cast<double>(rotors.size());
-    // A rotor that need not push to hover may rest.
+    // A rotor that need not produce thrust in hover may stand still.
     const bool may_rest = !rotors[i].is_reversible() && lift_of(model, rotors[i]) == 0.0;
     is_saturated = is_saturated || (!may_rest && commands[place] <= rotors[i].min_speed) ||
                    commands[place] >= rotors[i].constants[kMaxSpeed];
@@ -161,7 +162,7 @@ void ReferenceErrors::add_effort(const Simulation& simulation, const FlownRefere
 std::vector<ReferenceError> ReferenceErrors::errors() const {
   std::vector<ReferenceError> out;
   for (const Sum& sum : sums_) {
-    const auto n = static_cast<double>(sum.count);  // 0 / 0 is NaN: nothing was counted
+    const auto n = static_cast<double>(sum.count);  // 0 / 0 is NaN: no samples
     ReferenceError& error = out.emplace_back();
     for (int axis = 0; axis < 3; ++axis) error.rms[axis] = std::sqrt(sum.square[axis] / n);
     error.total = std::sqrt((sum.square[0] + sum.square[1] + sum.square[2]) / n);
@@ -178,7 +179,7 @@ std::vector<ReferenceError> ReferenceErrors::errors() const {
 
 namespace {
 
-/// "0.0", or "41.3 (position)" of the controller that cuts most often.
+/// "0.0", or "41.3 (position)" for the controller whose limits are active most often.
 std::string limited_text(const FlownReference& reference, const ReferenceError& error) {
   if (error.limited.empty() || std::isnan(error.total)) return "-";
   const auto most = std::max_element(error.limited.begin(), error.limited.end());

@@ -1,4 +1,4 @@
-// skybody replay: runs a recording again, or compares two, and says where they part.
+// skybody replay: repeats a recording, or compares two, and reports the first difference.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ constexpr const char* kReplayFooter =
 struct ReplayOptions {
   std::filesystem::path file, against;
   std::string scenario;
-  LoadOptions load;  ///< where to look for plugins, alone
+  LoadOptions load;  ///< only the search path of plugins
   int threads = 0;
 };
 
@@ -51,7 +51,7 @@ void warn_of_version(const ReplayReader& replay) {
                replay.file().string(), printable(recorded), version());
 }
 
-/// Names the recorded folders that the command line does not.
+/// Warns of recorded folders that are missing on the command line.
 void warn_of_plugin_path(const ReplayOptions& options, const ReplayReader& replay) {
   const std::vector<std::filesystem::path>& given = options.load.plugin_path;
   for (const std::string& folder : replay.header().plugin_path) {
@@ -67,7 +67,7 @@ void warn_of_plugin_path(const ReplayOptions& options, const ReplayReader& repla
   }
 }
 
-/// Plugins are looked for where the command line says, not where the recording says.
+/// Plugins are searched for in the command line's folders, not in those of the recording.
 LoadOptions load_options(const ReplayOptions& options, const ReplayHeader& header) {
   LoadOptions load = replay_load_options(header);
   if (!options.scenario.empty()) load.scenario = options.scenario;

@@ -1,4 +1,4 @@
-// Turns failures into messages on stderr and exit statuses.
+// Turns exceptions into messages on stderr and exit statuses.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace skybody {
 /// Writes one message. @returns kExitError
 int report_error(const std::string& message);
 
-/// Does the work; every exception becomes one message.
+/// Runs the work; every exception becomes one message.
 /// @returns the exit status
 int run_and_report(const Action& work);
 

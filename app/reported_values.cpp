@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMostRows = 24;
 
-/// Over the episodes: least, greatest, and the mean of the last values. Times that never came are
+/// Over the episodes: minimum, maximum, and the mean of the last values. Times that never came are
 /// left out; NaN: none came.
 InfoRange range_over(const std::vector<EpisodeSummary>& episodes, std::size_t value) {
   const double nan = std::numeric_limits<double>::quiet_NaN();

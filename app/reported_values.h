@@ -1,4 +1,4 @@
-// What tasks, effects and other plugins reported in a flight: a battery's charge, success.
+// Infos of tasks, effects and other plugins in a flight: a battery's charge, success.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace skybody {
 
-/// A table of the info values over the flight, its longer part left to the log; empty if there are
-/// none or nothing was flown.
+/// A table of the info values over the flight, truncated if long (the log has all); empty if there
+/// are none or no step was taken.
 std::string reported_values(const CompiledScenario& compiled,
                             const std::vector<EpisodeSummary>& episodes);
 

@@ -6,7 +6,7 @@
 
 namespace skybody {
 
-/// To four digits: what is computed has more than anybody reads.
+/// Rounds to four significant digits for display.
 inline std::string rounded(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);

@@ -78,8 +78,8 @@ CLI::Validator policy_argument() {
   return {check, "", "policy"};
 }
 
-/// An episode's cap: what was asked for, else the horizon, else ten seconds, or twenty along a
-/// reference, whose approach and ramp take some.
+/// Step limit of an episode: the option if given, otherwise the horizon, otherwise ten seconds, or
+/// twenty along a reference, because of its approach and ramp.
 std::uint64_t most_steps(const RunOptions& options, const Stepping& stepping) {
   if (options.plan.most_steps > 0) return options.plan.most_steps;
   if (stepping.horizon > 0) return static_cast<std::uint64_t>(stepping.horizon);

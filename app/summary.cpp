@@ -16,7 +16,7 @@ namespace {
 constexpr double kMillimetres = 1e3;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// Three digits behind the point, or the order of magnitude of less than these show.
+/// Three digits after the decimal point; a value too small for these with its order of magnitude.
 std::string small_number(double value) {
   if (value == 0.0 || !(std::abs(value) < 1e-3)) return fixed(value, 3);
   std::array<char, 32> text{};
@@ -29,15 +29,15 @@ std::vector<std::string> error_cells(const std::string& goal, const GoalError& e
           small_number(kDegrees * error.yaw)};
 }
 
-constexpr std::size_t kWidestEnd = 48;  ///< letters of a reason that fit the table
+constexpr std::size_t kWidestEnd = 48;  ///< characters of a reason that fit in the table
 
-/// An episode's end as the table has it: a long reason is cut, and stands below.
+/// An episode's end in the table: a long reason is cut, and printed in full below.
 std::string short_end(const std::string& end) {
   if (end.size() <= kWidestEnd) return end;
   return end.substr(0, end.rfind(' ', kWidestEnd)) + " ...";
 }
 
-/// Ends that the table cuts, whole: "episodes 1, 3: fault: ...".
+/// The full text of ends that the table cuts: "episodes 1, 3: fault: ...".
 std::string whole_ends(const std::vector<EpisodeSummary>& episodes) {
   constexpr std::size_t kMostNamed = 8;
   std::map<std::string, std::vector<std::size_t>> cut;
@@ -58,7 +58,7 @@ std::string whole_ends(const std::vector<EpisodeSummary>& episodes) {
   return text;
 }
 
-/// The leading cells in the first of an episode's rows, blanks in the others.
+/// Adds an episode's rows: leading cells in the first row, blanks in the others.
 void add_rows(TextTable& table, const std::vector<std::string>& lead,
               const std::vector<std::string>& goals, const std::vector<GoalError>& errors) {
   if (goals.empty()) table.add(lead);
@@ -80,7 +80,7 @@ std::string count_ends(const std::vector<EpisodeSummary>& episodes) {
   return text;
 }
 
-/// Mean of the means, greatest of the greatest, of the episodes that have any.
+/// Mean of the means and maximum of the maxima, over the episodes that have errors.
 GoalError over_all(const std::vector<EpisodeSummary>& episodes, std::size_t goal) {
   GoalError sum;
   double count = 0.0;
@@ -111,7 +111,7 @@ void add_total(TextTable& table, const std::vector<std::string>& goals,
            goals, total.goals);
 }
 
-/// "success: 97 of 100 episodes" of a task that has the info; counted at the end of each episode.
+/// "success: 97 of 100 episodes" for a task with that info; read at the end of each episode.
 std::string success_line(const CompiledScenario& compiled,
                          const std::vector<EpisodeSummary>& episodes) {
   std::size_t k = 0;
@@ -129,7 +129,7 @@ std::string success_line(const CompiledScenario& compiled,
   return "";
 }
 
-/// "clipped: 12 of 8000 action values lay beyond [-1, 1]", or nothing.
+/// "clipped: 12 of 8000 action values lay beyond [-1, 1]", or empty.
 std::string clipped_line(const CompiledScenario& compiled,
                          const std::vector<EpisodeSummary>& episodes) {
   std::uint64_t clipped = 0, all = 0;

@@ -1,4 +1,4 @@
-// The table that `skybody run` ends with.
+// The table at the end of `skybody run`.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace skybody {
 
-/// One row per episode and goal, and a row for all.
+/// One row per episode and goal, and a row for the total.
 std::string summary_table(const CompiledScenario& compiled,
                           const std::vector<EpisodeSummary>& episodes);
 

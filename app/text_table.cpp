@@ -23,7 +23,7 @@ bool is_number(const std::string& text) {
   return first != std::string::npos && std::isdigit(static_cast<unsigned char>(text[first])) != 0;
 }
 
-/// Whether a column holds numbers: then its heading leans right too.
+/// Whether a column holds numbers, so that its heading is aligned right too.
 std::vector<bool> numeric_columns(const std::vector<std::vector<std::string>>& rows,
                                   std::size_t n) {
   std::vector<bool> numeric(n, true);

@@ -6,7 +6,7 @@
 
 namespace skybody {
 
-/// Collects rows and sets them. Cells that start with a digit, a sign or a dash lean right.
+/// Collects and formats rows. Cells that start with a digit, a sign or a dash are aligned right.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> heading);
@@ -16,17 +16,17 @@ class TextTable {
   void add_rule();
   bool empty() const { return rows_.empty(); }
 
-  /// All lines, each with its end.
+  /// All lines, each with a line break.
   std::string to_string() const;
 
  private:
   std::vector<std::string> heading_;
-  std::vector<std::vector<std::string>> rows_;  ///< an empty row is a rule
+  std::vector<std::vector<std::string>> rows_;  ///< an empty row stands for a rule
 };
 
-/// `value` with `decimals` digits behind the point.
+/// `value` with `decimals` digits after the decimal point.
 std::string fixed(double value, int decimals);
-/// `value` with six digits that count.
+/// `value` with six significant digits.
 std::string short_number(double value);
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// Hand-written loops over Simbody, C++17 as its headers ask.
+// Hand-written loops over Simbody, in C++17 as its headers require.
 #include "bench/bare_simbody.h"
 
 #include <Simbody.h>
@@ -16,8 +16,8 @@ struct Rotors {
   double speed[4] = {kHover.start, kHover.start, kHover.start, kHover.start};
   double up = std::exp(-kHover.dt / kHover.tau_up), down = std::exp(-kHover.dt / kHover.tau_down);
 
-  /// Moves them to the step's end. Thrust and torque in body axes by the mean over the step of the
-  /// speed's square (rotor_over_step in core/physics/forces/rotor_lag.h).
+  /// Moves the rotors to the end of the step. Thrust and torque in body axes, from the mean of the
+  /// squared speed over the step (rotor_over_step in core/physics/forces/rotor_lag.h).
   SimTK::SpatialVec step() {
     SimTK::SpatialVec sum(Vec3(0), Vec3(0));
     for (int i = 0; i < 4; ++i) {

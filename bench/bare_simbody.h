@@ -1,4 +1,4 @@
-// Hand-written loops over Simbody of one hovering QDrone2: what the engine is measured against.
+// Hand-written loops over Simbody of one hovering QDrone2: the baseline for the engine.
 #pragma once
 
 #include <memory>
@@ -13,24 +13,23 @@ struct Hover {
   double hub[4][2] = {{0.1, 0.12}, {0.1, -0.12}, {-0.1, 0.12}, {-0.1, -0.12}};
   int direction[4] = {1, -1, -1, 1};
   double start = 1390.0;    ///< of every rotor
-  double command = 1391.0;  ///< of every rotor, a little above hover
+  double command = 1391.0;  ///< of every rotor, slightly above hover
 };
 inline constexpr Hover kHover{};
 
-/// The default rule (kMidpointRule), by hand.
+/// The default rule (kMidpointRule), written by hand.
 class BareLoop {
  public:
   virtual ~BareLoop() = default;
   virtual void step() = 0;
   virtual double height() const = 0;
-  /// Gives the body its mass and inertia times `scale`, which takes a new topology, and puts the
-  /// state at its start again.
+  /// Multiplies the body's mass and inertia by `scale`, which requires a new topology, and restores
+  /// the initial state.
   virtual void rebuild(double scale) = 0;
 };
 
 /// Without the operator: Force::Gravity and Force::DiscreteForces, realize(Acceleration), the usual
-/// way. With it: forces handed to calcAccelerationIgnoringConstraints, the quickest way known to
-/// us.
+/// way. With it: forces passed to calcAccelerationIgnoringConstraints, the fastest known way.
 std::unique_ptr<BareLoop> make_bare_loop(bool with_operator);
 
 }  // namespace skybody::bench

@@ -1,10 +1,10 @@
-"""How many steps a second each way of stepping N environments takes, as in the paper's Table III.
+"""Steps per second of several ways to step N environments, as in the paper's Table III.
 
     .venv/bin/python bench/baselines.py [--quick] [--counts N ...] [--json FILE]
 
-experiments/scalability.py sets them beside the asynchronous pool and the paper's own figures.
+experiments/scalability.py compares them with the asynchronous pool and the paper's own figures.
 
-Hover (one physics step an action), constant zero action, ended episodes reset; N envs:
+Hover (one physics step per action), constant zero action, ended episodes reset; N environments:
 
 * loop: one Python thread, one Simulation after the other;
 * threads: Python threads, one per processor, each with its share of the Simulations;
@@ -13,7 +13,7 @@ Hover (one physics step an action), constant zero action, ended episodes reset; 
 * pool: SimulationPool, C++ threads, one per processor, one call for all;
 * vec: make_vec, C++ threads, one per processor.
 
-All of them wait for all environments in every step, and hand over observations, rewards and ends.
+All of them wait for all environments in every step, and return observations, rewards and ends.
 Each figure is the mean of several trials in one process, with the 95 % interval of Student's t, and
 the share of all processors that the process and its children used.
 """
@@ -52,14 +52,14 @@ Rows = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
 
 
 class Environments(Protocol):
-    """N envs: each call steps all of them once and gives observations, rewards and ends."""
+    """N environments: each call steps all of them once; returns observations, rewards and ends."""
 
     def step(self) -> Rows: ...
     def close(self) -> None: ...
 
 
 class Share:
-    """Some Simulations, stepped one after the other by whoever calls."""
+    """Some Simulations, stepped one after the other by the caller."""
 
     def __init__(self, compiled: CompiledScenario, first: int, count: int) -> None:
         self.envs = [NativeSimulation(compiled, 0, first + i) for i in range(count)]
@@ -90,7 +90,7 @@ def joined(parts: list[Rows]) -> Rows:
 
 
 def shares(count: int) -> list[tuple[int, int]]:
-    """First environment and number for each thread or process: one per processor at most."""
+    """First environment and number for each thread or process: at most one per processor."""
     workers = min(count, processors())
     edges = [count * k // workers for k in range(workers + 1)]
     return [(a, b - a) for a, b in itertools.pairwise(edges)]
@@ -115,7 +115,7 @@ class Threads:
 
 
 def serve(pipe: Connection, first: int, count: int) -> None:
-    """A process: steps its share whenever it is told to, until the pipe closes."""
+    """A process: steps its share at each request, until the pipe closes."""
     share = Share(CompiledScenario("hover"), first, count)
     pipe.send(None)
     while pipe.recv():
@@ -191,19 +191,19 @@ WAYS: dict[str, Callable[[int], Environments]] = {
 
 @dataclass(frozen=True)
 class Trials:
-    """What several trials of one way gave."""
+    """Results of several trials of one way."""
 
     rates: list[float]  # [steps/s], one per trial
-    cpu_use: float  # processor time by wall time and processors: 0 ... 1
+    cpu_use: float  # processor time over wall time and processors: 0 ... 1
 
 
 def processors() -> int:
-    """Logical processors that this process may use."""
+    """Number of logical processors that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
 def processor_seconds() -> float:
-    """What this process, its threads and its living children have computed so far [s]."""
+    """Processor time of this process, its threads and its living children so far [s]."""
     ticks = 0
     for child in multiprocessing.active_children():
         after_name = Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()
@@ -212,7 +212,7 @@ def processor_seconds() -> float:
 
 
 def rate(envs: Environments, count: int, seconds: float) -> float:
-    """Steps of environments per second, over about that long."""
+    """Environment steps per second, measured over about that long."""
     steps, start = 0, time.perf_counter()
     while True:
         for _ in range(10):
@@ -224,10 +224,10 @@ def rate(envs: Environments, count: int, seconds: float) -> float:
 
 
 def measure(way: Callable[[int], Environments], count: int, trials: int, seconds: float) -> Trials:
-    """Some trials, one after another, after a fifth of one that is not counted."""
+    """Runs some trials one after another, after an unmeasured warm-up of a fifth of a trial."""
     envs = way(count)
     try:
-        rate(envs, count, 0.2 * seconds)  # the first steps make what is made once
+        rate(envs, count, 0.2 * seconds)  # the first steps include one-time initialization
         computed, start = processor_seconds(), time.perf_counter()
         rates = [rate(envs, count, seconds) for _ in range(trials)]
         available = processors() * (time.perf_counter() - start)

@@ -1,11 +1,11 @@
-"""The table of goals: every rate beside the limit's, from one run on this machine.
+"""The table of goals: every rate and that of the limit, from one run on this machine.
 
     .venv/bin/python bench/goals.py [--full | --trial] [--json FILE] [--markdown FILE]
 
-bench_goals measures what is C++, bench_simbody_path the engine's cost on top of Simbody, this
-script what a Python user gets. Each figure is the best of many short trials in which all
-contestants take turns: the machine may have other things to do. A goal that is missed does not
-make the exit code anything but 0.
+bench_goals measures the C++ rates, bench_simbody_path the engine's cost over Simbody, this
+script the rates from Python. Each figure is the best of many short trials in which all
+contestants take turns, because other programs may run on the machine. A missed goal does not
+change the exit code 0.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Figure = dict[str, Any]
 
 
 def best_rate(step: Callable[[], object], count: int, trials: int, seconds: float) -> float:
-    """Environment steps a second of the best trial; `step` takes `count` of them."""
+    """Environment steps per second of the best trial; `step` takes `count` of them."""
     best = 0.0
     for _ in range(trials + 1):
         rounds, start = 0, time.perf_counter()
@@ -64,7 +64,7 @@ def single_rate(trials: int, seconds: float) -> float:
     world = skybody.Simulation("hover")
     world.reset()
     action = np.full(4, HOLD, np.float32)
-    rows: list[object] = []  # what a learner would read
+    rows: list[object] = []  # the results that a learner would read
 
     def step() -> None:
         world.step(action)
@@ -79,7 +79,7 @@ def single_rate(trials: int, seconds: float) -> float:
 def figure(
     what: str, numbers: tuple[float, float, float], against: str, goal: float, **more: Any
 ) -> Figure:
-    """numbers: ours, what it is compared with, their ratio as the goal has it."""
+    """numbers: ours, the compared rate, and their ratio as the goal defines it."""
     return {
         "what": what,
         "actions": more.get("actions", "hold"),
@@ -124,7 +124,7 @@ def python_figures(cpp: list[Figure], trials: int, seconds: float) -> list[Figur
 
 
 def simbody_figure(more: list[str]) -> Figure:
-    """The whole environment step against the quicker of two bare loops over Simbody."""
+    """The whole environment step against the faster of two bare loops over Simbody."""
     program = PROGRAMS / "bench_simbody_path"
     done = subprocess.run([program, *more], check=True, capture_output=True, text=True)
     times = [float(t) for t in re.findall(r"(\d+) ns a step", done.stdout)]

@@ -1,7 +1,7 @@
-// What the engine costs on top of Simbody, in one run, taking turns: two hand-written loops over
-// the same hover world, our physics alone (GroupStepper), and the whole environment step of
+// Cost of the engine over Simbody, in one run, taking turns: two hand-written loops over
+// the same hover world, our physics only (GroupStepper), and the whole environment step of
 // scenarios/hover.yaml (action, plugins, physics, observation, reward, ends) on `dynamics:
-// simbody`. Exit code 1 if the first three end in different places. --trial: once and short, for
+// simbody`. Exit code 1 if the first three end in different states. --trial: once and short, for
 // tests.
 #include <algorithm>
 #include <chrono>
@@ -20,7 +20,7 @@
 namespace skybody::bench {
 namespace {
 
-/// How much is measured.
+/// Length of the measurement.
 struct Length {
   int trials = 15, steps = 20000;
 };
@@ -55,7 +55,7 @@ Scenario make_hover() {
   return scenario;
 }
 
-/// The engine's physics alone.
+/// The engine's physics only.
 class Physics {
  public:
   Physics()
@@ -87,7 +87,7 @@ class Physics {
   bool ok_ = true;
 };
 
-/// The whole environment step, as Simulation and a batch take it (without the trajectory hash).
+/// The whole environment step, as in Simulation and a batch (without the trajectory hash).
 class Whole {
  public:
   Whole()
@@ -117,7 +117,7 @@ class Whole {
   std::uint64_t status_ = 0;
 };
 
-/// @returns nanoseconds a step, and where the vehicle ended
+/// @returns nanoseconds per step, and the final position of the vehicle
 template <class Loop>
 double measure(Loop& loop, int steps, double& height) {
   const auto start = std::chrono::steady_clock::now();

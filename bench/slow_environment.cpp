@@ -1,8 +1,9 @@
-// What one slow environment among 64 costs the others, by order of batches.
+// Cost of one slow environment among 64 for the others, by order of batches.
 //
 // A step of a quadrotor on Simbody takes some microseconds; environment 0 takes 100 times as long,
-// either computing or waiting. A computing one uses up a thread: of T threads T-1 are left, so no
-// scheduler keeps more than (T-1)/T of the rate. A waiting one costs a thread, but no processor.
+// either computing or waiting. If it computes, it occupies a thread: of T threads T-1 are left, so
+// no scheduler keeps more than (T-1)/T of the rate. If it waits, it costs a thread, but no
+// processor.
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -18,7 +19,7 @@ constexpr int kEnvs = 64;
 constexpr int kBatch = kEnvs / 3;
 constexpr int kTrials = 5;
 constexpr double kSeconds = 0.5;
-constexpr double kTurn = 4e-9;  // of the slow controller's division chain, about [s]
+constexpr double kTurn = 4e-9;  // of the slow controller's division chain, approximately [s]
 
 using Clock = std::chrono::steady_clock;
 
@@ -41,7 +42,7 @@ std::shared_ptr<const CompiledScenario> load(const Case& c) {
        {SKYBODY_BENCH_PLUGINS}});
 }
 
-/// Steps a second, every received environment being sent on at once.
+/// Steps per second; every received environment is sent again at once.
 double rate(const std::shared_ptr<const CompiledScenario>& compiled, int envs_count, int threads,
             Order order) {
   PoolOptions options;
@@ -72,7 +73,7 @@ double best_rate(const Case& c, int threads, Order order, int envs = kEnvs) {
   return best;
 }
 
-/// Four environments that all take long: two threads have two each.
+/// Four slow environments: two threads have two each.
 void four_slow(double step) {
   const Case slow{"", 100.0 * step / kTurn, 0, -1};
   const double one = best_rate(slow, 1, Order::kFixed, 4);

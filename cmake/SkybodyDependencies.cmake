@@ -1,9 +1,10 @@
-# The libraries that we link, each as one target with a name of ours, so that no other file depends on how a
-# distribution spells them.
+# Third-party libraries, each as one target skybody_NAME, so that no other file depends on a
+# distribution's names for them.
 
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED CONFIG)
-find_package(Boost 1.74 REQUIRED CONFIG COMPONENTS filesystem)  # Boost.DLL is header-only on top of it
+# Boost.DLL is header-only and needs Boost.Filesystem
+find_package(Boost 1.74 REQUIRED CONFIG COMPONENTS filesystem)
 find_package(yaml-cpp REQUIRED CONFIG)
 find_package(urdfdom REQUIRED CONFIG)
 find_package(tinyxml2 REQUIRED CONFIG)
@@ -12,7 +13,8 @@ find_package(CLI11 REQUIRED CONFIG)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
-# The headers may lie in the project (./dev fetches them, see there), without Debian's -dev package no plain .so either.
+# The headers may be in the project (fetched by ./dev). Without Debian's -dev package there is no
+# plain .so either.
 set(sundials_headers "${PROJECT_SOURCE_DIR}/.sundials/include")
 find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}")
 if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
@@ -51,7 +53,7 @@ skybody_dependency(xml tinyxml2::tinyxml2)
 skybody_dependency(log spdlog::spdlog)
 skybody_dependency(cli11 CLI11::CLI11)
 skybody_dependency(hdf5)
-list(FILTER HDF5_C_LIBRARIES INCLUDE REGEX "hdf5")  # not what the library itself was linked with
+list(FILTER HDF5_C_LIBRARIES INCLUDE REGEX "hdf5")  # drops HDF5's own dependencies
 target_include_directories(skybody_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
 target_compile_definitions(skybody_hdf5 INTERFACE ${HDF5_C_DEFINITIONS})
 target_link_libraries(skybody_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
@@ -64,7 +66,7 @@ else()
   target_include_directories(skybody_urdf SYSTEM INTERFACE ${urdfdom_INCLUDE_DIRS})
   target_link_libraries(skybody_urdf INTERFACE ${urdfdom_LIBRARIES})
 endif()
-if(NOT urdfdom_VERSION)  # Debian's package leaves it out; its pkg-config file has it
+if(NOT urdfdom_VERSION)  # missing in Debian's package; read it from the pkg-config file
   find_file(urdfdom_pkgconfig urdfdom.pc PATH_SUFFIXES lib/pkgconfig lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig
             PATHS /usr NO_CACHE)
   if(urdfdom_pkgconfig)
@@ -75,11 +77,12 @@ if(NOT urdfdom_VERSION)  # Debian's package leaves it out; its pkg-config file h
   endif()
 endif()
 set(SKYBODY_LIBRARY_VERSIONS
-  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
+  # stamped into files
+  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")
 
-# DAQP, a solver of quadratic programs (MIT): C sources that ./dev fetches. Its core alone is compiled, with our
-# floating-point flags, so that its bits are ours; api.c, which allocates, is left out. Without it the plugins that
-# need it are left out.
+# DAQP, a solver of quadratic programs (MIT): C sources that ./dev fetches. Only its core is
+# compiled, with our floating-point flags, for bit-stable results; api.c, which allocates, is left
+# out. Without DAQP the plugins that need it are left out.
 find_path(SKYBODY_DAQP_DIR csrc/src/daqp.c HINTS "${PROJECT_SOURCE_DIR}/.daqp" NO_DEFAULT_PATH)
 if(SKYBODY_DAQP_DIR)
   add_library(skybody_daqp STATIC EXCLUDE_FROM_ALL "${SKYBODY_DAQP_DIR}/csrc/src/daqp.c"

@@ -1,8 +1,14 @@
-# `cmake --install` and the build tree both serve find_package(Skybody): give CMake -DSkybody_DIR=build/release, or a
-# prefix in CMAKE_PREFIX_PATH. The user's package registry is not touched.
+# `cmake --install` and the build tree both serve find_package(Skybody): give CMake
+# -DSkybody_DIR=build/release, or a prefix in CMAKE_PREFIX_PATH. The user's package registry is not
+# modified.
 #
-#   PREFIX/bin/skybody  PREFIX/lib/libskybody.so  PREFIX/lib/skybody/plugins  PREFIX/lib/cmake/Skybody
-#   PREFIX/include/skybody/{plugin.h,skybody.h,learn.h,core/,learn/,plugins/{api,obstacles,task_kit}/}  PREFIX/share/skybody/{scenarios/,template/}
+#   PREFIX/bin/skybody
+#   PREFIX/lib/libskybody.so
+#   PREFIX/lib/skybody/plugins
+#   PREFIX/lib/cmake/Skybody
+#   PREFIX/include/skybody/{plugin.h,skybody.h,learn.h,core/,learn/}
+#   PREFIX/include/skybody/plugins/{api,obstacles,task_kit}/
+#   PREFIX/share/skybody/{scenarios/,template/}
 
 include(CMakePackageConfigHelpers)
 
@@ -16,7 +22,7 @@ function(skybody_install_tree folder destination)
   endif()
 endfunction()
 
-# Headers that show Simbody's types are private; their names begin with simbody_.
+# Headers that expose Simbody's types are private; their names begin with simbody_.
 set(skybody_headers_only FILES_MATCHING PATTERN "*.h" PATTERN "simbody_*.h" EXCLUDE)
 skybody_install_tree(include "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
 skybody_install_tree(core "${skybody_header_dir}/core" ${skybody_headers_only})

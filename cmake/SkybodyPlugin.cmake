@@ -1,15 +1,17 @@
-# skybody_add_plugin(NAME [SOURCES] FILES... [LIBRARIES TARGETS...] [PLUGINS NAMES...] [OUTPUT_DIRECTORY DIR]
-#                    [NO_INSTALL])
+# skybody_add_plugin(NAME [SOURCES] FILES... [LIBRARIES TARGETS...] [PLUGINS NAMES...]
+#                    [OUTPUT_DIRECTORY DIR] [NO_INSTALL])
 #
-# Builds the plugin NAME.so. Inside Skybody's own tree it goes to lib/skybody/plugins and is installed; in a project that
-# has called find_package(Skybody), to the folder `plugins` of its build folder: name that in SKYBODY_PLUGIN_PATH.
-# The target is called NAME. It exports the plugin's descriptor and nothing else.
+# Builds the plugin NAME.so as the target NAME. The library exports only the plugin's descriptor. In
+# Skybody's own tree it goes to lib/skybody/plugins and is installed. In a project that has called
+# find_package(Skybody) it goes to the folder `plugins` of the build folder: add that folder to
+# SKYBODY_PLUGIN_PATH.
 #
-# Skybody opens NAME.so where a scenario names the plugin NAME. If the library holds plugins of other names, give them
-# all as PLUGINS: they are written into NAME.plugins beside it, one a line.
+# Skybody opens NAME.so when a scenario names the plugin NAME. If the library holds plugins of other
+# names, list them all as PLUGINS: they are written to NAME.plugins beside it, one per line.
 #
-# Skybody opens no library that others may write: NAME.so loses the group's and others' permission, whatever the umask.
-# The folders above are the author's to keep (docs/plugins.md).
+# Skybody does not open a library that other users may write: write permission of group and others
+# is removed from NAME.so, whatever the umask. The permissions of the folders above are up to the
+# author (docs/plugins.md).
 
 include_guard(GLOBAL)
 
@@ -33,10 +35,11 @@ function(skybody_add_plugin name)
     target_link_libraries(${name} PRIVATE skybody_build_flags)
     target_compile_options(${name} PRIVATE ${SKYBODY_KERNEL_OPTIONS})
   elseif(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-    target_compile_options(${name} PRIVATE -O3)  # nobody chose a build type: not the slowest, then
+    target_compile_options(${name} PRIVATE -O3)  # default for projects without a build type
   endif()
   if(NOT SKYBODY_SANITIZE)
-    target_link_options(${name} PRIVATE LINKER:-z,defs)  # what is missing shows here, not at load time
+    # reports missing symbols here, not at load time
+    target_link_options(${name} PRIVATE LINKER:-z,defs)
   endif()
 
   set(folder "${plugin_OUTPUT_DIRECTORY}")
@@ -49,7 +52,7 @@ function(skybody_add_plugin name)
 
   add_custom_command(TARGET ${name} POST_BUILD COMMAND chmod go-w "$<TARGET_FILE:${name}>" VERBATIM)
 
-  # After linking, when the library has its final name; without PLUGINS an old list must not stay.
+  # Runs after linking, when the library has its final name. Without PLUGINS an old list is removed.
   set(sidecar "$<TARGET_FILE_DIR:${name}>/$<TARGET_FILE_BASE_NAME:${name}>.plugins")
   if(plugin_PLUGINS)
     set(list "${CMAKE_CURRENT_BINARY_DIR}/${name}.plugins")

@@ -1,4 +1,4 @@
-# What holds for every target of ours: folders, language, warnings, floating-point arithmetic.
+# Settings of all our targets: folders, language, warnings, floating-point arithmetic.
 
 include(GNUInstallDirs)
 
@@ -20,14 +20,15 @@ set(CMAKE_C_STANDARD_REQUIRED ON)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
-# build/PRESET/bin, build/PRESET/lib, build/PRESET/lib/skybody/plugins: plugins lie where an installed
-# libskybody finds them too, relative to the library itself.
+# build/PRESET/bin, build/PRESET/lib, build/PRESET/lib/skybody/plugins: plugins have the same place
+# relative to libskybody as in an installation.
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
 set(SKYBODY_PLUGIN_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib/skybody/plugins")
 
-# An installed program finds libskybody beside itself, and a Simbody of our own where it was built.
+# An installed program finds libskybody relative to itself, and our own Simbody in the folder where
+# it was built.
 file(RELATIVE_PATH skybody_bin_to_lib "/${CMAKE_INSTALL_BINDIR}" "/${CMAKE_INSTALL_LIBDIR}")
 set(CMAKE_INSTALL_RPATH "$ORIGIN" "$ORIGIN/${skybody_bin_to_lib}")
 set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
@@ -35,8 +36,9 @@ set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
 if(SKYBODY_CCACHE)
   find_program(SKYBODY_CCACHE_PROGRAM ccache)
   if(SKYBODY_CCACHE_PROGRAM)
-    # With headers that are read once (SkybodyTest), ccache looks at their content in place of their time.
-    # Paths below the checkout count as relative, so that a second checkout finds what the first one has compiled.
+    # With precompiled headers (SkybodyTest), ccache compares their content instead of their time.
+    # Paths below the checkout count as relative, so that a second checkout reuses the first one's
+    # results.
     set(skybody_ccache "${CMAKE_COMMAND}" -E env CCACHE_SLOPPINESS=pch_defines,time_macros
       "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${SKYBODY_CCACHE_PROGRAM}")
     set(CMAKE_C_COMPILER_LAUNCHER "${skybody_ccache}")
@@ -44,16 +46,16 @@ if(SKYBODY_CCACHE)
   endif()
 endif()
 
-# The Python that ./dev made; `python3` on PATH may be a version manager's.
+# The Python of ./dev; `python3` on PATH may belong to a version manager.
 if(NOT Python3_EXECUTABLE AND EXISTS "${PROJECT_SOURCE_DIR}/.venv/bin/python")
   set(Python3_EXECUTABLE "${PROJECT_SOURCE_DIR}/.venv/bin/python")
 endif()
 
-# Bit-stable arithmetic (docs/architecture.md). fp-contract and fast-math change results; errno and traps do not,
-# and without them sqrt is one instruction and selects become vector code.
+# Bit-stable arithmetic (docs/architecture.md). fp-contract and fast-math change results. errno and
+# traps do not; without them sqrt is one instruction and selects are vectorized.
 set(SKYBODY_FP_FLAGS -fno-fast-math -ffp-contract=off -fno-math-errno -fno-trapping-math)
-# g++ 12 fuses products with sums and differences that it finds side by side, whatever fp-contract says. Files where it
-# does (codegen_test.cpp names them) take this option.
+# g++ 12 fuses adjacent products with sums and differences, whatever fp-contract is. Files affected
+# by this (codegen_test.cpp lists them) take this option.
 set(SKYBODY_UNFUSED_OPTION -fno-tree-slp-vectorize)
 
 # Packs are wider than the baseline's registers; they never cross a library boundary by value.
@@ -65,29 +67,32 @@ if(SKYBODY_SANITIZE)
     -fsanitize=${SKYBODY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
 endif()
 
-# Kernels and plugins are templates that unfold into functions of 10^5 instructions. With AddressSanitizer's checks
-# between these, g++ takes minutes for a file that it optimises, and seconds for one that it does not.
+# Kernels and plugins are templates that expand to functions of 10^5 instructions. With
+# AddressSanitizer's checks in them, g++ takes minutes for an optimised file and seconds for one
+# that is not.
 set(SKYBODY_KERNEL_OPTIONS "")
 if(SKYBODY_SANITIZE MATCHES "address")
   set(SKYBODY_KERNEL_OPTIONS -O0)
 endif()
 
-# Most files take g++ longer to read headers than to compile: several at a time. Files with options of their own
-# (kernels) stay alone. Presets for debuggers and lint leave it off, so that each file is also compiled by itself.
+# For most files g++ takes longer to read headers than to compile, so several are compiled at once.
+# Files with their own options (kernels) are compiled separately. Presets for debuggers and lint
+# turn it off, so that each file is also compiled by itself.
 option(SKYBODY_UNITY "Compile several files of the library and of the program at a time" OFF)
 function(skybody_unite target)
   if(SKYBODY_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
-    # g++ takes the files for headers, whose anonymous namespaces would be a mistake.
+    # g++ treats the files as headers, where anonymous namespaces would be an error.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
 
-# Tests run what is compiled at full optimisation; their own code runs once, and at -O1 is compiled in two thirds of
-# the time.
+# Tests run code that is compiled at full optimisation. Their own code runs once; -O1 takes two
+# thirds of the compile time.
 set(SKYBODY_TEST_OPTIONS "$<$<CONFIG:Release>:-O1>")
 
-# Kernels take most of the time of a build. The lowest set is always there, so that every build runs everywhere.
+# Kernels take most of the time of a build. The lowest set is always built, so that every build runs
+# everywhere.
 set(SKYBODY_KERNEL_DEFINITIONS "")
 if(SKYBODY_KERNELS STREQUAL "host" AND EXISTS /proc/cpuinfo)
   file(STRINGS /proc/cpuinfo skybody_flags REGEX "^flags" LIMIT_COUNT 1)
@@ -100,7 +105,7 @@ elseif(NOT SKYBODY_KERNELS MATCHES "^(all|host)$")
   message(FATAL_ERROR "SKYBODY_KERNELS is '${SKYBODY_KERNELS}'; it is 'all' or 'host'")
 endif()
 
-# Flags and include folders of our own targets. It says nothing about the C++ standard, for the files that
+# Flags and include folders of our targets. The C++ standard is not set here, because the files that
 # include Simbody are C++17.
 add_library(skybody_build_flags INTERFACE)
 target_include_directories(skybody_build_flags INTERFACE
@@ -113,7 +118,7 @@ target_compile_options(skybody_build_flags INTERFACE
 target_compile_definitions(skybody_build_flags INTERFACE ${SKYBODY_KERNEL_DEFINITIONS})
 target_link_options(skybody_build_flags INTERFACE ${SKYBODY_SANITIZE_FLAGS})
 
-# Adds a folder of this project if it is there.
+# Adds a folder of this project if it exists.
 function(skybody_add_folder folder)
   if(EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/CMakeLists.txt")
     add_subdirectory(${folder})

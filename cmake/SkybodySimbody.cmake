@@ -1,18 +1,22 @@
-# Finds Simbody and how it was built, and gives the ways to compile against it.
+# Finds Simbody, detects how it was built, and provides targets and functions to compile against it.
 #
-# Simbody's headers change the layout of their classes with NDEBUG, and Debian builds the library without it: a
-# program compiled with -DNDEBUG (CMake's Release) against it crashes inside realizeTopology. Every file that
-# includes Simbody is therefore compiled as the library was. A probe finds out how at configure time. Simbody's
-# headers are not valid C++20 either, so these files are C++17.
+# Simbody's headers change the layout of their classes with NDEBUG, and Debian builds the library
+# without it: a program compiled with -DNDEBUG (CMake's Release) against it crashes in
+# realizeTopology. Every file that includes Simbody is therefore compiled in the same way as the
+# library. A probe detects that way at configure time. Simbody's headers are not valid C++20 either,
+# so these files are C++17.
 #
-#   SKYBODY_SIMBODY_NDEBUG               ON where the library was built with -DNDEBUG
-#   skybody_simbody_headers              INTERFACE target: headers, libraries, -DNDEBUG or -UNDEBUG, at least C++17
-#   skybody_use_simbody(TARGET)          compiles a whole target against Simbody, as C++17. The target must not link
-#                                        Skybody::core (C++20): make it an OBJECT library and link that
+#   SKYBODY_SIMBODY_NDEBUG
+#       ON if the library was built with -DNDEBUG
+#   skybody_simbody_headers
+#       INTERFACE target: headers, libraries, -DNDEBUG or -UNDEBUG, at least C++17
+#   skybody_use_simbody(TARGET)
+#       compiles a whole target against Simbody, as C++17. The target must not link Skybody::core
+#       (C++20): make it an OBJECT library and link that
 #   skybody_add_simbody_sources(TARGET FILES...)
-#                                        an OBJECT library of files that include Simbody, made part of libskybody
+#       an OBJECT library of files that include Simbody, made part of libskybody
 
-# A Simbody of our own (./dev simbody) goes before the system's.
+# Our own Simbody (./dev simbody) is preferred to the system's.
 set(SKYBODY_SIMBODY_PREFIX "${PROJECT_SOURCE_DIR}/.simbody/install" CACHE PATH
   "Where to look for Simbody first (./dev simbody installs one there)")
 
@@ -26,7 +30,7 @@ function(skybody_prefer_own_simbody)
   endif()
 endfunction()
 
-# Builds and runs a falling body in a process of its own, with or without NDEBUG.
+# Builds and runs the probe, a falling body, in a separate process, with or without NDEBUG.
 function(skybody_try_simbody ndebug result log)
   try_run(exit_code compiled
     SOURCES "${PROJECT_SOURCE_DIR}/cmake/simbody_probe.cpp"
@@ -50,8 +54,8 @@ function(skybody_simbody_library result)
   set(${result} "${library}" PARENT_SCOPE)
 endfunction()
 
-# Without NDEBUG comes first: that program links with a library built the same way only. The probe takes seconds, so
-# its answer is kept for as long as the library is the same file.
+# Tries without NDEBUG first: that program only links with a library built without it. The probe
+# takes seconds, so its result is cached as long as the library is the same file.
 function(skybody_detect_simbody_ndebug)
   skybody_simbody_library(library)
   file(TIMESTAMP "${library}" time)
@@ -80,7 +84,8 @@ skybody_detect_simbody_ndebug()
 add_library(skybody_simbody_headers INTERFACE)
 target_compile_features(skybody_simbody_headers INTERFACE cxx_std_17)
 target_link_libraries(skybody_simbody_headers INTERFACE SimTKsimbody SimTKmath SimTKcommon)
-# An option, not a definition: it has to come after the -DNDEBUG of CMAKE_CXX_FLAGS_RELEASE.
+# A compile option and not a definition, because it must follow the -DNDEBUG of
+# CMAKE_CXX_FLAGS_RELEASE.
 if(SKYBODY_SIMBODY_NDEBUG)
   target_compile_options(skybody_simbody_headers INTERFACE -DNDEBUG)
 else()

@@ -1,20 +1,22 @@
 # skybody_add_test(NAME [FILES] FILES... [LIBRARIES TARGETS...] [DEFINITIONS D...] [TIMEOUT S])
 #
-# A GoogleTest program NAME whose tests ctest lists one by one. It is linked with Skybody::core, GoogleTest's main and
-# gmock, and runs in the project's root folder. SKYBODY_SOURCE_DIR and SKYBODY_BINARY_DIR are defined for it as strings.
-# The label of its tests is the name of the folder (`ctest -L io`).
+# Adds a GoogleTest program NAME; ctest lists its tests one by one. It is linked with Skybody::core,
+# GoogleTest's main and gmock, and runs in the project's root folder. SKYBODY_SOURCE_DIR and
+# SKYBODY_BINARY_DIR are defined for it as strings. The label of its tests is the name of the folder
+# (`ctest -L io`).
 
 include_guard(GLOBAL)
 
-# The headers of GoogleTest, of gmock and of the standard library take g++ longer to read than a test takes to compile:
-# tests of the released kind share them read once. Lint and debuggers' presets leave it off (SKYBODY_UNITY), so that
-# each file is also compiled by itself.
+# Reading the headers of GoogleTest, gmock and the standard library takes g++ longer than compiling
+# a test, so release tests share a precompiled header. Presets for lint and debuggers turn it off
+# (SKYBODY_UNITY), so that each file is also compiled by itself.
 function(skybody_share_test_headers name)
   if(NOT SKYBODY_UNITY OR NOT PROJECT_IS_TOP_LEVEL)
     return()
   endif()
   if(NOT TARGET skybody_test_headers)
-    # A program like the tests, for position-independent programs have other flags than libraries.
+    # An executable like the tests, because position-independent executables have other flags than
+    # libraries.
     set(program "${PROJECT_BINARY_DIR}/test_headers.cpp")
     file(CONFIGURE OUTPUT "${program}" CONTENT "int main() {}\n")
     add_executable(skybody_test_headers EXCLUDE_FROM_ALL "${program}")

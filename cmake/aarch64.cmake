@@ -1,5 +1,5 @@
-# Cross-compiles for 64-bit Arm with Debian's compiler; programs run under QEMU's user-mode emulation. They are linked
-# statically, so that the emulator needs no Arm libraries.
+# Cross-compiles for 64-bit Arm with Debian's compiler. Programs run under QEMU's user-mode
+# emulation; they are linked statically, so that the emulator needs no Arm libraries.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)

@@ -1,9 +1,9 @@
-// Run at configure time by SkybodySimbody.cmake: was the library built with, or without, NDEBUG?
+// Probe of SkybodySimbody.cmake at configure time: was the library built with or without NDEBUG?
 //
-// Inline functions of SimTK::State look into objects that the library makes, and these are larger
-// without NDEBUG. Compiled with it against a library built without, this program crashes. Compiled
-// without it, it needs functions that only a library built without has, and does not link with
-// another.
+// Inline functions of SimTK::State access objects that the library creates; these are larger
+// without NDEBUG. Compiled with NDEBUG against a library built without it, this program crashes.
+// Compiled without NDEBUG, it needs functions that only a library built without NDEBUG has, and
+// otherwise does not link.
 #undef NDEBUG
 #if SKYBODY_PROBE_NDEBUG
 #define NDEBUG
@@ -12,7 +12,7 @@
 
 namespace {
 
-// Never called, but linked: this is what calls the functions that only one kind of library has.
+// Never called, but linked: refers to the functions that only one kind of library has.
 bool is_valid(const SimTK::State& state) {
   return state.isCacheValueRealized(SimTK::SubsystemIndex(0), SimTK::CacheEntryIndex(0));
 }

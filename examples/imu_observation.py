@@ -2,11 +2,11 @@
 
     python examples/imu_observation.py [--steps 100000] [--envs 64] [--seed 0]
 
-The scenario key `observe` adds the IMU's channels to what the task `hover` shows: the angular rate
-to the policy, the specific force to a critic alone (`last_info["privileged"]`). PPO of
-Stable-Baselines3 learns from a Box, then from a Dict; the mean return of an episode is printed
-before and after. 10^5 steps show that both can be trained, not that it flies: hovering by rotor
-speeds takes some millions (docs/results/hover_training.md).
+The scenario key `observe` adds the IMU's channels to the observation of the task `hover`: the
+angular rate for the policy, the specific force for the critic only (`last_info["privileged"]`).
+Stable-Baselines3's PPO learns from a Box, then from a Dict; the mean return of an episode is
+printed before and after. 10^5 steps show that both can be trained, but are too few to hover by
+rotor speeds, which takes some millions (docs/results/hover_training.md).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def environments(count: int, seed: int, as_dict: bool) -> VecMonitor:
 
 
 def mean_return(model: PPO, seed: int, as_dict: bool) -> float:
-    """Of 32 episodes without exploration."""
+    """Mean return of 32 episodes without exploration."""
     envs = environments(32, seed, as_dict)
     returns, _ = evaluate_policy(model, envs, n_eval_episodes=32)
     envs.close()
@@ -45,7 +45,7 @@ def mean_return(model: PPO, seed: int, as_dict: bool) -> float:
 
 
 def train(as_dict: bool, steps: int, count: int, seed: int) -> None:
-    """Learns `steps` actions, and prints a line."""
+    """Trains for `steps` actions and prints a line."""
     envs = environments(count, seed, as_dict)
     policy = "MultiInputPolicy" if as_dict else "MlpPolicy"
     model = PPO(policy, envs, n_steps=32, batch_size=512, n_epochs=5, device="cpu", seed=seed)

@@ -1,5 +1,5 @@
-// Flies 64 quadrotors to a height of 1.5 m: a batch on two threads, its state by path, and a
-// control law in Eigen for all of them at once. Usage: example_pool [SCENARIO]
+// Flies 64 quadrotors to a height of 1.5 m: a batch on two threads, state values by path, and a
+// control law in Eigen for all environments at once. Usage: example_pool [SCENARIO]
 #include <skybody/eigen.h>
 #include <skybody/skybody.h>
 

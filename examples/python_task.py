@@ -1,9 +1,9 @@
-"""A task of one's own in Python, trained for real: follow a circle with thrust and body rates.
+"""A custom task in Python, trained with PPO: follow a circle with thrust and body rates.
 
     python examples/python_task.py [--steps 200000] [--envs 16] [--seed 0]
 
-Environments are stepped in C++ on several threads; what the learner sees and earns is NumPy, below.
-PPO of Stable-Baselines3 learns it; the mean return is printed before and after.
+Environments are stepped in C++ on several threads; observations and rewards are NumPy code, below.
+Stable-Baselines3's PPO learns the task; the mean return is printed before and after.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from skybody.simulation import EnvStates, SimulationPool
 from stable_baselines3 import PPO
 
 RADIUS, HEIGHT, PERIOD = 1.0, 1.5, 4.0  # m, m, s
-START = 0.3  # m: episodes begin this near to the circle's first point
-LOST = 2.0  # m from the moving point: the episode ends
+START = 0.3  # m: largest offset of starts from the circle's first point, per axis
+LOST = 2.0  # m from the moving point: ends the episode
 
 OVERRIDES = [
     "randomization=[{plugin: start, parameters: {"
@@ -33,7 +33,7 @@ OVERRIDES = [
 
 
 def to_body(rotation: NDArray[np.float64], vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors (n, 3) of the world in body axes; quaternions (n, 4) w x y z, world from body."""
+    """World vectors (n, 3) in body axes; quaternions (n, 4) w x y z, world from body."""
     w, v = rotation[:, :1], -rotation[:, 1:]
     twice = 2 * np.cross(v, vector)
     turned: NDArray[np.float64] = vector + w * twice + np.cross(v, twice)
@@ -41,7 +41,7 @@ def to_body(rotation: NDArray[np.float64], vector: NDArray[np.float64]) -> NDArr
 
 
 class FollowCircle(PythonTask):
-    """Stay with a point that runs around a circle. Actions: thrust and three body rates."""
+    """Follow a point that moves around a circle. Actions: thrust and three body rates."""
 
     control = "ctbr"
     physics_steps = 20  # 50 actions a second
@@ -75,7 +75,7 @@ class FollowCircle(PythonTask):
         return distance
 
     def observation(self, states: EnvStates) -> NDArray[np.float64]:
-        """All in body axes: where the point is and how it moves, seen from here; up; own rates."""
+        """In body axes: the point's relative motion, up, its acceleration, own rates."""
         position, velocity, acceleration = self.reference(states)
         rotation = states.rotations[:, 0]
         up = np.tile([0.0, 0.0, 1.0], (len(rotation), 1))
@@ -90,7 +90,7 @@ class FollowCircle(PythonTask):
         )
 
     def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
-        """1 at the point, less further away and for hasty commands."""
+        """1 at the point; less with distance and for large actions."""
         effort: NDArray[np.float32] = np.square(actions).sum(axis=1)
         value: NDArray[np.float64] = np.exp(-2 * self.error(states)) - 0.02 * effort
         return value
@@ -128,7 +128,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
 
-    torch.set_num_threads(1)  # small networks: more only get in one another's way
+    torch.set_num_threads(1)  # small networks: more threads wait for one another
     envs = PythonTaskVectorEnv(
         FollowCircle(),
         "hover",

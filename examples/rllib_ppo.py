@@ -1,9 +1,9 @@
-"""PPO of RLlib learns to hover, on environments that are stepped in C++.
+"""RLlib's PPO learns to hover, on environments that are stepped in C++.
 
     python examples/rllib_ppo.py [--iterations 20] [--envs 64] [--runners 0] [--address local]
 
-Prints steps and mean return after each iteration. With --address of a cluster, runners are spread
-over its machines.
+Prints steps and mean return after each iteration. With the --address of a cluster, runners are
+distributed over its machines.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def config(scenario: str, envs: int, runners: int) -> PPOConfig:
 
 
 def summary(result: dict[str, Any]) -> dict[str, float]:
-    """Of what an iteration gives."""
+    """Steps and mean return of an iteration's result."""
     runners = result["env_runners"]
     return {
         "steps": float(runners["num_env_steps_sampled_lifetime"]),

@@ -1,5 +1,5 @@
-// Visit three points in an order that is drawn for each episode. docs/task_kit.md quotes the parts
-// that lie between `// [NAME]` and `// [end]`.
+// A task: visit three points in an order that is drawn for each episode. docs/task_kit.md quotes
+// the parts between `// [NAME]` and `// [end]`.
 // [include]
 #include <skybody/task_kit.h>
 // [end]
@@ -83,7 +83,7 @@ class VisitPoints : public Task {
   }
 
  private:
-  /// The point that is to be visited now; the last one where all are.
+  /// The next point to visit; the last one if all are visited.
   template <class Real>
   Vec3<Real> next_point(const State<Real>& state) const {
     // [select]

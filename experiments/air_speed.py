@@ -1,8 +1,8 @@
-"""What air and actuator effects cost on hover, and what a request costs beside a respawn.
+"""Costs of air and actuator effects on hover, and the cost of a request against a respawn.
 
     .venv/bin/python experiments/air_speed.py [--quick] [--out DIR]
 
-Rates are physics steps a second of all environments on one core, in one run.
+Rates are physics steps per second of all environments on one core, in one run.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ PAGE = "../../docs/results/air_speed.md"
 
 
 def effects(table: Path) -> dict[str, str]:
-    """Each effect alone with something to do, as a value of `effects`; and those of the bar.
+    """Each effect by itself, active, as a value of `effects`; and the effects of the goal.
 
     @param table  CSV of wind
     """
@@ -67,17 +67,17 @@ def effects(table: Path) -> dict[str, str]:
     return cases | {TOGETHER: f"[{DRAG}, {DRYDEN}, {BATTERY}]"}
 
 
-# Of effects that have nothing to do in `hover`.
+# Scenarios for effects that are not active in `hover`.
 SCENARIOS = {"downwash": "formation_2"}
 
 
 def base_of(name: str) -> str:
-    """The row that has the scenario without effects."""
+    """The row with the same scenario without effects."""
     return SCENARIOS.get(name, "hover")
 
 
 def rates(trials: int, seconds: float) -> dict[str, list[float]]:
-    """Scenarios alone, and with each of effects()."""
+    """Rates of the scenarios without effects, and with each of effects()."""
     with tempfile.TemporaryDirectory() as folder:
         table = Path(folder) / "wind.csv"
         table.write_text("t,x,y,z\n0,0,0,0\n1,3,1,0.2\n2,0,0,0\n")
@@ -96,11 +96,11 @@ def rates(trials: int, seconds: float) -> dict[str, list[float]]:
 
 WORLD = "payload"  # vehicle and bob are drawn
 MASS = "robots.quad.links.base_link.mass"
-ROUND = 100  # steps of all environments between two looks at the clock
+ROUND = 100  # steps of all environments between two readings of the clock
 
 
 def seconds_a_step(pool: skybody.Pool, before: Callable[[], None]) -> float:
-    """The least of five rounds: others' work only adds [s, for all environments]."""
+    """The minimum of five rounds: other processes only add time [s, for all environments]."""
     rows = np.full((ENVS, pool.compiled.action_size), ACTIONS["hold"], np.float32)
     least = np.inf
     for _ in range(5):
@@ -113,7 +113,7 @@ def seconds_a_step(pool: skybody.Pool, before: Callable[[], None]) -> float:
 
 
 def respawn_seconds() -> float:
-    """The paper's respawn in our terms: the model built anew, on Simbody, and three steps [s]."""
+    """The paper's respawn here: the model built anew, on Simbody, and three steps [s]."""
     least = np.inf
     for seed in range(5):
         start = time.perf_counter()
@@ -129,7 +129,7 @@ def respawn_seconds() -> float:
 
 
 def request_costs() -> dict[str, float]:
-    """For one environment [s]."""
+    """Costs for one environment [s]."""
     compiled = skybody.CompiledScenario(WORLD)
     nominal = float(compiled.param_info(MASS)[0])
     draw = {MASS: Draw(range=(0.99, 1.01), form="scale")}
@@ -198,7 +198,7 @@ COST = re.compile(r"^Cost on .* in lanes: .*\n", re.MULTILINE)
 
 
 def write_costs(found: dict[str, Any]) -> None:
-    """Each effect's README says what it costs."""
+    """Writes the cost of each effect into its README."""
     median = {name: statistics.median(rates) for name, rates in found["rates"].items()}
     for readme in sorted((ROOT / "effects").glob("*/README.md")):
         name = readme.parent.name

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Does it help a pendulum's policy that its critic is shown more than it sees itself?
+"""Does a critic with privileged observations help the policy of a pendulum?
 
     .venv/bin/python experiments/asymmetric_critic.py [--seeds 5] [--jobs N] [--quick]
 
 `pendulum_learn_randomized` is trained with its preset and fewer steps: with a critic (value
-function) that sees the privileged columns (derivatives, mass, inertia and lags), and with one that
-sees what the policy sees. Observations of the policy, rewards, draws and hyper-parameters are the
-same. Compared are how well the critic tells returns, training's own returns, and 100 held-out
-flights of each last policy. Finished runs are not repeated, and one that was cut short goes on.
-Writes asymmetric_critic.md, its JSON and a picture.
+function) that observes the privileged columns (derivatives, mass, inertia and lags), and with one
+that has the policy's observations. Observations of the policy, rewards, draws and hyper-parameters
+are the same. The comparison covers the critic's accuracy about returns, training's own returns, and
+100 held-out flights of each last policy. Finished runs are not repeated, and interrupted ones are
+resumed. Writes asymmetric_critic.md, its JSON and a picture.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ SCENARIO = "pendulum_learn_randomized"
 PROGRAM = ROOT / "build/release/bin/skybody"
 STEPS, QUICK_STEPS = 6_000_000, 60_000
 EPISODES, QUICK_EPISODES = 100, 5
-LAST = 0.1  # share of a run whose returns count as those at its end
+LAST = 0.1  # share of a run whose returns count as final
 POINTS = 60  # of a curve
 KINDS = {"asymmetric": (), "symmetric": ("task.parameters.privileged=false",)}
 COLORS = {"asymmetric": "C0", "symmetric": "C1"}
 Row = dict[str, Any]
-# What is compared: key, what the table calls it, its factor, its format.
+# Compared figures: key, name in the table, factor, format.
 FIGURES = (
     (
         "explained",
@@ -65,7 +65,7 @@ FIGURES = (
 
 
 def make_run(options: argparse.Namespace, kind: str, seed: int) -> Run:
-    """Of one policy."""
+    """The run of one policy."""
     return Run(
         folder=options.out / f"{kind}-seed-{seed}",
         scenario=SCENARIO,
@@ -80,7 +80,7 @@ def make_run(options: argparse.Namespace, kind: str, seed: int) -> Run:
 
 
 def record(run: Run, kind: str, episodes: int) -> Row:
-    """The curve of a finished run, and what its policy does."""
+    """The curve of a finished run, and the flights of its policy."""
     rows = read_table(run.folder / "progress.csv")
     column = {
         name: np.array([float(row[name]) for row in rows])
@@ -110,7 +110,7 @@ def of_kind(records: Sequence[Row], kind: str, key: str) -> list[float]:
 
 
 def row_of(records: Sequence[Row], key: str, name: str, factor: float, form: str) -> str:
-    """A line of the table: both kinds, and how far they are apart."""
+    """A line of the table: both kinds, and their difference."""
     both = [[factor * x for x in of_kind(records, kind, key)] for kind in KINDS]
     gap, half = difference(both[1], both[0])
     cells = [f"{np.mean(x):{form}} ({min(x):{form}} to {max(x):{form}})" for x in both]
@@ -118,7 +118,7 @@ def row_of(records: Sequence[Row], key: str, name: str, factor: float, form: str
 
 
 def answer(records: Sequence[Row]) -> str:
-    """In one sentence, by the returns of training."""
+    """The answer in one sentence, by the returns of training."""
     both = [of_kind(records, kind, "return") for kind in KINDS]
     gap, half = difference(both[1], both[0])
     if abs(gap) <= half:
@@ -162,7 +162,7 @@ Versions: {versions_line(records)}.
 
 
 def draw(records: Sequence[Row], path: Path) -> None:
-    """Return over steps, a line a seed."""
+    """Return over steps, one line per seed."""
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     axis = figure.subplots()

@@ -1,8 +1,8 @@
-"""Rates in contact and with couplings, beside flight, Simbody, MuJoCo and Bullet, in one run.
+"""Rates in contact and with couplings, compared with flight, Simbody, MuJoCo and Bullet.
 
     .venv/bin/python experiments/contact_speed.py [--quick] [--out DIR]
 
-All figures are physics steps a second of all environments on one core.
+All figures are from one run: physics steps per second of all environments on one core.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ sys.path.insert(0, str(ROOT / "bench/peers"))
 import environments
 
 FORMATIONS = {2: "formation_2", 5: "formation", 10: "formation_10", 20: "formation_20"}
-HOVER_RANGE = 2782  # [rad/s]: the largest speed with which an action of zero is hover speed
+HOVER_RANGE = 2782  # [rad/s]: the largest speed for which an action of zero is hover speed
 
 
 def in_flight(robots: int) -> tuple[str, ...]:
-    """A constant action of zero hovers, in episodes of a second."""
+    """Overrides: a constant action of zero hovers, in episodes of a second."""
     speeds = (
         f"robots[{k}].controllers[0].parameters.max_speed={HOVER_RANGE}" for k in range(robots)
     )

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Does a policy learn sooner through a controller? Figure 10 of the GzDRL paper, by its question.
+"""Does a policy learn faster through a controller? The question of figure 10 of the GzDRL paper.
 
     .venv/bin/python experiments/control_abstractions.py [--tasks trajectory payload] [--seeds 5]
         [--out DIR] [--quick]
 
-A policy gives rotor speeds (end-to-end), or a force that an attitude controller turns into rotor
-speeds at every physics step (modular). Vehicle, rotors with their lag, physics, action rate,
-observations but for the action, rewards, draws and hyper-parameters (those of the scenarios'
-presets) are the same in both. Compared are the steps until the error in training is below a
-threshold; the policy at the end flies held-out episodes.
-Finished runs are not repeated, and one that was cut short goes on. Writes control_abstractions.md,
+A policy commands rotor speeds (end-to-end), or a force that an attitude controller converts into
+rotor speeds at every physics step (modular). The following are the same in both: vehicle, rotors
+with their lag, physics, action rate, observations except the action, rewards, draws and
+hyper-parameters (those of the scenarios' presets). The comparison covers the steps until the error
+in training is below a threshold; the final policy flies held-out episodes.
+Finished runs are not repeated, and interrupted ones are resumed. Writes control_abstractions.md,
 its JSON and a picture.
 """
 
@@ -45,7 +45,7 @@ SAMPLES = 10_000  # of the bootstrap
 
 
 def make_runs(options: argparse.Namespace, task: str, form: str) -> list[Run]:
-    """Of one form of a task, a run a seed."""
+    """The runs of one form of a task, one per seed."""
     compared = TASKS[task]
     return [
         Run(
@@ -63,14 +63,14 @@ def make_runs(options: argparse.Namespace, task: str, form: str) -> list[Run]:
 
 
 def require_like_presets(task: str) -> None:
-    """Raises RunError where the forms would be trained otherwise."""
+    """Raises RunError if the presets of the two forms differ."""
     hypers = [preset(name, "fast-ppo").hyper for name in TASKS[task].scenarios.values()]
     if any(hyper != hypers[0] for hyper in hypers):
         raise RunError(f"the presets of {', '.join(TASKS[task].scenarios.values())} differ")
 
 
 def record(run: Run, task: str, form: str) -> Row:
-    """The curve of a finished run, and what its policy does."""
+    """The curve of a finished run, and the flights of its policy."""
     rows = read_table(run.folder / "progress.csv")
     steps = np.array([float(row["steps"]) for row in rows])
     errors = averaged(steps, np.array([float(row["position_error"]) for row in rows]))
@@ -109,7 +109,7 @@ def averaged(steps: np.ndarray, errors: np.ndarray) -> np.ndarray:
 
 
 def interval(samples: np.ndarray) -> tuple[float, float]:
-    """95 %."""
+    """95 % interval."""
     low, high = np.quantile(samples, [0.025, 0.975])
     return float(low), float(high)
 
@@ -117,8 +117,8 @@ def interval(samples: np.ndarray) -> tuple[float, float]:
 def compare(records: Sequence[Row], task: str, threshold: float) -> Row:
     """Means of both forms with intervals, and of their ratio, by the bootstrap over seeds.
 
-    `chance`: of a ratio as far from 1 or farther if the forms were alike, by all ways to deal the
-    runs to them (exact permutation test).
+    `chance`: probability of a ratio at least as far from 1 if the forms were equal, by all
+    assignments of the runs to them (exact permutation test).
     """
     random = np.random.default_rng(1)
     samples: dict[str, np.ndarray] = {}
@@ -127,7 +127,7 @@ def compare(records: Sequence[Row], task: str, threshold: float) -> Row:
     for form in FORMS:
         own = own_of(records, task, form)
         found = [r["steps"][f"{threshold:g}"] for r in own]
-        # Who did not arrive counts with all its steps.
+        # A run that did not reach the threshold counts with all its steps.
         pairs = zip(found, own, strict=True)
         steps = np.array([r["total_steps"] if s is None else s for s, r in pairs], float)
         found_steps.append(steps)
@@ -149,7 +149,7 @@ def compare(records: Sequence[Row], task: str, threshold: float) -> Row:
 
 
 def log_ratio(one: np.ndarray, other: np.ndarray) -> float:
-    """Of the means; 0: they are the same."""
+    """Logarithm of the ratio of the means; 0: they are equal."""
     return float(np.log(one.mean() / other.mean()))
 
 

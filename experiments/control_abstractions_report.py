@@ -12,8 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from training_runs import machine_line, versions_line
 
-LEAST_ARRIVED = 0.8  # of the seeds, in both forms: means of fewer say little
-# The answer hangs on the learner's settings: whoever shows one must show those beside it.
+LEAST_ARRIVED = 0.8  # of the seeds, in both forms: means of fewer are not meaningful
+# The answer depends on the learner's settings, so both results must be shown together.
 BEFORE = """\
 Other settings were run before this one, five seeds each and 4 million steps, which is too few for
 most of them:
@@ -29,7 +29,7 @@ most of them:
 
 
 def verdict(row: Row) -> str:
-    """What a task's comparison says, in words."""
+    """The result of a task's comparison, in words."""
     where = f"- `{row['task']}`, {row['threshold']:g} m:"
     arrived = [f"{form['arrived']} of {form['seeds']}" for form in row["forms"].values()]
     if min(form["arrived"] / form["seeds"] for form in row["forms"].values()) < LEAST_ARRIVED:
@@ -59,7 +59,7 @@ def steps_row(row: Row, form: str) -> str:
 
 
 def end_row(records: Sequence[Row], task: str, form: str) -> str:
-    """A line of the table of what is learned at the end."""
+    """A line of the table of final results."""
     own = own_of(records, task, form)
     training = statistics.median(r["last_error"] for r in own)
     held_out = statistics.median(r["final_error"] for r in own)
@@ -138,7 +138,7 @@ Versions: {versions_line(runs)}.
 
 
 def about_task(task: str, run: Row) -> str:
-    """What was trained, and how."""
+    """The settings of the training."""
     pair = " and ".join(f"`{name}`" for name in TASKS[task].scenarios.values())
     overrides = ", ".join(f"`{override}`" for override in TASKS[task].overrides)
     also = f", both with {overrides}" if overrides else ""
@@ -149,7 +149,7 @@ def about_task(task: str, run: Row) -> str:
 
 
 def draw(records: Sequence[Row], tasks: Sequence[str], out: Path) -> None:
-    """Error over steps; a line a seed, a panel a task."""
+    """Error over steps; one line per seed, one panel per task."""
     figure = Figure(figsize=(4.6 * len(tasks), 3.8), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     panels = np.atleast_1d(figure.subplots(1, len(tasks)))

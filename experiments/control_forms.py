@@ -1,4 +1,4 @@
-"""The tasks of figure 10 of the GzDRL paper: with a policy that gives rotor speeds, or a force."""
+"""The tasks of figure 10 of the GzDRL paper, with policies that command rotor speeds or a force."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COLORS = {"end-to-end": "C1", "modular": "C0"}
 class Compared:
     """A task in both forms."""
 
-    scenarios: dict[str, str]  # by the form; their presets are alike
+    scenarios: dict[str, str]  # by form; their presets are equal
     overrides: tuple[str, ...]  # of both forms
     total_steps: int
     thresholds: tuple[float, ...]  # of the mean error [m]
@@ -43,5 +43,5 @@ FORMS = tuple(COLORS)
 
 
 def own_of(records: Sequence[Row], task: str, form: str) -> list[Row]:
-    """Of one form of a task, a record a seed."""
+    """The records of one form of a task, one per seed."""
     return [r for r in records if (r["task"], r["form"]) == (task, form)]

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Eight controllers on four references, undisturbed and with three disturbances: errors and effort.
+"""Errors and effort of eight controllers on four references, undisturbed and with three
+disturbances.
 
     .venv/bin/python experiments/control_table.py [--quick] [--out DIR]
 
 Each flight is one of `skybody run hover --reference NAME` with the chain, the effects and the draws
-of its row and column, 20 s of a QDrone2 after approach and ramp. The scenario, as it was flown, is
-in its log.
+of its row and column, 20 s of a QDrone2 after approach and ramp. The log contains the scenario as
+flown.
 """
 
 from __future__ import annotations
@@ -40,9 +41,9 @@ ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
 ROTORS = yaml.safe_load((ROOT / "scenarios/models/qdrone2/rotors.yaml").read_text())
 MOST_SPEED = float(ROTORS["defaults"]["max_speed"])  # of a rotor [rad/s]
-SECONDS = 20.0  # of a flight, that count
+SECONDS = 20.0  # of a flight that counts
 
-# Places without bounds, and accelerations as laws that `--reference` itself puts before a chain.
+# Unbounded positions, and accelerations as laws that `--reference` itself puts before a chain.
 WIDE = "position_min: [-100, -100, -100], position_max: [100, 100, 100]"
 PUSH = "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
 FOLLOWS = f"{WIDE}, {PUSH}"
@@ -70,7 +71,7 @@ WITH_IMU = {
     "nmpc": f"[{{plugin: nmpc, parameters: {{preview: true, measured: imu, {WIDE}}}}}, "
     "{plugin: srt}]",
 }
-REFERENCES = {  # title, what `--reference` takes, seconds before errors count
+REFERENCES = {  # title, value of `--reference`, seconds before errors count
     "circle": ("circle, 2 m/s", "circle", 8.0),
     "lissajous": ("the paper's Lissajous, 1.25 m/s", "lissajous", 8.0),
     "step": ("step of 1 m", "step", 8.0),
@@ -102,7 +103,7 @@ DISTURBANCES = {
         ],
     ),
 }
-GOALS = [  # of the issue: controllers, reference, disturbance, most [cm]
+GOALS = [  # controllers, reference, disturbance, maximum [cm]
     (("nmpc", "geometric", "indi"), "lissajous", "nothing", 2.0),
     (("indi", "nmpc"), "lissajous", "wind", 10.0),
     (("indi", "nmpc"), "figure_eight_fast", "nothing", 15.0),
@@ -122,7 +123,7 @@ PUBLISHED = [
 
 @dataclass
 class Flight:
-    """What one flight says: errors in the last `SECONDS`, or why it ended before."""
+    """Results of one flight: errors in the last `SECONDS`, or the reason of an early end."""
 
     controller: str
     reference: str
@@ -171,7 +172,7 @@ def read(
     position, goal = episode["bodies"][:, 0, :3], episode["goal"][:, 0, :3]
     distance = 100.0 * np.linalg.norm(position - goal, axis=1)[counts]
     speed, asked = episode["rotor_speed"][:], episode["rotor_command"][:]
-    power = np.mean((speed / speed[0]) ** 3, axis=1)  # it begins in hover
+    power = np.mean((speed / speed[0]) ** 3, axis=1)  # the flight begins in hover
     is_at_limit = ((asked <= 0.0) | (asked >= (1.0 - 1e-9) * MOST_SPEED)).any(axis=1)
     return Flight(
         controller,
@@ -212,7 +213,7 @@ def table(flights: list[Flight], reference: str) -> str:
 
 
 def goals(flights: list[Flight]) -> list[str]:
-    """A line for each bar, with what was measured."""
+    """A line for each goal, with the measured value."""
     lines = []
     for controllers, reference, disturbance, most in GOALS:
         found = [

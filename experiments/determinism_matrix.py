@@ -1,16 +1,23 @@
-"""Flies every shipped scenario in many ways, in processes of their own, and compares hashes.
+"""Flies every shipped scenario in many ways, in separate processes, and compares hashes.
 
     .venv/bin/python experiments/determinism_matrix.py [--envs N] [--steps K] [--write]
 
-The ways: 1, 2 and 4 threads; batches of all environments, of a third and of one; order `fixed` and
-`arrival`; by the program (`skybody hash`) and from Python; in one go, and saved in the middle and
-restored, also into a pool of another shape; beside an environment that faults again and again; on
-the machine as it is, and with a process on every processor that does nothing but compute. `hover`
-is flown on the ground as well, `cooperative_payload_ropes` on slack ropes. One line per scenario,
-with the trajectory hash; exit status 0: all are identical, 1: some differ, 2: a process failed.
+The ways:
 
-All of it takes hours. `--scenarios` flies some, and `--write` puts each beside what was flown
-before, as soon as it has been flown: a line that no longer has the pinned hash goes.
+* 1, 2 and 4 threads;
+* batches of all environments, of a third and of one;
+* order `fixed` and `arrival`;
+* by the program (`skybody hash`) and from Python;
+* without interruption, and saved in the middle and restored, also into a pool of another shape;
+* with an environment that faults repeatedly;
+* on the machine as it is, and with a computing process on every processor.
+
+`hover` is also flown on the ground, `cooperative_payload_ropes` also on slack ropes. Prints one
+line per scenario, with the trajectory hash; exit status 0: all are identical, 1: some differ, 2: a
+process failed.
+
+All of it takes hours. `--scenarios` flies some. `--write` merges each result into the page as soon
+as it is available, and removes lines that no longer have the pinned hash.
 """
 
 from __future__ import annotations
@@ -43,7 +50,7 @@ REPORT = ROOT / "docs/results/determinism_matrix.md"
 LINES = ROOT / "docs/results/data/determinism_matrix.json"
 FLIGHTS = {flight.name: flight for flight in golden.FLIGHTS}
 QUICK_SCENARIOS = ("hover", "payload")
-TIMEOUT = 600.0  # s, of one process on a machine that does much else
+TIMEOUT = 600.0  # s, for one process on a loaded machine
 PYTHON_FLIGHTS = (
     "Python",
     "Python, restored",
@@ -55,14 +62,14 @@ BURN = "import os\nparent = os.getppid()\nwhile os.getppid() == parent: sum(rang
 
 @dataclass(frozen=True)
 class Shape:
-    """How a batch of environments is stepped."""
+    """Batching and threads of the environments."""
 
     threads: int
     batch: int
     order: str
 
     def options(self) -> list[str]:
-        """For `skybody hash` and hash_run.py alike."""
+        """Options for both `skybody hash` and hash_run.py."""
         return [f"--threads={self.threads}", f"--batch={self.batch}", f"--order={self.order}"]
 
     def __str__(self) -> str:
@@ -71,20 +78,20 @@ class Shape:
 
 @dataclass(frozen=True)
 class Result:
-    """What the flights of one scenario gave."""
+    """Hashes of the flights of one scenario."""
 
     flight: Flight
-    pinned: str  # "" where the flight is not the pinned one
-    hashes: dict[str, str]  # by the way of flying
+    pinned: str  # "" if the flight is not the pinned one
+    hashes: dict[str, str]  # by way of flying
 
     @property
     def hash(self) -> str:
-        """The pinned one (tests/golden), or else the most frequent."""
+        """The pinned hash (tests/golden), otherwise the most frequent one."""
         return self.pinned or Counter(self.hashes.values()).most_common(1)[0][0]
 
     @property
     def differing(self) -> list[str]:
-        """Ways that gave another one."""
+        """Ways with a different hash."""
         return [f"{way}: {value}" for way, value in self.hashes.items() if value != self.hash]
 
     @property
@@ -93,7 +100,7 @@ class Result:
 
 
 def make_shapes(envs: int, quick: bool) -> list[Shape]:
-    """The first is the simplest."""
+    """All shapes; the first is the simplest."""
     third = max(1, envs // 3)
     if quick:
         return [Shape(1, envs, "fixed"), Shape(4, third, "arrival"), Shape(2, 1, "fixed")]
@@ -110,7 +117,7 @@ def make_shapes(envs: int, quick: bool) -> list[Shape]:
 
 @contextlib.contextmanager
 def load() -> Iterator[None]:
-    """Keeps every processor that this process may use busy; the burners end with their parent."""
+    """Keeps all processors of this process busy; the load processes end with their parent."""
     burners: list[subprocess.Popen[bytes]] = []
     try:
         for processor in sorted(os.sched_getaffinity(0)):
@@ -127,7 +134,7 @@ def load() -> Iterator[None]:
 
 
 def output_of(command: list[str]) -> list[str]:
-    """Lines of a process. Raises FlightError if it fails or prints nothing."""
+    """Output lines of a process. Raises FlightError if it fails or prints nothing."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT)
     except subprocess.TimeoutExpired:
@@ -140,7 +147,7 @@ def output_of(command: list[str]) -> list[str]:
 
 
 def fly(program: Path, flight: Flight, envs: int, shape: Shape) -> dict[str, str]:
-    """Hashes by the way of flying, of two processes."""
+    """Hashes by way of flying, from two processes."""
     options = [*flight.options(envs), *shape.options()]
     (by_program,) = output_of([str(program), "hash", *options])
     python = [sys.executable, str(ROOT / "experiments/hash_run.py"), *options]
@@ -149,7 +156,7 @@ def fly(program: Path, flight: Flight, envs: int, shape: Shape) -> dict[str, str
 
 
 def fly_all(options: argparse.Namespace, flight: Flight, shapes: list[Shape]) -> Result:
-    """All ways of one flight."""
+    """Flies one flight in all ways."""
     hashes: dict[str, str] = {}
     for condition, busy in (("", contextlib.nullcontext()), (", under load", load())):
         with busy:
@@ -215,7 +222,7 @@ def markdown(lines: dict[str, dict[str, Any]]) -> str:
         return ", ".join(str(value) for value in dict.fromkeys(values))
 
     shapes, quick = make_shapes(ENVS, False), make_shapes(ENVS, True)
-    ways = 2 * (1 + len(PYTHON_FLIGHTS))  # of a shape
+    ways = 2 * (1 + len(PYTHON_FLIGHTS))  # per shape
     head = HEAD.format(
         runs=ways * len(shapes),
         machine=machine_line(machine()),
@@ -241,7 +248,7 @@ def markdown(lines: dict[str, dict[str, Any]]) -> str:
 
 
 def keep(result: Result, is_part: bool) -> None:
-    """Puts a line among those that were flown before, and writes the report anew.
+    """Merges a line into the earlier results, and writes the report again.
 
     Args:
         is_part: only some flights are flown now.

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Has every program that writes meet a full disk, and checks how it ends.
+"""Runs every program that writes files on a full disk, and checks its end.
 
     .venv/bin/python experiments/disk_full.py [--program build/release/bin/skybody] [CASE ...]
 
-The disk is a small file system in memory, mounted where no other process sees it, filled up to a
+The disk is a small file system in memory, mounted in a private namespace, filled up to a
 few bytes. Each program must end with exit code 2 and one message on stderr that names the file and
-says `No space left on device`, and leave nothing half-written: no file under its final name, and
-checkpoints that can be read. Training then gets its space back, is resumed, and must end with the
-bits of a run that always had space. Prints a table; exit code 1 where a check fails, 3 where such a
+contains `No space left on device`, and leave nothing half-written: no file under its final name,
+and readable checkpoints. Training then gets its space back, is resumed, and must end with the
+bits of a run that always had space. Prints a table; exit code 1 if a check fails, 3 if such a
 file system cannot be mounted here.
 """
 
@@ -28,7 +28,7 @@ from skybody.program import module_command, run_program
 ROOT = Path(__file__).resolve().parent.parent
 DISK_BYTES = 64 << 20
 NOT_POSSIBLE = 3  # exit code
-INSIDE = "--inside"  # the script calls itself with this in a mount namespace of its own
+INSIDE = "--inside"  # the script calls itself with this in a new mount namespace
 SECONDS = 120.0  # for one program
 
 Prepare = Callable[[Path], None]
@@ -37,18 +37,18 @@ Check = Callable[[Path], list[str]]
 
 @dataclass(frozen=True)
 class Case:
-    """A program, and how much of the disk it finds free."""
+    """A program, and the free space of the disk at its start."""
 
     name: str
     command: Callable[[Path], list[str]]
     free: int  # bytes
     left: tuple[str, ...] = ()  # names on the disk afterwards
-    to_file: str = ""  # where stdout goes on the disk
-    check: Check | None = None  # more checks; the disk has space again
+    to_file: str = ""  # file on the disk for stdout
+    check: Check | None = None  # further checks, after the disk has space again
 
 
 def program() -> str:
-    """The skybody under test."""
+    """The tested skybody program."""
     return os.environ["SKYBODY_PROGRAM"]
 
 
@@ -64,7 +64,7 @@ def train_command(algorithm: str, out: Path) -> list[str]:
 
 
 def check_training(algorithm: str) -> Check:
-    """Checkpoints are whole, and the resumed run has the bits of one that had space."""
+    """Checkpoints are complete, and the resumed run has the bits of a run with space."""
 
     def check(disk: Path) -> list[str]:
         from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, read_meta
@@ -91,7 +91,7 @@ def check_training(algorithm: str) -> Check:
 
 
 def check_exports(disk: Path, run: Path) -> list[str]:
-    """What is written from a run that is there, onto a disk without space."""
+    """Checks exports from an existing run onto a disk without space."""
     evaluated = ("skybody.train.evaluate", str(run), "--episodes", "1", "--json")
     exports = {
         "result.json": module_command(*evaluated),
@@ -110,7 +110,7 @@ def check_exports(disk: Path, run: Path) -> list[str]:
 
 
 def policy_of_format_1(disk: Path) -> list[str]:
-    """Writes an old policy.h5 and gives the command that converts it."""
+    """Writes an old policy.h5 and returns the command that converts it."""
     import h5py
     import numpy as np
 
@@ -150,14 +150,14 @@ CASES = (
         "schema > file",
         lambda _: [program(), "schema"],
         free=4 << 10,
-        left=("schema.json",),  # the shell's, which made it
+        left=("schema.json",),  # created by the shell
         to_file="schema.json",
     ),
     Case(
         "convert_policy",
         policy_of_format_1,
         free=0,
-        left=("policy.h5",),  # of format 1, as it was
+        left=("policy.h5",),  # of format 1, unchanged
         check=lambda disk: (
             []
             if (disk / "policy.h5").read_bytes().startswith(b"\x89HDF")
@@ -183,7 +183,7 @@ CASES = (
 
 
 def fill(disk: Path, free: int) -> Path:
-    """Leaves `free` bytes."""
+    """Fills the disk except for `free` bytes."""
     filler = disk / ".filler"
     space = os.statvfs(disk)
     with filler.open("wb") as file:
@@ -192,7 +192,7 @@ def fill(disk: Path, free: int) -> Path:
 
 
 def message_faults(done: subprocess.CompletedProcess[str], name: str) -> list[str]:
-    """What is wrong with how a program ended."""
+    """Faults in the exit code and messages of a program."""
     faults, lines = [], done.stderr.strip().splitlines()
     print(f"  exit code {done.returncode}: " + " / ".join(lines), flush=True)
     if done.returncode != 2:
@@ -206,7 +206,7 @@ def message_faults(done: subprocess.CompletedProcess[str], name: str) -> list[st
 
 
 def run_case(case: Case, disk: Path) -> list[str]:
-    """What is wrong."""
+    """Runs a case; returns its faults."""
     command = case.command(disk)
     filler = fill(disk, case.free)
     out = (disk / case.to_file).open("w") if case.to_file else subprocess.DEVNULL
@@ -231,7 +231,7 @@ def run_case(case: Case, disk: Path) -> list[str]:
 
 
 def inside(names: list[str]) -> int:
-    """Runs the cases where a disk can be mounted."""
+    """Runs the cases in a namespace that can mount a disk."""
     disk = Path(tempfile.mkdtemp(prefix="skybody_disk_"))
     size = f"size={DISK_BYTES}"
     if subprocess.run(["mount", "-t", "tmpfs", "-o", size, "none", disk], check=False).returncode:

@@ -5,10 +5,10 @@
 
 Policies are trained on the inverted pendulum (`pendulum_learn`), on one vehicle and on vehicles
 drawn every 10 episodes: the base's mass, each axis of its inertia and both time constants of each
-rotor by +-10, 30 or 50 %. The rotors lag in both, alike. Each policy then flies the same draws,
-anew for every episode, of each spread, and is judged by the paper's reward. Finished runs and
-evaluations are not repeated, and interrupted ones go on. Writes domain_randomization.md and its
-JSON.
+rotor by +-10, 30 or 50 %. The rotor lag is the same in both. Each policy then flies the same draws,
+new ones for every episode, of each spread, and is evaluated by the paper's reward. Finished runs
+and evaluations are not repeated, and interrupted ones are resumed. Writes domain_randomization.md
+and its JSON.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ EPISODES, QUICK_EPISODES = 1000, 20
 QUICK_STEPS = 40_000
 EVALUATION_SEED = 4242
 CONFIDENCE = 0.95
-# Figure 11 and its text: return with its deviation, on vehicles that are drawn, and in training.
+# Figure 11 and its text: return with its deviation, on drawn vehicles, and in training.
 PAPER = {"fixed": ("440 +- 176", "428 +- 139"), "drawn": ("643 +- 232", "398 +- 130")}
 PAPER_REWARD = tuple(
     f"task.parameters.{name}_reward=0" for name in ("approach", "precision", "heading")
@@ -53,7 +53,7 @@ PAPER_REWARD = tuple(
 
 
 def drawn_by(spread: float, every: int) -> tuple[str, ...]:
-    """Overrides of DRAWN: all its draws by +-`spread`, every so many episodes."""
+    """Overrides of DRAWN: all its draws by +-`spread`, every `every` episodes."""
     limits = f"[{1.0 - spread:g},{1.0 + spread:g}]"
     return tuple(
         f"randomization[{k}].parameters.{name}={value}"
@@ -64,18 +64,18 @@ def drawn_by(spread: float, every: int) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Policy:
-    """What is trained with one seed: on one vehicle (spread 0), or on drawn ones."""
+    """The policy of one seed: trained on one vehicle (spread 0), or on drawn ones."""
 
     spread: float
     run: Run
 
     def flies(self) -> list[float]:
-        """Spreads on which it is judged; 0: the nominal vehicle."""
+        """Spreads of its evaluation; 0: the nominal vehicle."""
         return [0.0, *SPREADS] if self.spread == 0.0 else [self.spread]
 
 
 def policies(out: Path, seeds: int, total_steps: int) -> list[Policy]:
-    """All that are trained, seed after seed. The presets of both scenarios are alike."""
+    """All policies to train, seed after seed. The presets of both scenarios are equal."""
     made = []
     for seed in range(1, seeds + 1):
         for spread in (0.0, *SPREADS):
@@ -95,7 +95,7 @@ def policies(out: Path, seeds: int, total_steps: int) -> list[Policy]:
 
 
 def judged(policy: Policy, spread: float, episodes: int) -> dict[str, Any]:
-    """The policy's flights on drawn vehicles, kept beside its run."""
+    """The policy's flights on drawn vehicles, saved in its run folder."""
     checkpoint = checkpoint_folders(policy.run.folder)[-1]
     path = policy.run.folder / f"flights-{round(100 * spread)}-{episodes}.json"
     if not path.exists():
@@ -123,10 +123,10 @@ def judged(policy: Policy, spread: float, episodes: int) -> dict[str, Any]:
 
 
 def difference(a: Sequence[float], b: Sequence[float]) -> tuple[float, float]:
-    """Mean of b less mean of a, and half of its confidence interval (B. L. Welch, 1947).
+    """Mean of b minus mean of a, and half of its confidence interval (B. L. Welch, 1947).
 
     Args:
-        a: a figure of each of several runs, two at least.
+        a: a figure of each of several runs, at least two.
         b: the same of others, independent of the first.
     """
     shares = [float(np.var(x, ddof=1)) / len(x) for x in (a, b)]
@@ -139,7 +139,7 @@ def difference(a: Sequence[float], b: Sequence[float]) -> tuple[float, float]:
 
 
 def rows_of(trained: Sequence[Policy], episodes: int) -> list[dict[str, Any]]:
-    """For each spread of the vehicles that are flown: both kinds of policies, seed by seed."""
+    """For each spread of the flown vehicles: both kinds of policies, seed by seed."""
     rows = []
     for spread in (0.0, *SPREADS):
         row: dict[str, Any] = {"spread": spread}
@@ -172,7 +172,7 @@ def cell(found: Sequence[dict[str, Any]]) -> str:
 
 
 def answer(rows: Sequence[dict[str, Any]]) -> str:
-    """In a sentence: at which spreads the interval of the gain leaves out 0."""
+    """The answer in a sentence: the spreads at which the interval of the gain excludes 0."""
 
     def names(found: Sequence[dict[str, Any]]) -> str:
         return ", ".join(f"+-{100 * row['spread']:.0f} %" for row in found)

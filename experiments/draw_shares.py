@@ -1,11 +1,11 @@
-"""How many drawn bodies are none that a rigid body can be, and are drawn again.
+"""Share of drawn inertias that are not physical for a rigid body, and are drawn again.
 
     .venv/bin/python experiments/draw_shares.py [--quick] [--out DIR]
 
-Axes of an inertia that are drawn one by one need not be those of a rigid body: the sum of two is to
-be at least the third. For the base of every shipped vehicle, and for three ranges, 10^5 starts are
-drawn; the share that took more than one draw is counted by `state("redraws")`. Beside it stands the
-same share of as many draws by NumPy.
+Principal moments of inertia that are drawn one by one may violate the triangle inequality of a
+rigid body: the sum of two must be at least the third. For the base of every shipped vehicle, and
+for three ranges, 10^5 initial states are drawn; `state("redraws")` gives the share that took more
+than one draw. It is compared with the same share of as many draws by NumPy.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from throughput import (
 VEHICLES = ("hover", "hover_crazyflie", "hover_hummingbird", "hover_firefly")
 RANGES = (0.05, 0.1, 0.2)
 ENVS = 1000
-GOOD = 5.0  # standard errors between the two shares
+GOOD = 5.0  # largest difference of the two shares, in standard errors
 
 
 def base_path(compiled: skybody.CompiledScenario) -> str:
@@ -56,7 +56,7 @@ def drawn(vehicle: str, path: str, spread: float, resets: int) -> NDArray[Any]:
 
 
 def expected(nominal: NDArray[np.float64], spread: float, count: int) -> float:
-    """The share of independent draws that are no axes of a rigid body."""
+    """The share of independent draws that are not moments of inertia of a rigid body."""
     scale = np.random.default_rng(1).uniform(1 - spread, 1 + spread, (count, 3))
     axes = np.sort(scale * nominal, axis=1)
     return float(np.mean(axes[:, 0] + axes[:, 1] < axes[:, 2]))
@@ -89,7 +89,7 @@ def measure(resets: int) -> list[dict[str, Any]]:
 
 
 def is_good(rows: list[dict[str, Any]]) -> bool:
-    """Whether both shares agree, and no start ran out of draws."""
+    """Whether both shares agree, and no initial state ran out of draws."""
     return all(
         abs(row["share"] - row["numpy"]) <= GOOD * row["standard_error"] + 1e-6
         and row["most"] <= 64

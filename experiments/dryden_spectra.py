@@ -1,11 +1,11 @@
-"""Spectra of the effect `dryden` beside those of MIL-F-8785C.
+"""Spectra of the effect `dryden` compared with those of MIL-F-8785C.
 
     .venv/bin/python experiments/dryden_spectra.py [--quick] [--out DIR]
 
-The turbulence of 256 environments is sampled every 10 ms, a million times in each, as the info
-value `dryden.velocity` shows it. Welch's method gives its spectral densities, which are compared in
-bands of a third of an octave with the standard's. A sampled process shows what lies above its
-Nyquist frequency as well: the standard's densities are folded into the range that is seen.
+The turbulence of 256 environments is sampled every 10 ms, a million times in each, from the info
+value `dryden.velocity`. Welch's method gives its spectral densities, which are compared in
+bands of a third of an octave with the standard's. Sampling folds frequencies above the Nyquist
+frequency into the visible range, so the standard's densities are folded likewise.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ import matplotlib.pyplot as plt
 FOOT = 0.3048  # [m]
 SAMPLE_TIME = 0.01  # [s]
 HEIGHT = 20.0 * FOOT  # [m]
-AIRSPEED = 10.0  # [m/s]
+AIRSPEED = 10.0  # multiples of the sampling frequency that are folded into the standard's densities
 WIND_AT_20_FEET = 10.0  # [m/s]
 COMPONENTS = ("u", "v", "w")
 ENVS = 256
 GOOD = 0.03  # deviation of a band from the standard
-FEWEST = 2000  # averages of a band that is judged
+FEWEST = 2000  # minimum of averages of an evaluated band
 FOLDS = 2000  # multiples of the sampling frequency that are folded into the standard's densities
 
-# Nothing flies: a deck on a rail that stands still, with the wind about it.
+# No vehicle flies: the scenario is a fixed deck on a rail in wind.
 SCENARIO = """
 name: dryden_spectra
 stepping: {{dt: {dt}, action_repeat: 1}}
@@ -82,7 +82,7 @@ def density(component: str, frequency: NDArray[np.float64]) -> NDArray[np.float6
 
 
 def folded(component: str, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The density of samples: that of the process at all frequencies that look the same."""
+    """The density of samples: the sum of the process's densities at all aliased frequencies."""
     total = density(component, frequency)
     for fold in range(1, FOLDS + 1):
         total += density(component, fold / SAMPLE_TIME + frequency)
@@ -142,7 +142,7 @@ def measured(count: int, segment: int) -> dict[str, Any]:
 
 
 def bands(found: dict[str, Any], segment: int) -> list[dict[str, Any]]:
-    """Means over thirds of octaves, from the second line of the spectrum to Nyquist's frequency."""
+    """Means over thirds of octaves, from the second line of the spectrum to Nyquist."""
     step = 1.0 / (segment * SAMPLE_TIME)
     lines = np.arange(segment // 2, dtype=np.float64) * step
     theory = {name: folded(name, lines) for name in COMPONENTS}
@@ -155,7 +155,7 @@ def bands(found: dict[str, Any], segment: int) -> list[dict[str, Any]]:
         width = len(lines[inside])
         entry: dict[str, Any] = {
             "frequency": float(np.sqrt(lines[inside][0] * lines[inside][-1])),
-            # Neighbouring lines of a Hann window depend on each other: three count as two.
+            # Adjacent lines of a Hann window are correlated: three count as two.
             "averages": int(found["segments"] * max(1.0, width / 1.5)),
         }
         for k, name in enumerate(COMPONENTS):
@@ -226,7 +226,7 @@ all samples.
 
 
 def write_picture(results: dict[str, Any], path: Path) -> None:
-    """Densities above, ratios below."""
+    """Plots densities above, ratios below."""
     figure, (above, below) = plt.subplots(
         2, 1, figsize=(8, 7), sharex=True, height_ratios=(3, 1), layout="constrained"
     )
@@ -257,7 +257,7 @@ def main() -> int:
     options = parser.parse_args()
     folder = output_folder(parser, options)
     count, segment = (40_000, 8192) if options.quick else (1_000_000, 32_768)
-    # Whole halves of segments: a little more than the count.
+    # Rounded up to whole halves of segments.
     count = -(-count // (segment // 2)) * (segment // 2)
     machine, began = facts(), time.perf_counter()
     found = measured(count, segment)

@@ -1,4 +1,4 @@
-"""A figure for the README of each effect: what it does in the engine, beside its equation.
+"""A figure for the README of each effect: its simulated result and its equation.
 
     .venv/bin/python experiments/effect_figures.py [EFFECT]... [--quick] [--out FOLDER]
 
@@ -28,12 +28,12 @@ Floats = NDArray[np.float64]
 HOVER = 1391.0  # rad/s: QDrone2's rotors carry its weight
 THRUST_CONSTANT = 1.9533e-6  # N s^2/rad^2, of QDrone2
 GRAVITY = 9.81
-HIGH = 50.0  # m: where there is no ground
+HIGH = 50.0  # m: far above the ground
 TAU = 2.0 * np.pi
 
 
 def flying(effects: str, *more: str, scenario: str = "hover") -> Simulation:
-    """QDrone2 in balance, an episode begun.
+    """A QDrone2 in equilibrium, at the start of an episode.
 
     @param effects  the scenario's list, as YAML
     """
@@ -48,9 +48,9 @@ def mass(simulation: Simulation) -> float:
 
 
 def acceleration(simulation: Simulation, z: float = HIGH, velocity: object = (0, 0, 0)) -> Floats:
-    """Of the base at a height, level, with its rotors at hover speed [m/s^2], W.
+    """Acceleration of the base at a height, level, with its rotors at hover speed [m/s^2], W.
 
-    Held inputs are made at the beginning of a step, so one is taken first.
+    Held inputs are computed at the beginning of a step, so one step is made first.
     """
     simulation.teleport(
         position=[0, 0, z], rotation=[1, 0, 0, 0], velocity=velocity, angular_velocity=[0, 0, 0]
@@ -61,14 +61,14 @@ def acceleration(simulation: Simulation, z: float = HIGH, velocity: object = (0,
 
 
 def thrust_ratio(simulation: Simulation, z: float, velocity: object = (0, 0, 0)) -> float:
-    """Thrust over the thrust that hovers: the rotors' drag acts across the axis alone."""
+    """Thrust over hover thrust: the rotors' drag acts only across the axis."""
     return float(1.0 + acceleration(simulation, z, velocity)[2] / GRAVITY)
 
 
 def over_time(
     simulation: Simulation, steps: int, every: int, look: Callable[[], Floats]
 ) -> tuple[Floats, Floats]:
-    """Times [s] and what look() says at them."""
+    """Times [s] and the values of look() at these times."""
     times, values = [0.0], [look()]
     for k in range(every, steps + 1, every):
         simulation.advance(every)
@@ -78,7 +78,7 @@ def over_time(
 
 
 def info(simulation: Simulation, name: str, count: int = 1) -> Floats:
-    """Of an effect's report."""
+    """An info value of an effect."""
     simulation.evaluate()
     place = 0
     for channel in simulation.compiled.info_channels:
@@ -253,7 +253,7 @@ PROBE = "{plugin: body_drag, parameters: {linear: [1, 1, 1]}}"
 
 
 def felt_wind(simulation: Simulation, z: float = HIGH) -> Floats:
-    """By the drag of a body at rest: 1 N s/m."""
+    """Wind speed from the drag of a body at rest: 1 N s/m."""
     for rotor in range(4):
         simulation.set_param(f"robots.quad.rotors[{rotor}].drag_constant", 0.0)
     return acceleration(simulation, z) * mass(simulation)
@@ -294,7 +294,7 @@ def wind_table(axes: Axes) -> None:
 
 
 def hub_height(simulation: Simulation) -> float:
-    """Above the base's origin [m]."""
+    """Height of the hubs above the base's origin [m]."""
     return float(simulation.param("robots.quad.rotors[0].position[2]"))
 
 
@@ -307,7 +307,7 @@ def _rotor(simulation: Simulation, i: int) -> Callable[[], Floats]:
 
 
 def thrust_of_failing(simulation: Simulation, kind: str) -> Callable[[], Floats]:
-    """Of the rotor back_left [N]; `kind` as the effect has it."""
+    """Thrust of the rotor back_left [N]; `kind` as in the effect's parameters."""
     speed = _rotor(simulation, 2)
 
     def thrust() -> Floats:
@@ -319,7 +319,7 @@ def thrust_of_failing(simulation: Simulation, kind: str) -> Callable[[], Floats]
 
 
 def steps_of_command(simulation: Simulation) -> tuple[Floats, Floats]:
-    """The speed of a rotor whose command goes up and down."""
+    """The speed of a rotor whose command steps up and down."""
     times, speeds = [], []
     for part, command in enumerate((HOVER, 2000.0, 800.0)):
         simulation.command(np.full(4, command))

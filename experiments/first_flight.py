@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""How soon a policy that somebody trains flies: `skybody train`, then `skybody run`, as typed.
+"""Time from training to the first flight: `skybody train`, then `skybody run`, as typed by a user.
 
     .venv/bin/python experiments/first_flight.py [--turns 3] [--out DIR]
 
-Each turn is an empty folder of its own and two commands, the second as the first one's last line
-says it. Seconds are of the wall clock, from the first command to the end of the second: start of
+Each turn uses an empty folder and two commands; the second is printed in the last line of the
+first. Seconds are wall clock, from the first command to the end of the second: start of
 the programs, training with its checkpoints, all evaluations, the learning curve, the flight, its
-log and its picture. Writes first_flight.md and its JSON. Installing comes before that.
+log and its picture. Writes first_flight.md and its JSON. Installation is not included.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from skybody.program import run_program
 from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_report
 
 SCENARIO = "hover_learn"
-QUICK_STEPS = 200_000  # of --quick, after which nothing hovers yet
+QUICK_STEPS = 200_000  # of --quick, too few to hover
 FLY = re.compile(r"^fly it +(skybody run .+)$", re.MULTILINE)
 SUMMARY = re.compile(r"^(\d+) steps in [\d.]+ s, ([\d,]+) steps/s", re.MULTILINE)
 LAST_ERROR = re.compile(r"^position_error .* (\S+)$", re.MULTILINE)  # of the values at the end
@@ -36,11 +36,11 @@ NAME = "first_flight"
 
 
 class FlightError(RuntimeError):
-    """A command that failed, or did not say what it should; the text is the whole message."""
+    """A command that failed, or had unexpected output; the text is the whole message."""
 
 
 def call(command: str, folder: Path) -> tuple[float, str]:
-    """Seconds of a command that somebody types in `folder`, and what it printed."""
+    """Runs a command in `folder`; returns its seconds and its output."""
     words = shlex.split(command)
     environment = {**os.environ, "SKYBODY_PYTHON": sys.executable}
     begin = time.perf_counter()
@@ -59,7 +59,7 @@ def call(command: str, folder: Path) -> tuple[float, str]:
 
 
 def found(pattern: re.Pattern[str], text: str, command: str) -> re.Match[str]:
-    """Where a command says something. Raises FlightError where it does not."""
+    """The match of a pattern in a command's output. Raises FlightError if there is none."""
     match = pattern.search(text)
     if match is None:
         raise FlightError(f"`{command}` does not print {pattern.pattern}:\n{text}")
@@ -67,7 +67,7 @@ def found(pattern: re.Pattern[str], text: str, command: str) -> re.Match[str]:
 
 
 def turn(more: str) -> dict[str, Any]:
-    """From an empty folder to the end of the first flight."""
+    """Runs one turn, from an empty folder to the end of the first flight."""
     train = f"skybody train {SCENARIO}{more}"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -42,7 +42,7 @@ MODES = {
 
 
 def fly(program: Path, overrides: list[str]) -> tuple[float, float, str]:
-    """One flight: mean and maximum error of the last second [mm], and how it ended."""
+    """Makes one flight: mean and maximum error of the last second [mm], and how it ended."""
     with tempfile.TemporaryDirectory() as folder:
         command = [str(program), "run", "hover", "--policy", "hold", "--seed", "1", "--no-picture"]
         for override in overrides:
@@ -74,7 +74,7 @@ def table(rows: list[list[str]]) -> str:
 
 
 def vehicle_table(program: Path, vehicles: Sequence[str]) -> tuple[str, bool]:
-    """Every vehicle through rotor speeds."""
+    """Every vehicle, commanded by rotor speeds."""
     rows = [["vehicle", "mean error [mm]", "max error [mm]", "end"]]
     good = True
     models = [(name, [f"robots[0].model={name}"]) for name in vehicles]

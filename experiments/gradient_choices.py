@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What does a step of `gradient` cost by world, what is its value function worth, and how long a
-horizon do heavy vehicles need?
+"""Choices for `gradient`: cost of a step by world, value of its value function, horizon of heavy
+vehicles.
 
     .venv/bin/python experiments/gradient_choices.py [--program BENCH_GRADIENT]
 
-Every figure is bench_gradient's, whose command the page names. Costs: seconds of training by steps,
-on one thread. The other two: the median error, failures and mean return of 100 held-out episodes
-after a run's last update, for each seed. Writes gradient_choices.md and its JSON. Run it on a
-machine that does nothing else.
+Every figure comes from bench_gradient, whose command is on the page. Costs: seconds of training by
+steps, on one thread. The other two: the median error, failures and mean return of 100 held-out
+episodes after a run's last update, for each seed. Writes gradient_choices.md and its JSON. Run it
+on an otherwise idle machine.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ VEHICLES = ("envs=256", *STEP_SIZES)
 
 @dataclass(frozen=True)
 class Choice:
-    """Settings of bench_gradient that are compared with others."""
+    """Settings of bench_gradient to compare."""
 
     name: str
     scenario: str
@@ -104,7 +104,7 @@ def bench(program: Path, scenario: str, settings: Sequence[str]) -> dict[str, fl
 
 
 def read_figures(output: str) -> dict[str, float]:
-    """Of the last look: steps, seconds of training, and those of the held-out episodes."""
+    """Figures of the last evaluation: steps, seconds of training, and of held-out episodes."""
     ready = re.search(r"^ready after ([\d.]+) s$", output, re.MULTILINE)
     looks = re.findall(
         r"^update +\d+ steps +(\d+) +([\d.]+) s of process .*\| median ([\d.]+) m "
@@ -121,7 +121,7 @@ def read_figures(output: str) -> dict[str, float]:
 
 
 def costs(program: Path, quick: bool) -> list[dict[str, Any]]:
-    """Of a step of training in each world."""
+    """Cost of a step of training in each world."""
     rows = []
     for world in WORLDS[:1] if quick else WORLDS:
         found = bench(program, world, (*COST, *(QUICK if quick else ())))

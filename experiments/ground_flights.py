@@ -4,8 +4,8 @@
     .venv/bin/python experiments/ground_flights.py [--program PROGRAM] [--docs docs/results]
 
 Each flight is one `skybody run` under the hold baseline, seed 1. The pictures show the first
-episode, with the time shaded in which something touches. Exit code 1 where a flight
-does not end as it should: at its goal, at rest on the ground, or on its back after the collision.
+episode, with times of contact shaded. Exit code 1 if a flight does not end as expected: at its
+goal, at rest on the ground, or on its back after the collision.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from throughput import page_data
 
 ROOT = Path(__file__).resolve().parent.parent
 FOUR_SECONDS = ("randomization=[]", "stepping.horizon=4000")
-LEG = 0.06  # height of the vehicle's origin above the ground where it rests [m]
-BACK = 0.03  # of one that lies on its back [m]
+LEG = 0.06  # height of a resting vehicle's origin above the ground [m]
+BACK = 0.03  # of a vehicle that lies on its back [m]
 
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight: what to run, and where it has to be at its end."""
+    """One flight: its arguments, and its expected final state."""
 
     name: str
     says: str
@@ -75,12 +75,12 @@ FLIGHTS = (
         (LEG, BACK),
     ),
 )
-NEAR = 0.02  # of the end height [m]: a goal on the ground is not reached to the millimetre
-AT_REST = 0.05  # [m/s]: the take-off's approach to its goal still moves by a fifth of it at the end
+NEAR = 0.02  # of the end height [m]: a goal on the ground is not reached exactly
+AT_REST = 0.05  # [m/s]: the take-off still approaches its goal at a fifth of this at the end
 
 
 def fly(program: Path, flight: Flight, picture: Path) -> tuple[str, bool]:
-    """Flies and says in words how; whether it ended as it should."""
+    """Flies; returns a description, and whether the flight ended as expected."""
     with tempfile.TemporaryDirectory() as folder:
         command = [str(program), *flight.command(), "--out", folder]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -105,7 +105,7 @@ def fly(program: Path, flight: Flight, picture: Path) -> tuple[str, bool]:
 
 
 def main() -> int:
-    """Flies all three; writes docs/results/ground_flights.md where all ended as they should."""
+    """Flies all three; writes docs/results/ground_flights.md if all ended as expected."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,9 +1,9 @@
-"""Hard cases of motion and contact: each flies one and says how far it is off.
+"""Hard cases of motion and contact: each simulates one and returns its error.
 
     .venv/bin/python experiments/hard_cases.py [--quick]
 
-prints the figures of all cases as JSON, one for each time step. They need no more of Skybody than
-Simulation, so that older builds fly them, too (PYTHONPATH); hard_physics.py makes a page of them.
+prints the figures of all cases as JSON, one for each time step. They only use the class
+Simulation, so that they also run with older builds (PYTHONPATH); hard_physics.py makes their page.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from skybody.program import run_program
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81  # [m/s^2]
-DAMPING = 4.5  # 1.5 times the default dissipation: the law of contact's d [s/m]
+DAMPING = 4.5  # 1.5 times the default dissipation: d of the contact law [s/m]
 FLOATING = "gravity: [0, 0, 0]\ncontact: {ground: false}\n"
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A free body of one shape, its inertia about its axes."""
+    """A free body of one shape, with its inertia about its axes."""
 
     mass: float  # [kg]
     inertia: tuple[float, float, float]  # [kg m^2]
     shape: str  # of URDF's <geometry>
 
     def urdf(self) -> str:
-        """As a robot of one link."""
+        """The body as a robot with one link."""
         xx, yy, zz = self.inertia
         return (
             f'<robot name="solid"><link name="base_link"><inertial><mass value="{self.mass}"/>'
@@ -46,7 +46,7 @@ class Solid:
 
 
 def box(mass: float, x: float, y: float, z: float) -> Solid:
-    """Filled evenly; lengths of its sides [m]."""
+    """A homogeneous box; lengths of its sides [m]."""
     square = mass / 12.0 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
     return Solid(mass, tuple(square), f'<box size="{x} {y} {z}"/>')
 
@@ -58,7 +58,7 @@ BRICK = box(1.0, 0.3, 0.2, 0.1)
 
 
 class World:
-    """One or more solids in a folder of their own."""
+    """One or more bodies, in a separate folder."""
 
     def __init__(self, folder: Path, solids: list[Solid], dt: float, more: str = "") -> None:
         self.solids = solids
@@ -77,13 +77,13 @@ class World:
     def put(
         self, position: Array, rotation: Array, velocity: Array, spin: Array, robot: str = "r0"
     ) -> None:
-        """Where a solid is, and how it moves: W; quaternion w x y z; spin in body axes."""
+        """Sets pose and motion of a body: W; quaternion w x y z; angular velocity in body axes."""
         unit = rotation / np.linalg.norm(rotation)
         parts = (position, unit, velocity, spin)
         self.sim.teleport(*(np.asarray(part, float).tolist() for part in parts), robot=robot)
 
     def energy(self, gravity: float = GRAVITY) -> float:
-        """Of all solids [J]."""
+        """Energy of all bodies [J]."""
         total = 0.0
         for i, solid in enumerate(self.solids):
             base = self.sim.base(f"r{i}")
@@ -94,7 +94,7 @@ class World:
         return total
 
     def fly(self, seconds: float, dt: float, every: float = 0.0) -> Iterator[bool]:
-        """Goes on, and yields each step, or at each of the times between [s]; False: a fault."""
+        """Advances; yields after each step, or at times `every` apart [s]; False: a fault."""
         steps = max(1, round(every / dt))
         for _ in range(round(seconds / dt / steps)):
             went = self.sim.advance(steps)
@@ -108,7 +108,7 @@ UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def free_spin(folder: Path, dt: float, spin: float, seconds: float) -> float:
-    """The largest change of energy, of the start's."""
+    """The largest change of energy, relative to its initial value."""
     world = World(folder, [PLATE], dt, FLOATING)
     way = np.array([0.3, 1.0, 0.2])
     world.put(np.array([0, 0, 50.0]), UPRIGHT, NONE, spin * way / np.linalg.norm(way))
@@ -120,7 +120,7 @@ def free_spin(folder: Path, dt: float, spin: float, seconds: float) -> float:
 
 
 def thrown_stick(folder: Path, dt: float) -> float:
-    """The largest energy of a stick that the ground spins up, of the start's."""
+    """The largest energy of a stick that the ground spins up, relative to its initial value."""
     world = World(folder, [STICK], dt)
     rotation = np.array([0.7071, 0.01, 0.7271, 0.01])
     world.put(np.array([0, 0, 0.02]), rotation, np.array([0, 10.0, -2.0]), NONE)
@@ -135,7 +135,7 @@ WALL = FLOATING + "obstacles: [{name: wall, box: [0.02, 4, 4], position: [0, 0, 
 
 
 def sticks_at_a_wall(folder: Path, dt: float, throws: int) -> float:
-    """How many of some sticks at 20 to 40 m/s gain energy, pass a wall of 20 mm, or fault."""
+    """Number of sticks at 20 to 40 m/s that gain energy, pass a wall of 20 mm, or fault."""
     world = World(folder, [STICK], dt, WALL)
     random = np.random.default_rng(1)
     bad = 0
@@ -153,7 +153,7 @@ def sticks_at_a_wall(folder: Path, dt: float, throws: int) -> float:
 
 
 def law_rebound(speed: float) -> float:
-    """How fast a body leaves by the law alone: m v dv = -f dx, in parts [m/s]."""
+    """Rebound speed by the contact law: m v dv = -f dx, integrated numerically [m/s]."""
 
     def lost(v: float) -> float:
         return v / DAMPING - math.log1p(DAMPING * v) / DAMPING**2
@@ -166,7 +166,7 @@ def law_rebound(speed: float) -> float:
 
 
 def rebounds(folder: Path, dt: float, drops: int) -> float:
-    """The largest error of a cube's rebound at 1 to 11 m/s, of the law's."""
+    """The largest relative error of a cube's rebound at 1 to 11 m/s against the law."""
     world = World(folder, [CUBE], dt, "gravity: [0, 0, 0]\n")
     worst = 0.0
     for k in range(drops):
@@ -182,7 +182,7 @@ def rebounds(folder: Path, dt: float, drops: int) -> float:
 
 
 def deep_cube(folder: Path, dt: float, depth: float) -> float:
-    """How fast a cube leaves the ground; by the law 0.22 m/s at most [m/s]."""
+    """Speed at which a cube leaves the ground; by the law at most 0.22 m/s [m/s]."""
     world = World(folder, [CUBE], dt)
     world.put(np.array([0, 0, 0.1 - depth]), UPRIGHT, NONE, NONE)
     most = 0.0
@@ -192,7 +192,7 @@ def deep_cube(folder: Path, dt: float, depth: float) -> float:
 
 
 def overlapping(folder: Path, dt: float) -> float:
-    """The larger speed of two cubes that begin in each other [m/s]."""
+    """The larger speed of two cubes that overlap at the start [m/s]."""
     world = World(folder, [CUBE, CUBE], dt, "gravity: [0, 0, 0]\ncontact: {redraws: 0}\n")
     world.put(np.array([0, 0, 5.0]), UPRIGHT, NONE, NONE)
     world.put(np.array([0.05, 0.01, 5.02]), UPRIGHT, NONE, NONE, "r1")
@@ -204,7 +204,7 @@ def overlapping(folder: Path, dt: float) -> float:
 
 
 def throw(world: World, random: np.random.Generator) -> None:
-    """Somewhere above the ground, tumbling."""
+    """Throws a tumbling body from above the ground."""
     world.sim.reset()
     rotation = random.normal(size=4)
     height = np.array([0, 0, random.uniform(0.3, 1.0)])
@@ -212,7 +212,7 @@ def throw(world: World, random: np.random.Generator) -> None:
 
 
 def thrown_boxes(folder: Path, dt: float, throws: int) -> float:
-    """How many of some thrown boxes still move by 1 mm/s after 8 s."""
+    """Number of thrown boxes that still move at 1 mm/s or more after 8 s."""
     world = World(folder, [BRICK], dt)
     random = np.random.default_rng(5)
     restless = 0
@@ -247,7 +247,7 @@ MODELS = Path(__file__).resolve().parent.parent / "scenarios/models"
 
 
 def on_its_side(folder: Path, dt: float, model: str) -> float:
-    """How far a vehicle that lies on its side walks in a minute [mm]."""
+    """Distance that a vehicle lying on its side creeps in a minute [mm]."""
     scenario = folder / "side.yaml"
     scenario.write_text(
         f"name: side\nstepping: {{dt: {dt}}}\nrobots:\n"
@@ -271,7 +271,7 @@ ELBOW = (0.0, 2.5)  # its limits in firefly_arm.urdf [rad]
 
 
 def elbow_stop(folder: Path, dt: float) -> float:
-    """How far firefly_arm's elbow, at 15 rad/s, passes its stop [rad]."""
+    """Distance by which firefly_arm's elbow, at 15 rad/s, passes its stop [rad]."""
     scenario = folder / "arm.yaml"
     scenario.write_text(
         f"name: arm\nstepping: {{dt: {dt}}}\ngravity: [0, 0, -9.81]\nrobots:\n"
@@ -296,7 +296,7 @@ class Case:
     """One row of the table."""
 
     name: str
-    form: str  # of its figures
+    form: str  # format of its figures
     wanted: str
     run: Callable[[Path, float], float]
 
@@ -319,7 +319,7 @@ def measured(quick: bool) -> dict[str, list[float]]:
 
 
 def cases(quick: bool) -> list[Case]:
-    """All of them; `quick`: with few throws, and short spins."""
+    """All cases; `quick`: with few throws, and short spins."""
     tries, seconds = (2, 1.0) if quick else (128, 60.0)
 
     def spin(rate: float) -> Callable[[Path, float], float]:

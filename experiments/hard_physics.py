@@ -1,9 +1,9 @@
-"""Hard cases of motion and contact at four time steps, beside an older build.
+"""Hard cases of motion and contact at four time steps, compared with an older build.
 
     .venv/bin/python experiments/hard_physics.py [--before PACKAGE] [--quick] [--out DIR]
 
---before: folder of an older build's Python package, as `python` of its sources. Without it the
-older build's figures stay those of the page.
+--before: folder of an older build's Python package, such as `python` of its sources. Without it the
+page keeps the older build's figures.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ NAME = "hard_physics"
 
 
 def of_build(package: Path, quick: bool) -> dict[str, list[float]]:
-    """The figures by another build's Python package."""
+    """The figures of another build's Python package."""
     command = [sys.executable, hard_cases.__file__]
     done = subprocess.run(
         command + ["--quick"] * quick,
@@ -36,7 +36,7 @@ def of_build(package: Path, quick: bool) -> dict[str, list[float]]:
 
 
 def cell(case: hard_cases.Case, figure: float) -> str:
-    """A figure as the table shows it."""
+    """A figure in the format of the table."""
     return "fault" if figure == float("inf") else format(figure, case.form)
 
 

@@ -2,10 +2,13 @@
 
     .venv/bin/python experiments/hash_run.py SCENARIO [--envs N] [--threads T] [--batch B] ...
 
-Prints four hashes, which should be that of `skybody hash` with the same options: of the whole
-flight; of one that is saved in the middle, disturbed and restored; of one that is restored there
-into a pool of one thread; and of the whole flight again, if all environments but the first come out
-the same while the first gets actions that are not finite (otherwise of what came out then).
+Prints four hashes, which should equal that of `skybody hash` with the same options:
+
+1. of the whole flight;
+2. of one that is saved in the middle, disturbed and restored;
+3. of one that is restored there into a pool of one thread;
+4. of the whole flight again, if all environments except the first are unchanged while the first
+   gets actions that are not finite (otherwise of that flight).
 """
 
 from __future__ import annotations
@@ -21,7 +24,7 @@ from skybody.program import run_program
 ROUNDS = 10
 MULTIPLIERS = (0xD2E7470EE14C6C93, 0xCA5A826395121157)
 KEY_STEPS = (0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B)
-WORDS = 4  # a block
+WORDS = 4  # per block
 LOW = np.uint64(0xFFFFFFFF)
 HALF = np.uint64(32)
 
@@ -41,7 +44,7 @@ def multiply(a: Words, b: int) -> tuple[Words, Words]:
 
 
 def philox(counter: list[Words], key: tuple[Words, Words]) -> Words:
-    """Blocks (..., 4) of the counters' four words under the key's two."""
+    """Blocks (..., 4) from the counters' four words and the key's two."""
     x0, x1, x2, x3 = counter
     k0, k1 = key
     for _ in range(ROUNDS):
@@ -61,17 +64,17 @@ def stream(name: str) -> int:
 
 
 def hash_actions(seed: int, envs: int, steps: int, size: int) -> NDArray[np.float32]:
-    """Actions (steps, envs, size) of `skybody hash`: uniform in [-1, 1]; its --help says more."""
+    """Actions (steps, envs, size) of `skybody hash`: uniform in [-1, 1]; see its --help."""
     blocks = -(-size // WORDS)
     step, env, block = np.indices((steps, envs, blocks), np.uint64)
     counter = [np.zeros_like(step), np.full_like(step, stream("hash.action")), step, block]
     words = philox(counter, (np.full_like(step, seed), env))
-    uniform = (words >> np.uint64(11)) * 2.0**-53  # exact, and so is what follows
+    uniform = (words >> np.uint64(11)) * 2.0**-53  # exact, as are the following operations
     return (2.0 * uniform - 1.0).astype(np.float32).reshape(steps, envs, -1)[:, :, :size]
 
 
 class Flight:
-    """Environments that each take a reset and then one step after another."""
+    """Environments that each make a reset and then one step after another."""
 
     def __init__(self, pool: skybody.Pool, actions: NDArray[np.float32]) -> None:
         self.pool = pool
@@ -79,13 +82,13 @@ class Flight:
         self.taken = np.zeros(pool.num_envs, np.int64)
 
     def reset(self) -> None:
-        """Begins, and waits for it."""
+        """Resets all environments, and waits for them."""
         self.pool.async_reset()
         while self.pool.in_flight > 0:
             self.pool.recv()
 
     def fly_to(self, step: int) -> None:
-        """Gives every environment its steps up to `step`, as its earlier ones come back."""
+        """Steps every environment up to `step`, sending each as soon as it is received."""
         ids = np.arange(self.pool.num_envs, dtype=np.int32)
         while True:
             ids = ids[self.taken[ids] < step]
@@ -98,7 +101,7 @@ class Flight:
 
 
 def hashes(options: argparse.Namespace) -> list[str]:
-    """The four that the program prints."""
+    """The four hashes of the program."""
     compiled = skybody.CompiledScenario(options.scenario, options.set)
     steps, half = options.steps, options.steps // 2
     actions = hash_actions(options.seed, options.envs, steps, compiled.action_size)

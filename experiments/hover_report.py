@@ -114,7 +114,7 @@ def _hyper(content: dict[str, Any]) -> str:
 
 
 def draw(content: dict[str, Any], out: Path) -> None:
-    """Return above position error, against steps to the left and wall-clock time to the right."""
+    """Return above position error, over steps on the left and wall-clock time on the right."""
     figure = Figure(figsize=(10, 6.8), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     axes = figure.subplots(2, 2, sharex="col", sharey="row")

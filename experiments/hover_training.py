@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Learns to hover with each learner, three seeds each, and measures how well and how long.
+"""Learns to hover with each learner, three seeds each, and measures quality and time.
 
     .venv/bin/python experiments/hover_training.py [--out DIR] [--program build/release/bin/skybody]
 
-The runs come one after another, with the shipped hyper-parameters and nothing beside them: wall
+The runs are made one after another, with the shipped hyper-parameters and without other load: wall
 clock is that of the whole command `skybody train`, from its start to its exit. Then every
 checkpoint flies 100 episodes in a new process. `lean-ppo` (experiments/yardstick), in PyTorch, is
-the yardstick for the learners in C++. Beside them stands fast-ppo on hover.yaml (K = 1, the
-paper's), a run that training_reproducibility.py shares. At last fast-ppo's policy of the first seed
-is flown by `skybody run`, and its actions are compared with those that PyTorch computes.
+the reference for the learners in C++. The page also has fast-ppo on hover.yaml (K = 1, the
+paper's), a run shared with training_reproducibility.py. Finally fast-ppo's policy of the first seed
+is flown by `skybody run`, and its actions are compared with those computed by PyTorch.
 
-Finished runs are not repeated; one that was interrupted begins anew, because its time counts. Run
-it on a machine that does nothing else. Exit code 1 where a run misses a limit.
+Finished runs are not repeated; an interrupted one begins again, because its time counts. Run
+it on an otherwise idle machine. Exit code 1 if a run misses a limit.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from yardstick import command as yardstick
 SCENARIO = "hover_learn"
 SEEDS = (1, 2, 3)
 YARDSTICK = (str(Path(yardstick.__file__)),)
-SECONDS = {"fast-ppo": 30.0, "gradient": 5.0, "lean-ppo": 180.0}  # of wall clock, at most
+SECONDS = {"fast-ppo": 30.0, "gradient": 5.0, "lean-ppo": 180.0}  # limits of wall clock
 MOST_ERROR, LEAST_SUCCESS = 0.05, 0.98  # median [m]; share of episodes without failure
 CHECKPOINTS = 20  # points of a curve
 REPRODUCIBILITY = "training_reproducibility_fast-ppo"  # folder of those runs
@@ -64,14 +64,14 @@ def shipped_steps(algorithm: str) -> int:
 
 
 def shipped(algorithm: str) -> dict[str, Any]:
-    """What Run is to be told besides; the yardstick is a program of its own."""
+    """Further arguments of Run; the yardstick is a separate program."""
     if algorithm == yardstick.NAME:
         return {"settings": yardstick.SETTINGS, "program": YARDSTICK}
     return {}
 
 
 def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Run]:
-    """All runs, the quick learners' first. They evaluate nothing beside training."""
+    """All runs, the fast learners' first. They make no evaluations during training."""
     return [
         Run(
             folder=out / f"{algorithm}-seed-{seed}",
@@ -92,10 +92,10 @@ def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Ru
 
 
 def measure(run: Run) -> dict[str, Any]:
-    """Trains and takes the times [s]; of a run that is finished, those that it took.
+    """Trains and returns the times [s]; for a finished run, its recorded times.
 
     `wall_clock` is the whole command's. `published` has, by the checkpoint's folder, the time from
-    the command to the moment at which the folder got its name: then it can be flown.
+    the command to the moment at which the folder got its final name: then it can be flown.
     """
     run.check()
     path = run.folder / "measured.json"
@@ -104,7 +104,7 @@ def measure(run: Run) -> dict[str, Any]:
         load, begun = os.getloadavg()[0], time.time()
         run.train()
         seconds = time.time() - begun
-        # A folder's ctime is that of its renaming, until an evaluation is written into it.
+        # A folder's ctime is the time of its renaming, until an evaluation is written into it.
         published = {
             folder.name: folder.stat().st_ctime - begun for folder in checkpoint_folders(run.folder)
         }
@@ -114,13 +114,13 @@ def measure(run: Run) -> dict[str, Any]:
 
 
 def evaluate(run: Run) -> None:
-    """Flies every checkpoint that has not been, each in a new process."""
+    """Evaluates the checkpoints without an evaluation, each in a new process."""
     for checkpoint in checkpoint_folders(run.folder):
         evaluate_checkpoint(checkpoint)
 
 
 def evaluate_checkpoint(checkpoint: Path) -> None:
-    """Flies EPISODES in a new process, unless that was done before."""
+    """Flies EPISODES in a new process, unless an evaluation exists."""
     found = read_evaluation(checkpoint)
     if found is not None and found["episodes"] == EPISODES:
         return
@@ -132,7 +132,7 @@ def evaluate_checkpoint(checkpoint: Path) -> None:
 
 
 def curve(run: Run) -> dict[str, Any]:
-    """Of the evaluations, and by what returns are divided to be compared."""
+    """Curve of the evaluations, and the divisor that makes returns comparable."""
     keep = ("steps", "wall_clock", "return_mean", "position_error_median", "success_share")
     points = [{name: evaluation[name] for name in keep} for evaluation in run.evaluations()]
     return {"horizon": CompiledScenario(run.scenario, list(run.overrides)).horizon, "curve": points}
@@ -165,7 +165,7 @@ def record(run: Run, measured: dict[str, float]) -> dict[str, Any]:
 
 
 def evaluate_all(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """The rows of runs that have been measured; prints a line on each."""
+    """The rows of measured runs; prints a line on each."""
     records = []
     for run in runs:
         evaluate(run)
@@ -180,7 +180,7 @@ def evaluate_all(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 
 def hover_curve(out: Path, steps: int) -> dict[str, Any]:
-    """On hover.yaml: the first run of training_reproducibility.py, trained here if need be."""
+    """Curve on hover.yaml: the first run of training_reproducibility.py, made if missing."""
     group = training_reproducibility.make_groups("hover", out, steps, 2, "fast-ppo")[0]
     run = group.runs[0]
     train_all([run], 1, training_reproducibility.say)

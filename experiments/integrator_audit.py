@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""How exact every shipped scenario is by integrator and time step, and what that costs.
+"""Accuracy and cost of every shipped scenario by integrator and time step.
 
     .venv/bin/python experiments/integrator_audit.py [--only NAME...] [--quick] [--out FOLDER]
 
 A scenario's baseline flight (`skybody run`, 1 s, commands held for the least common multiple of its
-action interval and the largest step) gives commands: of rotors, and of other actuators where a
-robot has no rotors. Hard dashes are made of them: each is multiplied by factors that are drawn anew
-every 0.1 s, equal for every robot, without a ground. Two flights are flown as they are:
-hard_landing, onto the ground, and collision, which begins LEAD before the robots touch in the
-scenario's own flight. All are flown open loop, with every integrator and step, and
-compared with CVODE at a tight tolerance, or with very small steps where things touch: so the
-integrator is audited, not the controller's rate. Writes integrators.md, data/integrator_audit.json
-and images/integrator_audit.png. --quick: five scenarios, two steps. --only: nothing but the table.
+action interval and the largest step) provides the commands: of rotors, and of other actuators if a
+robot has no rotors. They are made aggressive: each is multiplied by factors drawn every 0.1 s,
+equal for every robot, without a ground. Two flights are flown unchanged: hard_landing, onto the
+ground, and collision, which begins LEAD before the robots touch in the scenario's own flight.
+All are flown open loop, with every integrator and step. The reference is CVODE at a tight
+tolerance, or very small steps in contact. So the integrator is audited, not the controller's rate.
+Writes integrators.md, data/integrator_audit.json and images/integrator_audit.png.
+--quick: five scenarios, two steps. --only: prints only the table.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from throughput import arguments, facts, output_folder, write_json
 GRAVITY = 9.81  # of every shipped scenario [m/s^2]
 QUICK_STEPS_US = (1000, 4000)
 TRIALS = 4
-LONG = 0.5  # a flight that takes longer [s] is timed once: noise is small beside it
-GOOD_POSITION, GOOD_ANGLE = 1e-3, math.radians(0.1)  # what counts as exact [m], [rad]
+LONG = 0.5  # a longer flight [s] is timed once, since noise is then small
+GOOD_POSITION, GOOD_ANGLE = 1e-3, math.radians(0.1)  # limits of exactness [m], [rad]
 GROUNDED = ("hard_landing",)  # flown onto the ground; others in free air
 QUICK = ("hover", "payload", "boom", "collision", "four_bar")
 
 
 @dataclass(frozen=True)
 class Integrator:
-    """One way of advancing the state: name for tables, and what the scenario is told."""
+    """One way of advancing the state: its name in tables, and its overrides of the scenario."""
 
     name: str
     overrides: tuple[str, ...]
@@ -56,7 +56,7 @@ def solver(integrator: str, method: str) -> Integrator:
         (
             f"stepping.integrator={integrator}",
             f"stepping.solver.method={method}",
-            "stepping.solver.relative_tolerance=1e-8",  # the defaults, whatever the scenario has
+            "stepping.solver.relative_tolerance=1e-8",  # the defaults, whatever the scenario sets
             "stepping.solver.absolute_tolerance=1e-11",
         ),
     )
@@ -74,7 +74,7 @@ INTEGRATORS = (
 
 
 def reference(method: str, tolerance: float) -> tuple[str, ...]:
-    """What makes CVODE exact."""
+    """Overrides for accurate CVODE."""
     return (
         "stepping.integrator=cvode",
         f"stepping.solver.method={method}",
@@ -86,15 +86,16 @@ def reference(method: str, tolerance: float) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Reference:
-    """What a flight is compared with."""
+    """The reference of a flight."""
 
     dt: float  # [s]
     overrides: tuple[str, ...]
 
 
 COARSE = 1e-6 * max(STEPS_US)
-# How far apart the two are says how exact they are. Contact is a correction of each step, whatever
-# integrates the rest (docs/contact.md): where things touch, only small steps are exact.
+# The distance between two references is a measure of their accuracy. Contact is a correction of
+# each step, independent of the integrator (docs/contact.md): in contact only small steps are
+# accurate.
 FREE = (Reference(COARSE, reference("bdf", 1e-10)), Reference(COARSE, reference("adams", 1e-11)))
 IN_CONTACT = (
     Reference(2.5e-5, fixed("rk4").overrides),
@@ -114,10 +115,10 @@ class Result:
     integrator: str
     dt: float
     fault: bool
-    position: float  # largest of any body's origin [m]
-    angle: float  # largest of any body [rad]
-    energy: float  # mechanical energy less the reference's [J]
-    cost: float  # time for a simulated second of one environment alone [s]
+    position: float  # largest of all bodies' origins [m]
+    angle: float  # largest of all bodies [rad]
+    energy: float  # mechanical energy minus the reference's [J]
+    cost: float  # time per simulated second of one environment [s]
 
     @property
     def is_good(self) -> bool:
@@ -141,14 +142,14 @@ class Replay:
 
     def reset(self) -> None:
         self.world.reset(seed=SEED)
-        if self.flight.scenario in CLOSING:  # robots of one free body each
+        if self.flight.scenario in CLOSING:  # robots with one free body each
             for robot, state in zip(self.flight.commands, self.flight.start, strict=True):
                 self.world.teleport(state[:3], state[3:7], state[7:10], state[10:], robot=robot)
         if not np.array_equal(motion(self.world)[:, :7], self.flight.start[:, :7]):
             sys.exit(f"{self.flight.scenario}: a replay does not begin as the flight did")
 
     def fly(self) -> float:
-        """Time that it took [s]."""
+        """Flies it; returns the time [s]."""
         return self.time_of(self.repeats)
 
     def cost(self, flown: float, trials: int) -> float:
@@ -158,7 +159,7 @@ class Replay:
         return max(flown - min(self.time_of(0) for _ in range(trials)), 0.0)
 
     def time_of(self, physics_steps: int) -> float:
-        """Time of all commands from the start, each with so many physics steps behind it [s]."""
+        """Time of all commands from the start, each followed by so many physics steps [s]."""
         self.reset()
         began = time.perf_counter()
         for row in range(self.flight.count):
@@ -172,7 +173,7 @@ class Replay:
             self.world.command(rows[row], robot)
 
     def first_touch(self) -> float | None:
-        """When anything touches, to a physics step [s]."""
+        """Time of the first contact, to a physics step [s]."""
         self.reset()
         for row in range(self.flight.count):
             self.command(row)
@@ -195,7 +196,7 @@ def motion(world: skybody.Simulation) -> Reals:
 
 
 def energy(world: skybody.Simulation) -> float:
-    """Kinetic and gravitational, of all bodies [J]; springs are left out."""
+    """Kinetic and gravitational energy of all bodies [J], without springs."""
     total = 0.0
     for name, body in zip(world.body_names, world.bodies, strict=True):
         robot, link = name.split(".", 1)
@@ -227,7 +228,7 @@ def turned(a: Reals, b: Reals) -> Reals:
 
 
 def end_of(flight: Flight, reference: Reference) -> tuple[Reals, float]:
-    """Motion and energy after the flight by a reference."""
+    """Motion and energy after the flight with a reference."""
     replay = Replay(flight, reference.dt, reference.overrides)
     replay.fly()
     if replay.world.fault:
@@ -267,7 +268,7 @@ def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result
 
 
 def first_touch(flight: Flight) -> float | None:
-    """When things touch in it [s], by midpoint at 1 ms."""
+    """Time of the first contact in the flight [s], by midpoint at 1 ms."""
     return Replay(flight, 1e-3, fixed("midpoint").overrides).first_touch()
 
 

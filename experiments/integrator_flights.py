@@ -1,4 +1,4 @@
-"""The flights of integrator_audit.py: what robots are commanded, and where they begin."""
+"""The flights of integrator_audit.py: commands of the robots, and their initial states."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 from throughput import ROOT
 
 PROGRAM = ROOT / "build/release/bin/skybody"
-SEED = 0  # as `skybody run` has it
+SEED = 0  # as in `skybody run`
 FLIGHT = 1.0  # [s]
 STEPS_US = (250, 500, 1000, 2000, 4000)  # dt [us]
-POLICIES = {"hard_landing": "zero"}  # two thirds of the weight are carried: it falls
+POLICIES = {"hard_landing": "zero"}  # carries two thirds of the weight: it falls
 DASH = 0.2  # a rotor's command is multiplied by 1 - DASH to 1 + DASH
 DASH_TIME = 0.1  # for so long [s]
 MOST_COMMANDS = 16  # of a robot
 UNDASHED = ("hard_landing", "collision")  # flown as they are: they are to touch something
-CLOSING = ("collision",)  # begun LEAD before anything touches, in the midst of the baseline flight
+CLOSING = ("collision",)  # begins LEAD before the first contact of the baseline flight
 LEAD = 0.3  # [s]
-APPROACH = 2.0  # so long may it take until then [s]
+APPROACH = 2.0  # longest time until then [s]
 DEFAULTS = {"cvode": "cvode adams", "arkode": "arkode erk"}  # `method: auto`
 Reals = NDArray[np.float64]
 
@@ -40,8 +40,8 @@ class Flight:
     own: str  # name of the scenario's integrator
     own_dt: float
     interval: float
-    commands: dict[str, Reals]  # of each robot that takes any: (intervals, size); rotors in rad/s
-    start: Reals  # (bodies, 13) as the flight log has it
+    commands: dict[str, Reals]  # of each robot with commands: (intervals, size); rotors in rad/s
+    start: Reals  # (bodies, 13) as in the flight log
 
     @property
     def count(self) -> int:
@@ -49,13 +49,13 @@ class Flight:
 
 
 def shipped() -> list[str]:
-    """All but those whose robots follow references, and take no commands to fly again."""
+    """All scenarios, except those whose robots follow references and have no commands."""
     names = (path.stem for path in (ROOT / "scenarios").glob("*.yaml"))
     return sorted(name for name in names if not name.startswith("trajectory_"))
 
 
 def stepping_of(scenario: str) -> tuple[float, int, str]:
-    """Its dt [s], action_repeat and integrator, by the name that tables have."""
+    """Its dt [s], action_repeat and integrator, by the name in tables."""
     log = fly_and_log(scenario, 1, [])
     block = re.search(r"^stepping:\n((?: .*\n)+)", log["text"], re.MULTILINE)
     values = dict(re.findall(r"^ +(\w+): (\S+)$", block[1] if block else "", re.MULTILINE))
@@ -66,7 +66,7 @@ def stepping_of(scenario: str) -> tuple[float, int, str]:
 
 
 def fly_and_log(scenario: str, steps: int, overrides: list[str]) -> dict[str, Any]:
-    """One episode of `skybody run`; what its log says."""
+    """Makes one episode of `skybody run`; returns the data of its log."""
     with tempfile.TemporaryDirectory() as folder:
         command = [str(PROGRAM), "run", scenario, "--policy", POLICIES.get(scenario, "hold")]
         command += ["--seed", str(SEED), "--steps", str(steps), "--no-picture", "--out", folder]
@@ -87,7 +87,7 @@ def fly_and_log(scenario: str, steps: int, overrides: list[str]) -> dict[str, An
 
 
 def of_robots(episode: h5py.Group, name: str) -> dict[str, Reals]:
-    """A dataset of the log by robot, from the first action on. Columns are called ROBOT.WHAT."""
+    """A dataset of the log by robot, from the first action on. Column names are ROBOT.NAME."""
     if name not in episode:  # of width 0
         return {}
     dataset = episode[name]
@@ -121,8 +121,10 @@ def baseline(scenario: str) -> Flight:
 
 
 def dashes(count: int, interval: float) -> Reals:
-    """Factors of commands, (intervals, MOST_COMMANDS): every robot takes the first ones, so that a
-    formation keeps its shape."""
+    """Factors of commands, (intervals, MOST_COMMANDS), the first of which apply to every robot.
+
+    So a formation keeps its shape.
+    """
     random = np.random.default_rng(SEED)
     held = max(1, round(DASH_TIME / interval))
     shape = (math.ceil(count / held), MOST_COMMANDS)

@@ -76,7 +76,7 @@ def summary(facts: Facts) -> str:
 
 
 def is_whole(rows: list[Row]) -> bool:
-    """Whether semi-implicit Euler comes through at 1 ms, to compare others with."""
+    """Whether semi-implicit Euler succeeds at 1 ms, as the reference for others."""
     return not cost_of_euler(rows)["fault"]
 
 
@@ -89,7 +89,7 @@ def cost_of_euler(rows: list[Row]) -> Row:
 
 
 def costs(facts: Facts) -> str:
-    """Median over scenarios of the cost by that of semi-implicit Euler at 1 ms."""
+    """Median over scenarios of the cost relative to semi-implicit Euler at 1 ms."""
     scenarios = [of_scenario(facts, flight["scenario"]) for flight in facts["flights"]]
     scenarios = [rows for rows in scenarios if is_whole(rows)]
     steps = sorted({row["dt"] for row in facts["results"]})
@@ -200,7 +200,7 @@ def write_page(facts: Facts, path: Path) -> None:
 
 
 def write_picture(facts: Facts, path: Path) -> None:
-    """Error against cost, a panel a scenario; the scenario's own choice is ringed."""
+    """Error against cost, one panel per scenario; the scenario's own choice is ringed."""
     flights = facts["flights"]
     columns = 4
     rows = math.ceil(len(flights) / columns)

@@ -4,9 +4,9 @@
     .venv/bin/python experiments/kill_and_resume.py [--kills 20] [--seed 1] [--out DIR]
 
 For each learner (fast-ppo, gradient, and PPO of Stable-Baselines3), a small run is trained once to
-its end. A second one gets SIGKILL at a random moment after it has begun to train, and is resumed,
-again and again; after the last kill it is resumed to its end. Moments come from the seed. Prints a
-table and writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where the two runs
+its end. A second one gets SIGKILL at random moments after the start of its training, and is resumed
+each time; after the last kill it is resumed to its end. Moments come from the seed. Prints a
+table and writes it to kill_and_resume.md with its figures as JSON. Exit code 1 if the two runs
 differ in a bit of their parameters, in the environments' state or in the table of progress.
 """
 
@@ -34,38 +34,38 @@ KILLS = 20
 SCENARIO = "hover_learn"
 ENVS, ROLLOUT_STEPS = 6, 50
 ROLLOUT = ENVS * ROLLOUT_STEPS
-# What of these a learner does not have is left out.
+# Settings that a learner does not have are left out.
 SETTINGS = {"rollout_steps": ROLLOUT_STEPS, "minibatch": 100, "epochs": 2, "hidden": "8,8"}
-# One checkpoint a rollout. A part of a run lasts a few of them (learners in C++ do many in the time
-# of one of the others), so that kills fall into rollouts, updates and checkpoints alike.
+# One checkpoint per rollout. A part of a run lasts a few of them (learners in C++ make many in the
+# time of one of the others), so that kills fall into rollouts, updates and checkpoints.
 ROLLOUTS_PER_KILL = {"fast-ppo": 40, "gradient": 40, "ppo": 6}
 LATEST = 0.6  # s from the first new checkpoint of a part to its kill
-EVERY_FIFTH = 5  # kill falls between the start of a part and the end of its start
+EVERY_FIFTH = 5  # kill falls into the start-up of a part
 STARTING = 4.0  # s
-PATIENCE = 120.0  # s, for a part to begin or to end, on a machine that does much else
-# What differs between two runs of the same bits: times and shares of them.
+PATIENCE = 120.0  # s, for a part to begin or to end, on a loaded machine
+# Columns that differ between two runs with the same bits: times and shares of them.
 TIMES = ("wall_clock", "steps_per_second", "environment_share", "inference_share", "update_share")
 
 
 @dataclass
 class Result:
-    """What became of one learner's pair of runs."""
+    """Comparison of one learner's pair of runs."""
 
     algorithm: str
     kills: list[int] = field(default_factory=list)  # checkpointed steps at each
     seconds: float = 0.0
     steps: int = 0
-    hashes: tuple[str, str] = ("", "")  # whole, killed
+    hashes: tuple[str, str] = ("", "")  # uninterrupted, killed
     same_environments: bool = False
     same_progress: bool = False
 
     def same(self) -> bool:
-        """Whether the kills left no trace."""
+        """Whether the killed run equals the uninterrupted one."""
         return self.hashes[0] == self.hashes[1] and self.same_environments and self.same_progress
 
 
 def command(algorithm: str, folder: Path, steps: int) -> list[str]:
-    """A small run; networks of 8 x 8, a rollout of 300 steps."""
+    """The command of a small run; networks of 8 x 8, a rollout of 300 steps."""
     words = [SCENARIO, "--algo", algorithm, "--seed", "3", "--out", str(folder)]
     words += ["--total-steps", str(steps), "--checkpoint-every", str(ROLLOUT)]
     words += ["--override", "stepping.horizon=40", "--eval-episodes", "0", "--threads", "1"]
@@ -88,12 +88,12 @@ def train(arguments: list[str]) -> subprocess.Popen[str]:
 
 
 def to_the_end(arguments: list[str]) -> None:
-    """Runs a part to its end. Raises RunError where it fails."""
+    """Runs a part to its end. Raises RunError if it fails."""
     process = train(arguments)
     try:
         _, said = process.communicate()
     finally:
-        process.kill()  # after Ctrl-C; else it has ended
+        process.kill()  # after Ctrl-C; otherwise it has ended
     if process.returncode != 0:
         raise RunError(f"exit code {process.returncode}: {said.strip()}")
 
@@ -107,7 +107,7 @@ def newest(folder: Path) -> int:
 def kill_once(arguments: list[str], folder: Path, pause: float, most: int, starting: bool) -> int:
     """Kills a part `pause` seconds after its start or first new checkpoint; returns the steps.
 
-    A part gets it at `most` steps at the latest: what follows belongs to later kills.
+    A part is killed at `most` steps at the latest: later steps belong to later kills.
     """
     before, process = newest(folder), train(arguments)
     try:
@@ -128,7 +128,7 @@ def kill_once(arguments: list[str], folder: Path, pause: float, most: int, start
 
 
 def compare(algorithm: str, out: Path, kills: int, moments: random.Random) -> Result:
-    """Both runs of a learner."""
+    """Makes both runs of a learner, and compares them."""
     part = ROLLOUT * ROLLOUTS_PER_KILL[algorithm]
     result = Result(algorithm, steps=part * (kills + 1))
     whole, killed = out / f"{algorithm}-whole", out / f"{algorithm}-killed"
@@ -136,7 +136,8 @@ def compare(algorithm: str, out: Path, kills: int, moments: random.Random) -> Re
         shutil.rmtree(folder, ignore_errors=True)
     began = time.monotonic()
     to_the_end(command(algorithm, whole, result.steps))
-    # The whole run's pace bounds the pauses, so that most kills come before a part's last step.
+    # The uninterrupted run's speed bounds the pauses, so that most kills precede a part's last
+    # step.
     pace = float(read_table(whole / "progress.csv")[-1]["wall_clock"]) / result.steps
     longest = min(LATEST, 0.8 * pace * part)
     arguments = command(algorithm, killed, result.steps)
@@ -173,7 +174,7 @@ def progress(folder: Path) -> list[dict[str, str]]:
 
 
 def row(result: dict[str, Any]) -> str:
-    """Of the report's table."""
+    """A row of the report's table."""
     cells = [result["algorithm"], f"{result['steps']:,}", str(len(result["kills"]))]
     cells += [f"`{digits[:16]}`" for digits in result["hashes"]]
     cells += ["the same" if result["same"] else "DIFFERENT", f"{result['seconds']:.0f}"]

@@ -1,11 +1,11 @@
-"""What the evaluation of a law of flight costs beside a step of hover.
+"""Cost of the evaluation of a flight law, compared with a step of hover.
 
     .venv/bin/python experiments/law_speed.py [--quick] [--out DIR]
 
 bench_micro steps one group of 32 environments in lanes on one core: hover under a chain that begins
-with the law, and under the same chain with `balance` (bench/plugins), which computes nothing, in
-its place. Times are those of the processor, which others' work does not lengthen much. Then
-`skybody bench` steps 1,024 environments on one thread, in turns.
+with the law, and under the same chain with `balance` (bench/plugins), which computes nothing,
+instead. Times are processor times, which other load affects little. Then `skybody bench` steps
+1,024 environments on one thread, in turns.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ BENCH_PLUGINS = ROOT / "build/release/lib/skybody/bench_plugins"
 CTBT, ATTITUDE = "{plugin: ctbt}", "{plugin: attitude}, {plugin: ctbr}"
 ROTORS = "{plugin: rotor_speed}"
 BALANCE = "{{plugin: balance, parameters: {{takes: {}, gives: {}}}}}"
-# Law: chain with it, and with `balance` in its place.
+# Law: chain with it, and with `balance` instead.
 CHAINS = {
     "geometric": ("{plugin: geometric}", BALANCE.format("trajectory", "ctbt"), CTBT),
     "force": ("{plugin: force}", BALANCE.format("force", "attitude"), ATTITUDE),
@@ -55,8 +55,8 @@ CHAINS = {
 
 
 def pool_step(controllers: str, seconds: float) -> float:
-    """Of one environment [ns]. Nothing is drawn, so that no episode ends early."""
-    actions = "hold" if controllers == ROTORS else "zero"  # those at which it hovers
+    """Time of a step of one environment [ns]. Nothing is drawn, so that no episode ends early."""
+    actions = "hold" if controllers == ROTORS else "zero"  # the hover actions
     done = subprocess.run(
         [
             *(str(SKYBODY), "bench", "hover", "--envs", str(ENVS), "--threads", "1", "--json"),
@@ -72,7 +72,7 @@ def pool_step(controllers: str, seconds: float) -> float:
 
 
 def pool_nanoseconds(rounds: int, seconds: float) -> dict[str, list[float]]:
-    """Of hover, and of each law's chain with it and without it, in turns."""
+    """Step times of hover, and of each law's chain with it and without it, in turns."""
     found: dict[str, list[float]] = {}
 
     def add(name: str, controllers: str) -> None:
@@ -97,7 +97,7 @@ def pool_table(ns: dict[str, list[float]]) -> str:
 
 
 def nanoseconds(repetitions: int, least: float) -> dict[str, list[float]]:
-    """Processor time of each row for an environment and step, round after round."""
+    """Processor time of each row per environment and step, for each round."""
     found: dict[str, list[float]] = {}
     for trial in range(repetitions):
         done = subprocess.run(

@@ -4,15 +4,15 @@
     .venv/bin/python experiments/learn_table.py [--algo fast-ppo lean-ppo ppo] [--out DIR] [--quick]
 
 Three seeds of each learner (ten of `gradient`, one of `ppo`, which is cut), one after another, with
-the shipped hyper-parameters and nothing beside them. `lean-ppo` is a yardstick in Python, which
-does not change (experiments/yardstick). Seconds go from the command to the moment at which a
-checkpoint can be flown. Then every checkpoint flies 100 held-out episodes. Writes
-learning_speed.md, its JSON and the picture of error over seconds. Finished runs are not repeated;
-one that was interrupted begins anew, because its time counts. Run it on a machine that does nothing
-else; with --train-only it evaluates and writes in a later call, for which that does not matter.
+the shipped hyper-parameters and without other load. `lean-ppo` is a fixed reference in Python
+(experiments/yardstick). Seconds are from the command to the moment at which a checkpoint can be
+flown. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON and the
+picture of error over seconds. Finished runs are not repeated; an interrupted one begins again,
+because its time counts. Run it on an otherwise idle machine; with --train-only it evaluates and
+writes in a later call, which may run on a loaded machine.
 
-With --rl-tools FOLDER the published hover training of rl_tools stands beside them. The folder is
-what `git clone https://github.com/rl-tools/rl-tools` makes; g++ compiles it.
+With --rl-tools FOLDER the published hover training of rl_tools is compared with them. The folder is
+the result of `git clone https://github.com/rl-tools/rl-tools`; g++ compiles it.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from training_runs import (
 
 SEEDS = {"gradient": range(1, 11), "ppo": (1,)}  # others:
 MOST_SEEDS = (1, 2, 3)
-STEPS = {"ppo": 7_500_000}  # half of what it is shipped with; others: all
+STEPS = {"ppo": 7_500_000}  # half of the shipped number; others: all
 QUICK_STEPS = 100_000
 CHECKPOINT_STEPS = {"gradient": 175_000}  # between two points of a curve; others:
 MOST_CHECKPOINT_STEPS = 500_000
@@ -54,7 +54,7 @@ LEAST_SUCCESS = 0.98
 
 
 def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
-    """All runs, in the order in which they are done."""
+    """All runs, in their order of execution."""
     runs = []
     for algorithm in algorithms:
         whole = STEPS.get(algorithm, shipped_steps(algorithm))
@@ -78,7 +78,7 @@ def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
 
 
 def record(run: Run) -> dict[str, Any]:
-    """Evaluates a run that was measured; its curve, rates and shares."""
+    """Evaluates a measured run; returns its curve, rates and shares."""
     measured = measure(run)
     evaluate(run)
     evaluations, rows = run.evaluations(), read_table(run.folder / "progress.csv")
@@ -113,7 +113,7 @@ def record(run: Run) -> dict[str, Any]:
 
 
 def reached(points: Sequence[dict[str, Any]], limit: float) -> float | None:
-    """Seconds to the first checkpoint that is good enough; None: there is none."""
+    """Seconds to the first checkpoint below the limit; None: there is none."""
     for point in points:
         if point["median_error"] < limit and point["success_share"] >= LEAST_SUCCESS:
             return float(point["seconds"])
@@ -121,7 +121,7 @@ def reached(points: Sequence[dict[str, Any]], limit: float) -> float | None:
 
 
 def by_learner(records: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row a learner. The slowest seed decides; one that does not arrive is None."""
+    """One row per learner. The slowest seed counts; None if one does not reach the limit."""
     rows = []
     for learner in dict.fromkeys(record["learner"] for record in records):
         own = [record for record in records if record["learner"] == learner]
@@ -159,7 +159,7 @@ def _of_ours(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def slowest(seconds: Sequence[float | None]) -> float | None:
-    """The largest; None where one is."""
+    """The largest; None if one of them is None."""
     known = [value for value in seconds if value is not None]
     return max(known) if len(known) == len(seconds) else None
 
@@ -205,7 +205,7 @@ Versions: {versions_line([run for run in content["runs"] if "versions" in run])}
 
 
 def _notes(content: dict[str, Any]) -> list[str]:
-    """A paragraph on each learner that needs one."""
+    """A paragraph on each learner with notes."""
     there = {row["learner"] for row in content["learners"]}
     notes = []
     if "ppo" in there:
@@ -239,7 +239,7 @@ def _row(row: dict[str, Any], rows: Sequence[dict[str, Any]]) -> str:
 
 
 def draw(records: Sequence[dict[str, Any]], out: Path) -> None:
-    """Error over seconds, both logarithmic; a line a seed."""
+    """Error over seconds, both logarithmic; one line per seed."""
     figure = Figure(figsize=(8, 4.6), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     axis = figure.subplots()
@@ -330,7 +330,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"learn_table: {error}", file=sys.stderr)
         return 2
     given = sys.argv[1:] if arguments is None else arguments
-    if options.rl_tools:  # the folder is this machine's affair
+    if options.rl_tools:  # no path of this machine
         given = ["FOLDER" if word == str(options.rl_tools) else word for word in given]
     content = {
         **heading("speed of learning", "learn_table.py", given),

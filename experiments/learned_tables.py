@@ -3,7 +3,7 @@
 
     .venv/bin/python experiments/learned_tables.py
 
-A README names by a comment the scenarios that belong there. learning.py makes the data.
+A comment in a README names the scenarios of its table. learning.py writes the data.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ know, flown by `skybody run SCENARIO --policy RUN`:
 
 
 def table(content: dict[str, Any], courses: Sequence[Course]) -> str:
-    """A line a course, and how its figures were made."""
+    """One line per course, and the method of its figures."""
     lines = [_cells(course, of(content["runs"], course)) for course in courses]
     filled = [name for name in lines[0] if any(line[name] for line in lines)]
     rows = [filled, ["---"] * len(filled), *([line[name] for name in filled] for line in lines)]
@@ -55,7 +55,7 @@ def _cells(course: Course, rows: Sequence[dict[str, Any]]) -> dict[str, str]:
 
 
 def page(text: str) -> str:
-    """A README with its table as it should be."""
+    """A README with its updated table."""
     content = json.loads((ROOT / "docs/results/data/learning.json").read_text(encoding="utf-8"))
     by_name = {course.scenario: course for course in COURSES}
 
@@ -76,7 +76,7 @@ def named(text: str) -> list[str]:
 
 
 def main() -> int:
-    """Writes all of them; returns the exit code."""
+    """Writes all tables; returns the exit code."""
     for readme in pages():
         readme.write_text(page(readme.read_text(encoding="utf-8")), encoding="utf-8")
     return 0

@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""Where do learners spend their time, how close is the update to bare matrix products, and how
-quick are wide networks beside Stable-Baselines3's?
+"""Profile of the learners: shares of time, update against bare matrix products, wide networks.
 
     .venv/bin/python experiments/learner_profile.py [--turns 3] [--program BENCH_LEARN]
 
-Three parts, each run in processes of their own. Shares: `fast-ppo` and `gradient` learn
-`hover_learn` with their presets, on all threads and on one. Products: `bench_learn` measures the
-networks of bench/learn beside Eigen's and beside Eigen's matrix products alone; the floating-point
-operations of fast-ppo's whole update are set beside them. Wide: networks of [512, 512] on 700
-observations (hover_learn's 22 and those of 113 inertial measurement units), fast-ppo beside PPO of
-Stable-Baselines3 with the same hyper-parameters on the same scenario, in turns; PyTorch has one
-thread and two, and the better counts. Writes learner_profile.md and its JSON. Run it on a machine
-that does nothing else. Exit code 1 where a wide figure misses its goal.
+Three parts, each run in separate processes:
+
+* Shares: `fast-ppo` and `gradient` learn `hover_learn` with their presets, on all threads and on
+  one.
+* Products: `bench_learn` measures the networks of bench/learn, Eigen's networks and only Eigen's
+  matrix products; they are compared with the floating-point operations of fast-ppo's whole update.
+* Wide: networks of [512, 512] on 700 observations (hover_learn's 22 and those of 113 inertial
+  measurement units), fast-ppo against PPO of Stable-Baselines3 with the same hyper-parameters on
+  the same scenario, in turns; PyTorch has one thread and two, and the better counts.
+
+Writes learner_profile.md and its JSON. Run it on an otherwise idle machine. Exit code 1 if a wide
+figure misses its goal.
 """
 
 from __future__ import annotations
@@ -72,7 +75,7 @@ LEAST_AGAINST_SB3, LEAST_OF_PRODUCTS = 1.2, 0.8
 
 
 def learn(wanted: dict[str, Any], results: multiprocessing.Queue[dict[str, Any]]) -> None:
-    """Iterates a learner; puts its rate, its shares of time and its update's seconds a step."""
+    """Iterates a learner; puts its rate, its shares of time and its update's seconds per step."""
     algorithm, overrides = wanted["algorithm"], list(wanted["overrides"])
     row = algorithm_of(algorithm)
     base = preset(SCENARIO, algorithm).hyper if wanted["preset"] else row.defaults()
@@ -119,17 +122,18 @@ def measure(algorithm: str, threads: int, steps: int, **more: Any) -> dict[str, 
 
 
 def operations(sizes: Sequence[int]) -> int:
-    """Of a network of these sizes, forward and backward, a sample: products of matrices alone.
+    """Operations of a network of these sizes, forward and backward, per sample: matrix products
+    only.
 
-    A layer multiplies once forward and twice backward, for its weights' gradient and its input's;
-    nobody asks for the first layer's input's.
+    A layer multiplies once forward and twice backward, for the gradients of its weights and of its
+    input; the first layer needs no gradient of its input.
     """
     products = [a * b for a, b in pairwise(sizes)]
     return 2 * (2 * products[0] + 3 * sum(products[1:]))
 
 
 def update_operations(observations: int, actions: int, hyper: Any) -> int:
-    """Of a whole update of fast-ppo, a step: passes of the policy, and those of the value."""
+    """Operations of a whole update of fast-ppo per step: passes of the policy and of the value."""
     policy = operations([observations, *hyper.hidden, actions])
     value = operations([observations, *hyper.hidden, 1])
     both: int = hyper.epochs * policy + hyper.value_epochs * value
@@ -156,7 +160,7 @@ def bare_products(program: Path) -> dict[str, dict[str, float]]:
 
 
 def shares(turns: int, quick: bool) -> list[dict[str, Any]]:
-    """A row a learner and number of threads; medians over the turns."""
+    """One row per learner and number of threads; medians over the turns."""
     rows = []
     for algorithm in LEARNERS:
         for threads in (1, 2):
@@ -201,7 +205,7 @@ def wide(turns: int, quick: bool) -> list[dict[str, Any]]:
 
 
 def median(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Of each figure by itself."""
+    """The median of each figure."""
     return {
         "steps_per_second": statistics.median(f["steps_per_second"] for f in found),
         "shares": {
@@ -212,7 +216,7 @@ def median(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def ratios(content: dict[str, Any]) -> dict[str, float]:
-    """What the goals are about."""
+    """The ratios that have goals."""
     ours, *others = content["wide"]
     products = content["products"]["700-512-512-4"]
     best = next(name for name in ("ours, v4", "ours, v3", "ours, v2") if name in products)

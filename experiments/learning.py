@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""Learns all tasks with their presets, three seeds each, and flies what was learned.
+"""Learns all tasks with their presets, three seeds each, and flies the learned policies.
 
     .venv/bin/python experiments/learning.py [--scenarios NAME...] [--no-training] [--quick]
     .venv/bin/python experiments/learning.py --check [--scenarios NAME...]
 
-Run folders are kept in --out: finished runs are not repeated, interrupted ones go on, and a run
-that was trained elsewhere is taken where its folder is put there under its name, SCENARIO-seed-N.
-Checkpoints fly 20 episodes each; the last one is flown by `skybody run` in 100 drawn episodes
-that neither training nor those know. Rows of the page whose runs are not repeated stay, as long as
-scenario and preset are what they were. --check trains every run of the page again up to its first
-checkpoint and compares the hash over all parameters; exit code 1 where one differs. Writes
-learning.md, its JSON and pictures; learned_tables.py takes the JSON to the READMEs of tasks.
+Run folders are kept in --out: finished runs are not repeated, interrupted ones are resumed. A run
+trained elsewhere is used if its folder is put there under its name, SCENARIO-seed-N.
+Checkpoints fly 20 episodes each; `skybody run` flies the last one in 100 drawn episodes
+that occur neither in training nor in those evaluations. Rows of the page whose runs are not
+repeated are kept while scenario and preset are unchanged. --check trains every run of the page
+again up to its first checkpoint and compares the hash over all parameters; exit code 1 if one
+differs. Writes learning.md, its JSON and pictures; learned_tables.py copies the JSON's figures to
+the READMEs of tasks.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ Row = dict[str, Any]
 def make_run(course: Course, seed: int, out: Path, threads: int = 0, quick: bool = False) -> Run:
     """The run of a course with its preset.
 
-    What changes no bits (threads, evaluations beside training) is as the folder has it, if any.
+    Settings that change no bits (threads, evaluations during training) come from the folder, if
+    any.
     """
     folder = out / f"{course.scenario}-seed-{seed}"
     run = Run(
@@ -84,12 +86,12 @@ def make_run(course: Course, seed: int, out: Path, threads: int = 0, quick: bool
 
 
 def is_finished(run: Run) -> bool:
-    """Whether it came to its end; evaluations that it lacks are made here."""
+    """Whether it has reached its end; makes missing evaluations."""
     return dataclasses.replace(run, eval_episodes=0).finished()
 
 
 def train(run: Run) -> None:
-    """Trains it to its end, unless that was done before; notes on what."""
+    """Trains it to its end, unless it is finished, and prints notes."""
     run.check()
     if not is_finished(run):
         print(f"{run.folder.name}: trains, {run.total_steps:,} steps", flush=True)
@@ -98,7 +100,7 @@ def train(run: Run) -> None:
 
 
 def evaluate(run: Run, episodes: int) -> list[Row]:
-    """Of all checkpoints, oldest first; those that have not flown do it now."""
+    """Evaluations of all checkpoints, oldest first; makes the missing ones."""
     found = []
     for checkpoint in checkpoint_folders(run.folder):
         row = read_evaluation(checkpoint)
@@ -127,7 +129,7 @@ def start(course: Course, seed: int, total_steps: int) -> Row:
 
 
 def is_same(row: Row) -> bool:
-    """Whether a row's run comes to the same first checkpoint when it is trained again."""
+    """Whether a row's run reaches the same first checkpoint when it is trained again."""
     course = next(c for c in COURSES if c.scenario == row["scenario"])
     again, first = learner(course, row["seed"], row["total_steps"]), row["first_checkpoint"]
     while again.steps < first["steps"]:
@@ -136,7 +138,7 @@ def is_same(row: Row) -> bool:
 
 
 def check(rows: Sequence[Row]) -> int:
-    """Trains the beginnings of all again; returns the exit code."""
+    """Trains the first part of all rows again; returns the exit code."""
     differ = 0
     for row in rows:
         same = is_same(row)
@@ -152,7 +154,7 @@ def check(rows: Sequence[Row]) -> int:
 
 
 def what_decides(course: Course, total_steps: int) -> Row:
-    """Beside the seed: what a run's bits depend on."""
+    """Values that determine a run's bits, apart from the seed."""
     hyper = dataclasses.asdict(preset(course.scenario, course.algorithm).hyper)
     return {
         "scenario_hash": f"{CompiledScenario(course.scenario).scenario_hash:016x}",
@@ -201,13 +203,13 @@ def record(course: Course, run: Run, options: argparse.Namespace) -> Row:
 
 
 def versions(run: Run) -> dict[str, str]:
-    """With which it was begun, but for plugins'."""
+    """Versions at the start of the run, except those of plugins."""
     found = run.config()["versions"]
     return {name: text for name, text in found.items() if not name.startswith("plugin ")}
 
 
 def is_shipped(scenario: str, checkpoint: Path) -> bool:
-    """Whether the policy that comes with Skybody is this one, weight for weight."""
+    """Whether the shipped policy has the same weights as this one."""
     try:
         mine, theirs = read_policy(checkpoint / "policy.h5"), read_policy(shipped_policy(scenario))
     except (OSError, ValueError, InputError):
@@ -229,7 +231,7 @@ def curve(run: Run) -> dict[str, list[float | None]]:
 
 
 def kept(path: Path, courses: Sequence[Course]) -> list[Row]:
-    """Rows of an earlier page that are of today's scenarios and presets."""
+    """Rows of an earlier page whose scenarios and presets are unchanged."""
     if not path.exists():
         return []
     by_name = {course.scenario: course for course in courses}
@@ -246,7 +248,7 @@ def kept(path: Path, courses: Sequence[Course]) -> list[Row]:
 
 
 def rows_of(options: argparse.Namespace, earlier: Sequence[Row]) -> list[Row]:
-    """All rows in the courses' order: of runs that are there or trained now, else the earlier."""
+    """All rows in the courses' order: of existing or new runs, otherwise the earlier row."""
     before = {(row["scenario"], row["seed"]): row for row in earlier}
     rows = []
     for course in COURSES:
@@ -264,14 +266,14 @@ def rows_of(options: argparse.Namespace, earlier: Sequence[Row]) -> list[Row]:
 
 
 def lean(content: Row) -> str:
-    """JSON, innermost lists and maps on a line each."""
+    """JSON with one line for each innermost list or map."""
     text = json.dumps(content, indent=1)
     innermost = re.compile(r"[\[{]\n[^\[\]{}]*[\]}]")
     return innermost.sub(lambda found: re.sub(r"\n *", " ", found[0]), text) + "\n"
 
 
 def say(row: Row) -> None:
-    """A line on a row."""
+    """Prints a line on a row."""
     print(
         f"{row['scenario']}, seed {row['seed']}: {', '.join(row['figures'])}; "
         f"{'learned' if row['learned'] else 'NOT LEARNED'}; {row['flights']}",

@@ -1,4 +1,4 @@
-"""What is learned for learning.md: a row a scenario, and what counts as having learned it."""
+"""The courses of learning.md: one row per scenario, with the criteria of success."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ from training_runs import ROOT
 
 SEEDS = (1, 2, 3)
 LAP_FACTOR = 1.3
-# Laps of the quickest lines that `skybody plan` finds (race_lines.py) [s].
+# Lap times of the fastest lines found by `skybody plan` (race_lines.py) [s].
 RACE_LINES = json.loads((ROOT / "docs/results/data/race_lines.json").read_text())["rows"]
 LAPS = {row["scenario"]: row["seconds"] / row["laps"] for row in RACE_LINES}
 
 
 class Limit(Protocol):
-    """A figure of 100 flights and what it may be."""
+    """A figure of 100 flights and its limit."""
 
     @property
     def text(self) -> str:
-        """What is asked for, in words."""
+        """The criterion in words."""
 
     def figure(self, flights: Flights) -> float:
-        """What the flights have."""
+        """The figure of the flights."""
 
     def shown(self, figure: float) -> str:
-        """The figure for people."""
+        """The formatted figure."""
 
     def is_met(self, figure: float) -> bool:
-        """Whether it is good enough; nan is not."""
+        """Whether the figure meets the limit; nan does not."""
 
 
 @dataclass(frozen=True)
 class Share:
-    """Of the flights without a failure at least `least` do what is said.
+    """Of the flights without a failure at least a share `least` meets a condition.
 
-    That is: an info, averaged over the last second, stays below a bound; without an info: the
+    The condition: an info, averaged over the last second, is below a bound; without an info: the
     task's own success at the end.
     """
 
@@ -68,7 +68,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Whole(Share):
-    """So many flights end without a failure."""
+    """At least this share of flights ends without a failure."""
 
     means: str = "no failure"
 
@@ -78,14 +78,14 @@ class Whole(Share):
 
 @dataclass(frozen=True)
 class Mean:
-    """An info's value at the end of the flights, on average: a bound on one side."""
+    """Mean of an info's value at the end of the flights: a bound on one side."""
 
     of: str
     means: str
     unit: str = ""
     most: float = np.inf
     least: float = -np.inf
-    of_winners: bool = False  # of the flights that succeed alone
+    of_winners: bool = False  # of the successful flights only
 
     @property
     def text(self) -> str:
@@ -94,7 +94,7 @@ class Mean:
         return f"{self.means} at least {self.least:.3g} {self.unit}".rstrip()
 
     def values(self, flights: Flights) -> NDArray[np.float64]:
-        """One of each flight."""
+        """One value per flight."""
         return flights.at_the_end[self.of]
 
     def figure(self, flights: Flights) -> float:
@@ -112,7 +112,7 @@ class Mean:
 
 @dataclass(frozen=True)
 class MeanOfTheFirst(Mean):
-    """The same of several racers: of the one that has passed the most gates in its flight."""
+    """The same for several racers: the value of the one that has passed the most gates."""
 
     racers: tuple[str, ...] = ()
 
@@ -128,9 +128,9 @@ class Course:
     """A scenario that is learned with its preset."""
 
     scenario: str
-    learned: Sequence[Limit]  # all of them
-    minutes: float = 15.0  # that a run may take
-    error: str = ""  # the info whose last second the page shows [m]
+    learned: Sequence[Limit]  # all must be met
+    minutes: float = 15.0  # limit of a run's duration
+    error: str = ""  # the info whose last second is on the page [m]
     algorithm: str = "fast-ppo"
     seeds: tuple[int, ...] = SEEDS
 
@@ -146,7 +146,7 @@ def _payload(scenario: str) -> Course:
 
 
 def _pendulum(scenario: str) -> Course:
-    # Who is not upright for the whole episode has failed.
+    # A vehicle that is not upright for the whole episode has failed.
     near = Share(0.9, "position_error", 0.3, "upright for 10 s, bob within 0.3 m in the last one")
     return Course(scenario, (near,), error="position_error")
 
@@ -157,10 +157,10 @@ def _formation(scenario: str) -> Course:
 
 
 def _racing(scenario: str, gates: int, track: str = "") -> Course:
-    """All gates of three laps, alone.
+    """All gates of three laps, without opponents.
 
     Args:
-        track: Scenario with whose line the laps are compared; default: this one.
+        track: scenario whose line the laps are compared with; default: this one.
     """
     most = LAP_FACTOR * LAPS[track or scenario]
     passed = Mean("gates_passed", f"gates of {gates}", least=0.9 * gates)
@@ -169,7 +169,7 @@ def _racing(scenario: str, gates: int, track: str = "") -> Course:
 
 
 def _duel(scenario: str, gates: int, track: str, racers: tuple[str, ...]) -> Course:
-    """The same against another: what the one ahead does, in races that nobody's failure ends."""
+    """The same against an opponent: results of the leader, in races that no failure ends."""
     most = LAP_FACTOR * LAPS[track]
     passed = MeanOfTheFirst(
         "gates_passed", f"gates of {gates} by the one ahead", least=0.9 * gates, racers=racers

@@ -1,4 +1,4 @@
-"""Held-out flights of a trained policy by `skybody run`, and what they show."""
+"""Held-out flights of a trained policy by `skybody run`, and their results."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from numpy.typing import NDArray
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from training_runs import Run, RunError, write_json
 
-SEED = 4242  # of the flights; neither training nor the evaluations beside it know it
+SEED = 4242  # of the flights; used neither in training nor in its evaluations
 SUCCESS = "success"
 TERMINATED, FAULT = 1, 4  # bits of the log's `status` (docs/flight-log.md)
 
 
 @dataclass
 class Flights:
-    """Of all episodes, a value each."""
+    """Results of all episodes, one value each."""
 
     succeeded: NDArray[np.bool_]  # by the task's own info, at the end
-    failed: NDArray[np.bool_]  # ended by a fault, or by the task and without success
+    failed: NDArray[np.bool_]  # ended by a fault, or by the task without success
     at_the_end: dict[str, NDArray[np.float64]]  # infos
     last_second: dict[str, NDArray[np.float64]]  # infos, averaged over it
-    line: str = ""  # that `skybody run` prints on successes
+    line: str = ""  # printed by `skybody run` on successes
 
 
 def fly(program: Path, run: Run, episodes: int) -> Flights:
-    """Flies the newest checkpoint; what it has flown before is read from beside it."""
+    """Flies the newest checkpoint; earlier flights are read from a file beside it."""
     checkpoint = checkpoint_folders(run.folder)[-1]
     asked = {
         "parameter_hash": read_meta(checkpoint)["parameter_hash"],
@@ -64,7 +64,7 @@ def _command(program: Path, run: Run, policy: Path, episodes: int, out: Path) ->
 
 
 def read_log(log: Path, line: str = "") -> Flights:
-    """From a flight.h5."""
+    """Reads a flight.h5."""
     ends, seconds, statuses = [], [], []
     with h5py.File(log) as file:
         period = float(file.attrs["dt"]) * int(file.attrs["action_repeat"])
@@ -91,7 +91,7 @@ def _text(name: Any) -> str:
 
 
 def to_json(flights: Flights) -> dict[str, Any]:
-    """Lists for a file."""
+    """Converts to lists, for a file."""
     return {
         "line": flights.line,
         "succeeded": flights.succeeded.tolist(),
@@ -102,7 +102,7 @@ def to_json(flights: Flights) -> dict[str, Any]:
 
 
 def from_json(found: dict[str, Any]) -> Flights:
-    """What to_json() wrote."""
+    """The inverse of to_json()."""
     return Flights(
         succeeded=np.array(found["succeeded"], bool),
         failed=np.array(found["failed"], bool),

@@ -96,7 +96,7 @@ def of(rows: Sequence[Row], course: Course) -> list[Row]:
 
 
 def table(rows: Sequence[Row], courses: Sequence[Course]) -> str:
-    """A line a course that has runs."""
+    """A course's rows."""
     lines = [f"| {' | '.join(TABLE)} |", f"| {' | '.join(TABLE.values())} |"]
     for course in courses:
         if found := of(rows, course):
@@ -106,7 +106,7 @@ def table(rows: Sequence[Row], courses: Sequence[Course]) -> str:
 
 
 def course_cells(course: Course, rows: Sequence[Row]) -> dict[str, str]:
-    """What tables say of a course, by the names of their columns."""
+    """A course's cells in tables, by the names of their columns."""
     reached = sum(row["learned"] for row in rows)
     seconds = ", ".join(f"{row['seconds']:.0f}" for row in rows)
     return {
@@ -130,7 +130,7 @@ def _error(row: Row) -> str:
 
 
 def missed(rows: Sequence[Row], courses: Sequence[Course]) -> str:
-    """What falls short, took too long or was not run."""
+    """Courses that miss a limit, took too long or were not run."""
     lines = []
     for course in courses:
         found = of(rows, course)
@@ -148,7 +148,7 @@ def missed(rows: Sequence[Row], courses: Sequence[Course]) -> str:
 
 
 def runs_table(rows: Sequence[Row]) -> str:
-    """A line a run."""
+    """One line per run."""
     lines = [
         "| scenario | seed | successes | failed | seconds | threads | trained | shipped "
         "| parameter hash |",
@@ -175,7 +175,7 @@ def runs_table(rows: Sequence[Row]) -> str:
 
 
 def draw(rows: Sequence[Row], over: str, out: Path) -> None:
-    """A panel a scenario.
+    """One panel per scenario.
 
     Args:
         over: `steps` or `seconds`.
@@ -197,7 +197,7 @@ def draw(rows: Sequence[Row], over: str, out: Path) -> None:
 
 
 def _legend(rows: Sequence[Row]) -> list[Artist]:
-    """What colours, lines and dots are."""
+    """The meaning of colours, lines and dots."""
     numbers = sorted({row["seed"] for row in rows})
     seeds = [Patch(color=_color(seed), label=f"seed {seed}") for seed in numbers]
     line = Line2D([], [], color="black", linewidth=1.0, label="mean return in training")

@@ -1,13 +1,13 @@
-"""Steps environments for long and makes pools again and again: does memory grow?
+"""Does memory grow in long runs, and when pools are created repeatedly?
 
     .venv/bin/python experiments/memory.py [--steps N] [--cycles N]
 
 Four processes, one after another. Two take 10^7 environment steps of `hover` in 1,024
 environments, with random actions (a few of them not finite) and random resets by mask: one through
 `make_pool`, in batches of a third, one through `make_vec`. They print the resident memory ten times
-on the way. The third learns from 10^8 steps of `hover_learn` by `fast-ppo`. The fourth makes, uses
-and closes 1,000 pools and vector environments. Exit status 0: resident memory is flat, and open
-files and threads are as many as before; 1: they are not.
+during the run. The third learns from 10^8 steps of `hover_learn` by `fast-ppo`. The fourth creates,
+uses and closes 1,000 pools and vector environments. Exit status 0: resident memory is constant, and
+the numbers of open files and threads are unchanged; 1: they are not.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from skybody.train.presets import preset
 ENVS = 1024
 STEPS = 10_000_000
 CYCLES = 1000
-LEARNER_STEPS = 10  # times as many as those of the environments alone
+LEARNER_STEPS = 10  # times the steps of the runs without learning
 REPORTS = 10
 FAULT_SHARE = 1e-4  # of the actions are not finite
 RESET_SHARE = 0.01  # of the environments are reset instead of being stepped
 MIB = 2**20
-# What the C library's and Python's allocators keep varies by pages and arenas, not by the number of
-# steps: below 1 MiB where measured. A leak of one byte a step would be 9 MB by the end of the
-# default run, one of 5 kB a cycle 4.5 MB by the end of the cycles.
+# Memory kept by the allocators of the C library and Python varies with pages and arenas, not with
+# the number of steps: below 1 MiB where measured. A leak of one byte per step would be 9 MB by the
+# end of the default run, one of 5 kB per cycle 4.5 MB by the end of the cycles.
 BOUND = 4 * MIB
 CYCLE_ENVS = 16
 CYCLE_THREADS = 3
@@ -46,18 +46,18 @@ Floats = NDArray[np.float32]
 
 
 def resident() -> int:
-    """Bytes of this process that are in memory."""
+    """Resident memory of this process [bytes]."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 def handles() -> tuple[int, int]:
-    """Open files and threads of this process."""
+    """Numbers of open files and threads of this process."""
     return len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task"))
 
 
 class Memory:
-    """Prints resident memory at equal distances; the first report is what later ones should be."""
+    """Prints resident memory at equal intervals; the first report is the reference."""
 
     def __init__(self, total: int, unit: str) -> None:
         self.every = max(1, total // REPORTS)
@@ -66,7 +66,7 @@ class Memory:
         self.begun = time.monotonic()
 
     def report(self, done: int) -> None:
-        """To be called often; prints where the next report is due."""
+        """To be called often; prints when the next report is due."""
         if done < self.every * (len(self.values) + 1):
             return
         self.values.append(resident())
@@ -77,7 +77,7 @@ class Memory:
         )
 
     def flat(self) -> bool:
-        """Prints the growth since the first report, and whether it stays below the bound."""
+        """Prints the growth since the first report; returns whether it is below the bound."""
         growth = self.values[-1] - self.values[0]
         verdict = "flat" if growth < BOUND else "GROWS"
         print(f"  last minus first: {growth / MIB:+.2f} MiB, bound {BOUND / MIB:g} MiB: {verdict}")
@@ -98,12 +98,12 @@ class Chance:
         return values
 
     def resets(self, rows: int) -> NDArray[np.bool_]:
-        """Which of so many rows are to be reset."""
+        """A random mask of the rows to reset."""
         return self.random.random(rows) < RESET_SHARE
 
 
 def step_pool(steps: int) -> bool:
-    """Batches of a third, in order of arrival; of each some are reset and the others stepped."""
+    """Batches of a third, in order of arrival; some rows are reset and the others stepped."""
     memory = Memory(steps, "steps")
     done = 0
     with skybody.make_pool("hover", ENVS, batch_size=ENVS // 3, seed=1) as pool:
@@ -123,7 +123,7 @@ def step_pool(steps: int) -> bool:
 
 
 def step_vector(steps: int) -> bool:
-    """All environments at a time; every now and then some are reset."""
+    """All environments at a time; some are reset at random steps."""
     memory = Memory(steps, "steps")
     done = 0
     envs = skybody.make_vec("hover", ENVS, seed=1)
@@ -142,7 +142,7 @@ def step_vector(steps: int) -> bool:
 
 
 def learn(steps: int) -> bool:
-    """`fast-ppo` on `hover_learn`, with its policy looked at after every rollout."""
+    """`fast-ppo` on `hover_learn`, reading its policy after every rollout."""
     total = LEARNER_STEPS * steps
     hyper = preset("hover_learn", "fast-ppo").hyper
     compiled = skybody.CompiledScenario("hover_learn")
@@ -156,7 +156,7 @@ def learn(steps: int) -> bool:
 
 
 def use_and_close(compiled: skybody.CompiledScenario, number: int) -> None:
-    """A pool in flight and a vector environment; each second one is left to the collector."""
+    """A pool in flight and a vector environment; every second one is left to the collector."""
     actions = np.zeros((CYCLE_ENVS, compiled.action_size), np.float32)
     pool = skybody.make_pool(compiled, CYCLE_ENVS, num_threads=CYCLE_THREADS)
     pool.reset()
@@ -170,7 +170,7 @@ def use_and_close(compiled: skybody.CompiledScenario, number: int) -> None:
 
 
 def open_and_close(cycles: int) -> bool:
-    """Loads the scenario, makes, uses and closes both, `cycles` times."""
+    """Loads the scenario, then creates, uses and closes both, `cycles` times."""
     memory = Memory(cycles, "cycles")
     before: tuple[int, int] | None = None
     for cycle in range(1, cycles + 1):
@@ -216,7 +216,7 @@ def main() -> int:
         subprocess.run(
             [sys.executable, __file__, *sys.argv[1:], "--part", part],
             check=False,
-            start_new_session=True,  # a Ctrl-C at the terminal is for this process to handle
+            start_new_session=True,  # Ctrl-C at the terminal goes to this process only
         )
         for part in PARTS
     ]

@@ -3,12 +3,12 @@
 
     .venv/bin/python experiments/multi_agent.py [--quick] [--out docs/results] [--program PROGRAM]
 
-The formation scenarios with their joint observation, randomization left on, one thread per
+The formation scenarios with their joint observation, with randomization, one thread per
 processor. From Python in the paper's batches of 11 and in batches of all, and from C++ by
-`skybody bench`; under the reference's constant zero action, and in flight. Then what a robot costs,
-with the joint observation and apart from it. Writes multi_agent.md, data/multi_agent.json and
-images/multi_agent.png, with the paper's own figures beside ours. Takes about 12 minutes; nothing
-else should run meanwhile.
+`skybody bench`; under the reference's constant zero action, and in flight. Then the cost per robot,
+with the joint observation and without it. Writes multi_agent.md, data/multi_agent.json and
+images/multi_agent.png, with the paper's own figures and ours. Takes about 12 minutes; nothing
+else should run during that time.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ from throughput import (
 SCENARIOS = {1: "hover", 2: "formation_2", 5: "formation", 10: "formation_10", 20: "formation_20"}
 ENVS = paper_tables.ENVS
 BATCHES = (11, ENVS)
-# A constant action holds a robot of drawn mass in the air for a second, not for the scenario's 20.
+# A constant action keeps a robot of drawn mass in the air for a second, not for the scenario's 20.
 EPISODES: dict[str, tuple[str, ...]] = {"hold": ("stepping.horizon=1000",), "zero": ()}
-MOST = 5.0  # [s]: where worlds are on Simbody, 10,000 receives would take minutes
-QUICK_BENCHES = 2  # runs of `skybody bench`, each of which takes half a second at least
-HOVER_RANGE = 2.0 * 1391.0  # [rad/s]: the largest speed with which an action of zero is hover speed
+MOST = 5.0  # [s]: on Simbody, 10,000 receives would take minutes
+QUICK_BENCHES = 2  # runs of `skybody bench`, each of at least half a second
+HOVER_RANGE = 2.0 * 1391.0  # [rad/s]: the largest speed for which an action of zero is hover speed
 Result = dict[str, Any]
 
 
@@ -62,7 +62,7 @@ class Bench:
     seconds: float
 
     def run(self, robots: int, threads: int, overrides: tuple[str, ...]) -> Result:
-        """What it prints, for so many robots under a constant action of zero."""
+        """Its output for `robots` robots under a constant action of zero."""
         command = [str(self.program), "bench", SCENARIOS[robots], "--json", "--actions", "zero"]
         command += ["--envs", str(ENVS), "--threads", str(threads), "--seconds", str(self.seconds)]
         for override in overrides:
@@ -74,7 +74,7 @@ class Bench:
 
 
 def robot_names(robots: int) -> list[str]:
-    """As the scenarios call them."""
+    """Names of the robots in the scenarios."""
     return ["quad"] if robots == 1 else [f"quad{k + 1}" for k in range(robots)]
 
 
@@ -88,16 +88,16 @@ def in_flight(robots: int) -> tuple[str, ...]:
 
 
 def without_joint_observation(robots: int) -> str:
-    """Override: observation and reward of hover for one of the robots, which nothing ends."""
+    """Override: observation and reward of hover for one of the robots, without ends."""
     parameters = f"robot: {robot_names(robots)[0]}, bound: 1000, tilt_max: 3.1"
     return f"task={{plugin: hover, parameters: {{{parameters}}}}}"
 
 
-# --- what is measured ---------------------------------------------------------------------------
+# --- measurements -------------------------------------------------------------------------------
 
 
 def from_python(length: Length) -> list[Result]:
-    """The asynchronous pool: a result per case, printed as it comes."""
+    """The asynchronous pool: one result per case, printed at once."""
     results = []
     for robots, scenario in SCENARIOS.items():
         for action, overrides in EPISODES.items():
@@ -113,7 +113,7 @@ def from_python(length: Length) -> list[Result]:
 
 
 def from_cpp(bench: Bench, trials: int) -> list[Result]:
-    """The same without Python, all worlds a batch."""
+    """The same without Python, all worlds in one batch."""
     results = []
     for robots in SCENARIOS:
         for action in EPISODES:
@@ -131,7 +131,7 @@ def from_cpp(bench: Bench, trials: int) -> list[Result]:
 
 
 def costs(bench: Bench, trials: int) -> list[Result]:
-    """Of a robot's step on one thread, in flight [ns]: the least of all trials."""
+    """Costs of a robot's step on one thread, in flight [ns]: the minimum of all trials."""
     results = []
     for robots in SCENARIOS:
         short = (*in_flight(robots), without_joint_observation(robots))
@@ -152,12 +152,12 @@ def costs(bench: Bench, trials: int) -> list[Result]:
 
 
 def step_cost(run: Result, robots: int) -> float:
-    """Of an environment step, by robot [ns of a thread]."""
+    """Cost of an environment step per robot [ns of a thread]."""
     return 1e9 / (float(run["env_steps_per_second_per_thread"]) * robots)
 
 
 def physics_cost(run: Result, robots: int) -> float:
-    """What `skybody bench` estimates of it, by robot [ns of a thread]."""
+    """Estimate of `skybody bench` for the physics, per robot [ns of a thread]."""
     return float(run["physics_share"]) * step_cost(run, robots)
 
 
@@ -183,7 +183,7 @@ def main() -> int:
     content["cpp"] = from_cpp(bench, trials)
     content["costs"] = costs(bench, trials)
 
-    import multi_agent_report  # Matplotlib: not before mistakes in the arguments are found
+    import multi_agent_report  # imports Matplotlib: only after the arguments are checked
 
     print(f"\n{multi_agent_report.rates_text(content)}")
     if folder:

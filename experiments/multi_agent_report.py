@@ -18,7 +18,7 @@ from throughput import machine_line, markdown_table, percent, plain_table, thous
 Result = dict[str, Any]
 GOALS = dict(zip(ROBOTS, (300.0, 250.0, 200.0, 150.0), strict=True))  # times the workstation's row
 WORKSTATION = dict(zip(ROBOTS, paper_tables.GAZEBO_POOL_WORKSTATION.rates, strict=True))
-FLAT = 1.25  # the dearest robot over the cheapest, 2 to 20 in a world
+FLAT = 1.25  # the largest cost of a robot over the smallest, 2 to 20 in a world
 
 HEAD = """\
 # Several robots in a world: the paper's Table IV and figure 8
@@ -68,7 +68,7 @@ observation; {verdict}."""
 
 @dataclass(frozen=True)
 class Row:
-    """One of ours in Table IV: a result by number of robots."""
+    """One of our rows in Table IV: a result by number of robots."""
 
     name: str
     results: dict[int, Result]
@@ -115,7 +115,7 @@ def rates_text(content: dict[str, Any]) -> str:
 
 
 def our_rows(content: dict[str, Any]) -> list[Row]:
-    """By language, batch and action."""
+    """Our rows by language, batch and action."""
     rows: dict[str, dict[int, Result]] = {}
     for language, key in (("Python", "python"), ("C++", "cpp")):
         for r in content[key]:
@@ -140,7 +140,7 @@ def rate_rows(content: dict[str, Any]) -> list[list[str]]:
 
 
 def goal_rows(content: dict[str, Any]) -> list[list[str]]:
-    """Ours by the paper's workstation row, beside the goal."""
+    """Ratios of ours to the paper's workstation row, and the goal."""
     rows = [["", *(f"N_A = {n}" for n in ROBOTS)]]
     rows.append(["goal", *(f">= {GOALS[n]:g}" for n in ROBOTS)])
     rows += [[row.name, *(_goal_cell(row, n) for n in ROBOTS)] for row in our_rows(content)]
@@ -153,7 +153,7 @@ def _goal_cell(row: Row, robots: int) -> str:
 
 
 def near_rows(content: dict[str, Any]) -> list[list[str]]:
-    """How many physics steps of the C++ rows had contact to look for."""
+    """Share of physics steps of the C++ rows with contact detection."""
     ours = [row for row in our_rows(content) if row.name.startswith("C++")]
     counts = list(ours[0].results)
     rows = [["", *(f"N_A = {n}" for n in counts)]]
@@ -188,7 +188,7 @@ COSTS = {
 
 
 def cost_rows(content: dict[str, Any]) -> list[list[str]]:
-    """[ns] by number of robots; the last column is how flat the row is."""
+    """[ns] by number of robots; the last column is the flatness of the row."""
     by_robots = {r["robots"]: r for r in content["costs"]}
     rows = [["", *(f"N_A = {n}" for n in by_robots), "most by least, 2 to 20"]]
     for key, name in COSTS.items():
@@ -198,13 +198,13 @@ def cost_rows(content: dict[str, Any]) -> list[list[str]]:
 
 
 def flatness(costs: Sequence[Result], key: str) -> float:
-    """The largest cost of a robot over the least, from 2 to 20 robots."""
+    """The largest cost per robot over the smallest, from 2 to 20 robots."""
     found = [float(r[key]) for r in costs if r["robots"] in ROBOTS]
     return max(found) / min(found)
 
 
 def verdict(content: dict[str, Any]) -> str:
-    """Whether the goal is met, by physics and by the step without joint observation."""
+    """Whether the goal is met, for the physics and for the step without joint observation."""
     words = []
     for key, name in (("physics", "physics alone"), ("rest", "the rest of the step")):
         met = flatness(content["costs"], key) <= FLAT

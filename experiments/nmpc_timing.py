@@ -1,10 +1,10 @@
-"""How long `nmpc` takes for a call, and how well it flies: docs/results/nmpc.md.
+"""Time of a call of `nmpc`, and its tracking errors: docs/results/nmpc.md.
 
     .venv/bin/python experiments/nmpc_timing.py [--quick] [--out DIR]
 
-A call is a physics step that holds one iteration of the controller, less the median of those steps
-that hold none. Times are the processor's (of this thread), so that others' work on the machine does
-not count; caches and clock rates that they change do.
+The time of a call is that of a physics step with one iteration of the controller, minus the median
+of the steps without one. Times are processor times of this thread, so that other processes
+do not count, except by their effect on caches and clock rates.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Path = Callable[[float], np.ndarray]  # time [s] -> the 17 values of a point
 
 
 def sines(centre: list[float], axes: list[tuple[float, float, float]]) -> Path:
-    """Amplitude [m], rate [rad/s] and phase of each axis."""
+    """A path of sines with amplitude [m], rate [rad/s] and phase of each axis."""
     amplitude, rate, phase = np.array(axes).T
 
     def point(t: float) -> np.ndarray:
@@ -50,7 +50,7 @@ WIND = (
 )
 
 
-# With the noise and biases that world `payload` has.
+# With the noise and biases of world `payload`.
 IMU = (
     "sensors=[{plugin: imu, parameters: {robot: quad, link: base_link, accelerometer_noise: 0.002, "
     "gyroscope_noise: 0.000175, accelerometer_bias: 0.05, gyroscope_bias: 0.003}}]"
@@ -70,9 +70,9 @@ class Flight:
     nodes: int = 20
     measured: str = "state"
     heavier: float = 1.0
-    weak: float = 1.0  # thrust constant of the first rotor, of the nominal one
-    every: float = 0.0  # [s] between two starts anew; 0: one start
-    settle: float = 2.0  # [s] that errors leave out
+    weak: float = 1.0  # thrust constant of the first rotor, relative to the nominal one
+    every: float = 0.0  # [s] between two cold starts; 0: one start
+    settle: float = 2.0  # [s] excluded from errors
 
 
 UPSIDE_DOWN = {"position": [0.0, 0.0, 5.0], "rotation": [0.0, 1.0, 0.0, 0.0]}
@@ -170,7 +170,7 @@ def disturb(sim: skybody.Simulation, flight: Flight) -> None:
 
 
 def count(sim: skybody.Simulation, name: str) -> int:
-    """A count that the controller reports."""
+    """A count reported by the controller."""
     sim.evaluate()
     (channel,) = (c for c in sim.compiled.info_channels if c.name.endswith(f".{name}"))
     return int(sim.info[channel.first])
@@ -201,7 +201,7 @@ and attitude by the state.
 
 
 def verdict(rows: list[dict[str, Any]]) -> str:
-    """Which bars are missed."""
+    """The missed goals."""
     by_name = {row["name"]: row for row in rows}
     bars = {
         "Lissajous, 1.5 m/s": 2.0,

@@ -1,11 +1,11 @@
-"""Old binaries against new ones in turns: has an edit made the engine slower?
+"""Compares an old build with a new one in turns: has an edit made the engine slower?
 
     .venv/bin/python experiments/old_and_new.py --old ../old
 
 `--old` is another clone, built (`./dev build`). Each turn runs the same short measurement on both,
 the old one first in every other turn, on one thread. The ratio new over old of each turn is kept;
 the table has its median and the 95 % interval of the median (order statistics, binomial). A case is
-slower where the whole interval lies below --least. Exit status 0: none is, 1: some are, 2: a
+slower if the whole interval is below --least. Exit status 0: none is, 1: some are, 2: a
 process failed. `--markdown docs/results/old_and_new.md` writes the page.
 """
 
@@ -31,14 +31,14 @@ from training_runs import (
 
 @dataclass(frozen=True)
 class Case:
-    """One workload. `arguments` go to `skybody bench`; of Python: environments of a Pool."""
+    """One workload. `arguments` go to `skybody bench`; from Python: environments of a Pool."""
 
     name: str
     arguments: tuple[str, ...] = ()
     python_envs: int = 0
 
 
-# Begun on the ground, with rotors that carry two thirds of the weight: the vehicles stay there.
+# Starts on the ground, with rotors at two thirds of the weight: the vehicles stay there.
 GROUND = (
     "--actions",
     "zero",
@@ -61,7 +61,7 @@ CASES = (
     Case("Python, N = 1", python_envs=1),
 )
 
-# Run with the project's own module: what `make_vec` gives a learner, in steps a second.
+# Run with the project's own module: the rate of `make_vec` in steps per second.
 PYTHON = """
 import sys, time
 import numpy as np
@@ -79,7 +79,7 @@ print(count * int(sys.argv[1]) / (time.perf_counter() - begin))
 
 
 def measure(project: Path, case: Case, seconds: float) -> float:
-    """Steps a second."""
+    """Steps per second."""
     if case.python_envs > 0:
         environment = {**os.environ, "PYTHONPATH": str(project / "python")}
         command = [sys.executable, "-P", "-c", PYTHON, str(case.python_envs), str(seconds)]

@@ -1,11 +1,10 @@
-"""How the world `omav` flies: hover, a move without leaning, a tilted pose.
+"""Flight of the world `omav`: hover, a move without leaning, a tilted pose.
 
     .venv/bin/python experiments/omav.py [--quick] [--out DIR]
 
-The hexacopter with tilting arms is commanded one pose after another. The page says how far it is
-from each of them when the next one comes, how much it leans while it moves level, and where its
-arms point; the picture shows the flight. tests/python/test_arms_and_tilt.py asks the same of every
-commit.
+The hexacopter with tilting arms is commanded one pose after another. The page lists its error when
+the next pose begins, its tilt while it moves level, and the directions of its arms; the picture
+shows the flight. tests/python/test_arms_and_tilt.py tests the same in every commit.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ SAMPLE = 10  # physics steps
 
 @dataclass(frozen=True)
 class Leg:
-    """A pose that is held for a time: a turn about an axis of W at a place."""
+    """A pose that is held for a time: a rotation about an axis of W at a position."""
 
     name: str
     place: tuple[float, float, float]  # [m]
@@ -66,7 +65,7 @@ LEGS = (
 
 
 def matrix(rotation: Reals) -> Reals:
-    """W from B."""
+    """Rotation matrix, W from B."""
     w, x, y, z = rotation
     return np.array(
         [
@@ -78,7 +77,7 @@ def matrix(rotation: Reals) -> Reals:
 
 
 def fly() -> list[dict[str, Any]]:
-    """Samples of the whole flight; each knows its leg."""
+    """Samples of the whole flight, each with its leg."""
     sim = skybody.Simulation("omav", overrides=["randomization=[]"], seed=1)
     sim.reset()
     samples = []
@@ -136,7 +135,7 @@ def table(samples: list[dict[str, Any]]) -> str:
 
 
 def draw_vehicle(axes: Any, sample: dict[str, Any]) -> None:
-    """Arms and the directions in which their rotors push, from the side (x to the right)."""
+    """Arms and thrust directions of their rotors, from the side (x to the right)."""
     turn, place = matrix(sample["rotation"]), sample["position"]
     for k, angle in enumerate(sample["arms"]):
         azimuth = math.radians(30.0 + 60.0 * k)
@@ -149,7 +148,7 @@ def draw_vehicle(axes: Any, sample: dict[str, Any]) -> None:
         disc = np.cross(up, [1.0, 0.0, 0.0])
         disc *= 0.11 / max(float(np.linalg.norm(disc)), 1e-9)
         axes.plot(*np.array([hub - disc, hub + disc])[:, 1:].T, color="tab:red", lw=1.5)
-        axes.plot(*(hub + 0.25 * up)[1:], " ")  # for the axes' limits, which arrows do not count in
+        axes.plot(*(hub + 0.25 * up)[1:], " ")  # for the axes' limits, which ignore arrows
         axes.annotate(
             "", xy=(hub + 0.25 * up)[1:], xytext=hub[1:], arrowprops={"arrowstyle": "->", "lw": 0.8}
         )
@@ -202,7 +201,7 @@ next. On the level way it leans no more than its arms and rotors lag behind.
 
 
 def is_good(samples: list[dict[str, Any]]) -> bool:
-    """Every pose is reached to 5 mm and 0.5 degrees; the level way leans by 2 degrees at most."""
+    """Whether poses are reached to 5 mm and 0.5 degrees, and the level move tilts <= 2 degrees."""
     ends = [[s for s in samples if s["leg"] == k][-1] for k in range(len(LEGS))]
     level = max(s["tilt"] for s in samples if LEGS[s["leg"]].angle == 0.0)
     return level < 2.0 and all(s["off"] < 5e-3 and s["turn"] < 0.5 for s in ends)

@@ -3,18 +3,18 @@
 
     .venv/bin/python experiments/paper_protocol.py TASK... [--algo ppo fast-ppo] [--transitions N]
 
-Of each task (a scenario) and learner, the paper's runs: networks of [512, 512], seeds 1, 25 and 42
+The paper's runs of each task (a scenario) and learner: networks of [512, 512], seeds 1, 25 and 42
 (or those of --seeds), 15 environments each, 5,000,000 transitions; `ppo` is that of
-Stable-Baselines3. The runs of a learner go side by side, as the paper's did; wall clock is that of
-the slowest, the time of parts that were interrupted included. With --transitions the runs are cut
-there, and the time for all transitions is extrapolated from the rate between the first checkpoint
-and the last, which the table says. Finished runs are not repeated, and interrupted ones go on.
+Stable-Baselines3. The runs of a learner are made in parallel, as in the paper; wall clock is that
+of the slowest, including interrupted parts. With --transitions the runs are shorter, and the time
+for all transitions is extrapolated from the rate between the first checkpoint and the last; the
+table states this. Finished runs are not repeated, and interrupted ones are resumed.
 
-With --learned nothing is trained: the run of the first of --seeds, as far as it has come, is shown
-with its curve, and its last policy flies 100 held-out episodes. Such runs may share the machine.
+With --learned nothing is trained: the run of the first of --seeds, complete or not, is shown with
+its curve, and its last policy flies 100 held-out episodes. Such runs may share the machine.
 
-Writes paper_protocol.md, its JSON and a picture of what was learned; tasks and learners that it had
-before stay in it.
+Writes paper_protocol.md, its JSON and a picture of the learning curves; earlier tasks and learners
+are kept in it.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ PROGRAM = ROOT / "build/release/bin/skybody"
 EPISODES = 100  # of held-out flights
 POINTS = 80  # of a curve
 ERRORS = ("payload_error", "position_error")  # infos [m]: the first that a task has
-# The paper's sizes; the rest are Stable-Baselines3's defaults, which it does not say to change. All
-# that either learner has is here: a task's preset is no part of the study.
+# The paper's sizes. The rest are Stable-Baselines3's defaults, which the paper does not change. All
+# hyper-parameters of both learners are here: a task's preset is not part of the study.
 SIZES = {
     "hidden": "512,512",
     "envs": 15,
@@ -87,7 +87,7 @@ SIZES = {
 
 
 def settings(algorithm: str) -> tuple[str, ...]:
-    """SIZES as --set takes them, without what the learner does not have."""
+    """SIZES as arguments of --set, without those that the learner does not have."""
     known = vars(algorithm_of(algorithm).defaults())
     return tuple(f"{name}={value}" for name, value in SIZES.items() if name in known)
 
@@ -95,7 +95,7 @@ def settings(algorithm: str) -> tuple[str, ...]:
 def make_runs(
     task: str, algorithm: str, out: Path, transitions: int, seeds: Sequence[int] = SEEDS
 ) -> list[Run]:
-    """A run per seed. They evaluate after training, lest that takes its processors."""
+    """One run per seed. They evaluate after training, so that it has all processors."""
     return [
         Run(
             folder=out / Path(task).stem / f"{algorithm}-seed-{seed}",
@@ -113,7 +113,7 @@ def make_runs(
 
 
 def train_together(runs: Sequence[Run]) -> None:
-    """All runs of a learner at once; those that are finished stay as they are."""
+    """Trains all runs of a learner in parallel; finished ones are kept."""
     train_all(runs, len(runs), say)
 
 
@@ -124,10 +124,10 @@ def say(run: Run) -> str:
 
 
 def figures(runs: Sequence[Run]) -> dict[str, Any]:
-    """A row of the table. The whole time is that of all transitions, extrapolated if need be.
+    """A row of the table. The total time is that of all transitions, extrapolated if necessary.
 
-    The wall clock is the slowest run's, from its last checkpoint: a run that was killed has gone on
-    from the time of the checkpoint before.
+    The wall clock is the slowest run's, from its last checkpoint: a killed run continues
+    from the time of its previous checkpoint.
     """
     first, last = ([read_meta(checkpoint_folders(run.folder)[k]) for run in runs] for k in (0, -1))
     steps, seconds = sum(meta["steps"] for meta in last), max(meta["wall_clock"] for meta in last)
@@ -149,7 +149,7 @@ def figures(runs: Sequence[Run]) -> dict[str, Any]:
     }
 
 
-# --- what was learned ---------------------------------------------------------------------------
+# --- learning results ---------------------------------------------------------------------------
 
 
 def curve(run: Run) -> dict[str, list[float | None]]:
@@ -166,7 +166,7 @@ def curve(run: Run) -> dict[str, list[float | None]]:
 
 
 def learned(run: Run, command: str) -> dict[str, Any]:
-    """A run's curve, and how its last policy flies where the task says what success is."""
+    """A run's curve, and the flights of its last policy if the task defines success."""
     found: dict[str, Any] = {
         "task": run.scenario,
         "learner": run.algorithm,
@@ -224,7 +224,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def merged(earlier: list[dict[str, Any]], rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """`rows`, behind those of other tasks and learners that were there before."""
+    """`rows`, after the earlier ones of other tasks and learners."""
     new = {(row["task"], row["learner"]) for row in rows}
     return [row for row in earlier if (row["task"], row["learner"]) not in new] + rows
 
@@ -237,7 +237,7 @@ def main(arguments: list[str] | None = None) -> int:
     curves: list[dict[str, Any]] = []
     try:
         for task in options.tasks:
-            CompiledScenario(task)  # mistakes are said before anything is trained
+            CompiledScenario(task)  # mistakes are reported before training
         for task in options.tasks:
             for algorithm in options.algo:
                 runs = make_runs(task, algorithm, options.out, options.transitions, options.seeds)

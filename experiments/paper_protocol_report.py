@@ -59,12 +59,12 @@ five seeds a form and presets that learn in [control_abstractions.md](control_ab
 
 
 def known_or_dash(value: float | None) -> str:
-    """Four digits."""
+    """Four digits, or a dash."""
     return "-" if value is None else f"{value:.4g}"
 
 
 def flown_cells(flown: dict[str, Any]) -> list[str]:
-    """Of held-out flights."""
+    """Cells on the held-out flights."""
     error = flown["median_error"]
     return [
         f"{flown['succeeded']} of {flown['episodes']}",
@@ -74,7 +74,7 @@ def flown_cells(flown: dict[str, Any]) -> list[str]:
 
 
 def draw(rows: list[dict[str, Any]], path: Path) -> None:
-    """Return and error over transitions, a column a task, a line a form of control."""
+    """Return and error over transitions, one column per task, one line per form of control."""
     tasks = sorted({family(row) for row in rows})
     if not tasks:
         return

@@ -1,7 +1,7 @@
-"""The throughput tables of the GzDRL paper (Tables III and IV), as it prints them.
+"""The throughput tables of the GzDRL paper (Tables III and IV), as printed there.
 
-Rates are thousands of environment steps a second, where a world counts once however many robots
-fly in it; processor use is in percent of all processors.
+Rates are thousands of environment steps per second; a world counts once for any number of robots.
+Processor use is in percent of all processors.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Computer:
-    """One of the paper's two; cores by the processor's maker."""
+    """One of the paper's two computers; cores according to the processor's maker."""
 
     name: str
     processor: str
@@ -87,7 +87,7 @@ GAZEBO_POOL_LAPTOP = TABLE_4[4]
 
 
 def machines_line() -> str:
-    """Where the paper's figures come from."""
+    """The source of the paper's figures."""
     return " and ".join(
         f"a {c.name} with {c.cores} cores ({c.processor})" for c in (WORKSTATION, LAPTOP)
     )

@@ -17,15 +17,15 @@ from skybody.train.policy_file import read_policy
 from torch import nn
 from training_runs import ROOT, Run, RunError
 
-TOLERANCE = 1e-6  # of actions in [-1, 1]: the C++ network computes in double, PyTorch in float
+TOLERANCE = 1e-6  # of actions in [-1, 1]: C++ computes in double, PyTorch in float
 LEAST_ROWS = 1000
 EPISODES = 3
 PICTURE = "flight-0001.png"  # of the first episode
 
 
 def fly_policy(program: Path, run: Run, out: Path) -> dict[str, Any]:
-    """Flies the newest checkpoint; returns the table that was printed, and the comparison."""
-    policy = os.path.relpath(run.folder.resolve(), ROOT)  # as the picture's title shows it
+    """Flies the newest checkpoint; returns the printed table, and the comparison."""
+    policy = os.path.relpath(run.folder.resolve(), ROOT)  # as in the picture's title
     command = [str(program.resolve()), "run", run.scenario, "--policy", policy]
     command += ["--episodes", str(EPISODES), "--seed", "1", "--out", str(out.resolve())]
     done = subprocess.run(
@@ -34,7 +34,7 @@ def fly_policy(program: Path, run: Run, out: Path) -> dict[str, Any]:
         text=True,
         check=False,
         cwd=ROOT,
-        env={**os.environ, "SKYBODY_PYTHON": sys.executable},  # that draws the pictures
+        env={**os.environ, "SKYBODY_PYTHON": sys.executable},  # draws the pictures
     )
     if done.returncode != 0 or not (out / PICTURE).exists():
         raise RunError(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
@@ -53,12 +53,12 @@ def fly_policy(program: Path, run: Run, out: Path) -> dict[str, Any]:
 
 
 def recorded(log: Path) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Observations (n, O), and the actions (n, A) that they led to, of all episodes."""
+    """Observations (n, O), and the resulting actions (n, A), of all episodes."""
     observations, actions = [], []
     with h5py.File(log) as file:
         for episode in file["episodes"].values():
             observations.append(episode["observation"][:-1])
-            actions.append(episode["action"][1:])  # row k + 1 has the action that row k led to
+            actions.append(episode["action"][1:])  # row k + 1 has the action for row k
     rows = sum(len(part) for part in observations)
     if rows < LEAST_ROWS:
         raise RunError(f"{log} has {rows} observations, too few to compare: {LEAST_ROWS} at least")
@@ -66,7 +66,7 @@ def recorded(log: Path) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
 
 
 def torch_actions(run: Run, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-    """The policy's actions (n, A) as PyTorch computes them in training: in single precision."""
+    """The policy's actions (n, A) as computed by PyTorch in training: in single precision."""
     policy = read_policy(checkpoint_folders(run.folder)[-1] / "policy.h5")
     normalized = (torch.from_numpy(observation) - torch.from_numpy(policy.mean)) * torch.from_numpy(
         policy.scale

@@ -14,7 +14,7 @@ PROGRAM = ROOT / "build/release/bin/skybody"
 
 @dataclass(frozen=True)
 class Case:
-    """What `skybody bench` runs."""
+    """Arguments of `skybody bench`."""
 
     name: str
     scenario: str
@@ -24,8 +24,9 @@ class Case:
 
 
 def run(case: Case, seconds: float) -> dict[str, float]:
-    """Physics steps a second of all environments on one core, and the share of steps with
-    something near enough to touch."""
+    """Physics steps per second of all environments on one core, and the share of steps with
+    bodies near contact.
+    """
     command = [str(PROGRAM), "bench", case.scenario, "--json", "--threads", "1"]
     command += ["--envs", str(case.envs), "--actions", case.actions, "--seconds", str(seconds)]
     for override in case.overrides:

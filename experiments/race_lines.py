@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""How quickly a race can be flown: lines by `skybody plan` through the gates of racing's tracks.
+"""Fastest laps of the races: lines by `skybody plan` through the gates of racing's tracks.
 
     .venv/bin/python experiments/race_lines.py [--quick] [--out DIR]
 
-Each line begins at rest where the scenario's robot stands, leads through all gates of all laps at
-their nominal places, and ends at rest behind the last one. Writes race_lines.md and its JSON, of
-which learning_courses.py takes the lap times that learned races are compared with.
+Each line begins at rest at the initial position of the scenario's robot, leads through all gates of
+all laps at their nominal positions, and ends at rest behind the last one. Writes race_lines.md and
+its JSON, whose lap times learning_courses.py compares with learned races.
 """
 
 from __future__ import annotations
@@ -33,28 +33,28 @@ NAME = "race_lines"
 SCENARIOS = ("racing", "racing_figure", "racing_split_s")
 VEHICLE = "qdrone2"
 LINES, QUICK_LINES = 20_000, 200
-SEEDS = 5  # of the search, whose ends differ by up to a tenth
-BEHIND = 0.5  # of the last gate, where the line ends [m]
-TOLERANCE = 0.01  # of a place on the line, which has a point every 0.02 s [m]
+SEEDS = 5  # of the search, whose results differ by up to a tenth
+BEHIND = 0.5  # distance of the line's end from the last gate [m]
+TOLERANCE = 0.01  # of a position on the line, which has a point every 0.02 s [m]
 FOUND = re.compile(r"^ *\d+ +[\d.]+ +([\d.]+) +([\d.]+) *$", re.MULTILINE)
 
 
 class LineError(RuntimeError):
-    """A line that is not found, or leads beside a gate; the text is the whole message."""
+    """A line that is not found, or misses a gate; the text is the whole message."""
 
 
 @dataclass(frozen=True)
 class Gate:
-    """An opening at its nominal place."""
+    """An opening at its nominal position."""
 
     centre: Reals  # W [m]
-    direction: Reals  # along which it is passed, W
-    reach: float  # how far from its centre a robot's centre may be [m]
+    direction: Reals  # direction of passage, W
+    reach: float  # largest distance of a robot's centre from its centre [m]
 
 
 @dataclass(frozen=True)
 class Race:
-    """What is to be flown."""
+    """The course of a race."""
 
     start: Reals  # W [m]
     gates: tuple[Gate, ...]  # of one lap
@@ -66,7 +66,7 @@ class Race:
         return self.gates * self.laps
 
     def course(self) -> dict[str, Any]:
-        """For `skybody plan`."""
+        """The input of `skybody plan`."""
         last = self.gates[-1]
         return {
             "start": self.start.tolist(),
@@ -83,7 +83,7 @@ class Race:
 
 
 def race_of(scenario: str) -> Race:
-    """A scenario's, without its draws."""
+    """A scenario's race, without its draws."""
     found = yaml.safe_load(CompiledScenario(scenario).scenario_text)
     parameters = found["task"]["parameters"]
     shapes = [shape for shape in found["obstacles"] if "gate" in shape]
@@ -104,10 +104,10 @@ def _gate(shape: dict[str, Any], radius: float) -> Gate:
 
 
 def check(race: Race, line: Reals) -> None:
-    """Raises LineError where a line does not lead through all gates in their direction.
+    """Raises LineError unless the line leads through all gates in their direction.
 
     Args:
-        line: Places on it, a row each.
+        line: positions on it, one per row.
     """
     begin = 0
     for k, gate in enumerate(race.order):
@@ -124,7 +124,7 @@ def check(race: Race, line: Reals) -> None:
 
 
 def plan(race: Race, lines: int, seed: int) -> dict[str, float]:
-    """The quickest of so many lines: its seconds and peak speed."""
+    """The fastest of `lines` lines: its seconds and peak speed."""
     with tempfile.TemporaryDirectory() as name:
         gates, table = Path(name) / "gates.yaml", Path(name) / "line.csv"
         gates.write_text(yaml.safe_dump(race.course()))

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""What a cluster costs: `fast-ppo` on Ray's workers beside one process, all on this machine.
+"""Cost of a cluster: `fast-ppo` on Ray's workers and in one process, all on this machine.
 
     .peers/ray/bin/python experiments/ray_speed.py [--turns 3] [--out DIR]
 
-`./dev ray` installs that Python. Environment steps a second of whole iterations (rollout, update,
-and with workers the words of every slice, which the driver fetches after each), the settings in
-turns. All must end with the same parameters, else this fails. Writes ray_speed.md and its JSON.
+`./dev ray` installs that Python. Environment steps per second of whole iterations (rollout, update,
+and with workers the state of every slice, which the driver fetches after each), the settings in
+turns. All must end with the same parameters, otherwise this fails. Writes ray_speed.md and its
+JSON.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ NAME = "ray_speed"
 
 @dataclass(frozen=True)
 class Work:
-    """What is learned."""
+    """A training task."""
 
     name: str
     settings: tuple[str, ...] = ()
@@ -55,14 +56,14 @@ WORKS = (
 
 @dataclass(frozen=True)
 class Turn:
-    """One run: its rate, and what it has learned."""
+    """One run: its rate, and its parameters."""
 
-    rate: float  # environment steps a second
+    rate: float  # environment steps per second
     parameters: str
 
 
 def timed(learner: FastPpo, iterations: int) -> Turn:
-    """After an iteration that is not counted, in which memory is taken."""
+    """Times the iterations after a first, uncounted one, which allocates memory."""
     learner.iterate()
     before, begin = learner.steps, time.perf_counter()
     for _ in range(iterations):
@@ -72,14 +73,14 @@ def timed(learner: FastPpo, iterations: int) -> Turn:
 
 
 def at_home(work: Work, threads: int) -> Turn:
-    """In this process."""
+    """Runs it in this process."""
     compiled = work.compiled()
     given = work.told(compiled)
     return timed(FastPpo(compiled, given.hyper, SEED, threads, given.total_steps), work.iterations)
 
 
 def on_workers(work: Work, workers: int, ray: Any) -> Turn:
-    """On that many workers, of one thread each."""
+    """Runs it on that many workers, of one thread each."""
     compiled = work.compiled()
     given = work.told(compiled)
     setup = Setup(
@@ -102,7 +103,7 @@ def on_workers(work: Work, workers: int, ray: Any) -> Turn:
 
 
 def settings_of(processors: int) -> list[str]:
-    """What is compared, in the order of the table; the first is what the others are beside."""
+    """The compared settings, in the order of the table; the first is the reference."""
     home = [f"one process, {n} thread{'s' * (n > 1)}" for n in sorted({1, processors})]
     return home + [f"{n} worker{'s' * (n > 1)} of one thread" for n in WORKERS]
 
@@ -114,7 +115,7 @@ def turn(work: Work, processors: int, ray: Any) -> list[Turn]:
 
 
 def figures(work: Work, names: list[str], turns: list[list[Turn]]) -> dict[str, Any]:
-    """Of a work: medians of the turns. Raises ClusterError where the settings do not agree."""
+    """Medians over the turns of a task. Raises ClusterError if the settings do not agree."""
     found = {one.parameters for of_turn in turns for one in of_turn}
     if len(found) > 1:
         raise ClusterError(f"{work.name}: different parameters: {', '.join(sorted(found))}")
@@ -131,7 +132,7 @@ def figures(work: Work, names: list[str], turns: list[list[Turn]]) -> dict[str, 
 
 
 def measured(turns: int) -> dict[str, Any]:
-    """All figures, and what they were measured on."""
+    """All figures, and facts about the machine."""
     content = {**facts(), "turns": turns}
     processors = content["processors"]
     names = settings_of(processors)

@@ -3,12 +3,12 @@
 
     .venv/bin/python experiments/recurrent_policy.py [--seeds 1 2 3] [--out DIR] [--quick]
 
-RAPTOR's question: can one recurrent policy fly vehicles from 30 g to 5 kg that it has never seen?
+RAPTOR's question: can one recurrent policy fly unknown vehicles from 30 g to 5 kg?
 Hover is `vehicles` with the masses and rewards of vehicle_policy.py, the path is that of
 `vehicles_trajectory`. Policies have gated recurrent units or none, and observe their past actions
-or not: these tell how the vehicle answers a throttle. All take the same steps. Each flies
-100 episodes with the vehicles of another fleet. Finished runs are not repeated, and one that was
-cut short goes on. Writes recurrent_policy.md, its JSON and a picture.
+or not; past actions reveal the vehicle's response to a throttle. All take the same steps. Each
+flies 100 episodes with vehicles drawn by another seed. Finished runs are not repeated, and
+interrupted ones are resumed. Writes recurrent_policy.md, its JSON and a picture.
 """
 
 from __future__ import annotations
@@ -52,14 +52,14 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Flown:
-    """A task, and which of its errors counts."""
+    """A task, and its error that counts."""
 
     scenario: str
     overrides: tuple[str, ...]
-    settings: tuple[str, ...]  # beside the scenario's preset
+    settings: tuple[str, ...]  # in addition to the scenario's preset
     total_steps: int
     error: str  # an info
-    is_mean: bool  # its value at the end is a mean already; else it is averaged over a second
+    is_mean: bool  # its final value is already a mean; otherwise it is averaged over a second
     doc: str
 
 
@@ -99,7 +99,7 @@ class Kind:
         return (f"recurrent_units={UNITS}",) if self.remembers else ()
 
     def overrides(self) -> tuple[str, ...]:
-        """Of the scenario."""
+        """Overrides of the scenario."""
         return () if self.sees_actions else ("task.parameters.past_actions=false",)
 
 
@@ -112,7 +112,7 @@ KINDS = (
 
 
 def make_run(options: argparse.Namespace, task: str, kind: Kind, seed: int) -> Run:
-    """Of one policy."""
+    """The run of one policy."""
     flown = TASKS[task]
     name = kind.name.replace(", ", "-").replace(" ", "-")
     return Run(
@@ -130,7 +130,7 @@ def make_run(options: argparse.Namespace, task: str, kind: Kind, seed: int) -> R
 
 
 def all_runs(options: argparse.Namespace) -> Iterator[tuple[str, Kind, Run]]:
-    """A seed of every policy after the other, so that a cut leaves whole comparisons."""
+    """Seed by seed for all policies, so that an interruption leaves whole comparisons."""
     for seed in options.seeds:
         for task in options.tasks:
             for kind in KINDS:
@@ -138,7 +138,7 @@ def all_runs(options: argparse.Namespace) -> Iterator[tuple[str, Kind, Run]]:
 
 
 def record(task: str, kind: Kind, run: Run, program: Path, episodes: int) -> Row:
-    """What a policy has learned, in flights that it does not know."""
+    """Results of a policy in held-out flights."""
     flights = fly(program, run, episodes)
     flown = TASKS[task]
     infos = flights.at_the_end if flown.is_mean else flights.last_second
@@ -165,12 +165,12 @@ def record(task: str, kind: Kind, run: Run, program: Path, episodes: int) -> Row
 
 
 def of_kind(rows: Sequence[Row], task: str, kind: Kind) -> list[Row]:
-    """Of a kind of policy, a row a seed."""
+    """Rows of a kind of policy, one per seed."""
     return [r for r in rows if (r["task"], r["policy"]) == (task, kind.name)]
 
 
 def pair(rows: Sequence[Row], task: str, sees_actions: bool) -> tuple[list[Row], list[Row]]:
-    """Of policies with memory and without, which see their actions or do not."""
+    """Rows of policies with memory and without, that observe their actions or do not."""
     kinds = {kind.remembers: kind for kind in KINDS if kind.sees_actions == sees_actions}
     return of_kind(rows, task, kinds[True]), of_kind(rows, task, kinds[False])
 
@@ -195,7 +195,7 @@ def answer(rows: Sequence[Row], of: Sequence[tuple[str, bool]]) -> str:
 
 
 def compared(rows: Sequence[Row], task: str, sees_actions: bool) -> str:
-    """What memory does for policies that see their actions, or do not."""
+    """The effect of memory for policies that observe their actions, or do not."""
     ours, theirs = pair(rows, task, sees_actions)
     who = "past actions observed" if sees_actions else "no actions observed"
     return (
@@ -205,14 +205,14 @@ def compared(rows: Sequence[Row], task: str, sees_actions: bool) -> str:
 
 
 def in_words(own: Sequence[Row]) -> str:
-    """Of all flights of the seeds."""
+    """Summary of all flights of the seeds."""
     near, flown = (sum(r[name] for r in own) for name in ("near", "episodes"))
     median = statistics.median(r["median_error"] for r in own)
     return f"{near} of {flown} within {NEAR} m, median error {1e3 * median:.1f} mm"
 
 
 def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
-    """Whether more arrive with memory or without: two standard errors, and all seeds agree."""
+    """Whether more flights succeed with memory: two standard errors, and all seeds agree."""
     shares = [[r["near"] / r["episodes"] for r in own] for own in (ours, theirs)]
     means = [statistics.fmean(own) for own in shares]
     counts = [sum(r["episodes"] for r in own) for own in (ours, theirs)]
@@ -226,7 +226,7 @@ def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
 
 
 def erring(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
-    """Whether the median vehicle is nearer with memory: all seeds agree."""
+    """Whether the median error is smaller with memory: all seeds agree."""
     medians = [[r["median_error"] for r in own] for own in (ours, theirs)]
     if max(medians[0]) < min(medians[1]):
         return NEARER
@@ -236,7 +236,7 @@ def erring(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
 
 
 def table(rows: Sequence[Row]) -> list[str]:
-    """A line a policy."""
+    """One line per policy."""
     lines = [
         "| task | policy | seed | steps | median error [m] | 90 % quantile [m] | failures "
         f"| within {NEAR} m |",
@@ -316,7 +316,7 @@ Versions: {versions_line(rows)}.
 
 
 def draw(rows: Sequence[Row], out: Path) -> None:
-    """Error over mass; a point an episode, a cross one that failed, a panel a task."""
+    """Error over mass; one point per episode, a cross for a failure, one panel per task."""
     tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
     figure = Figure(figsize=(4.8 * len(tasks), 4.4), layout="constrained")
     canvas = FigureCanvasAgg(figure)
@@ -338,7 +338,7 @@ def draw(rows: Sequence[Row], out: Path) -> None:
 
 
 def middles(masses: np.ndarray, errors: np.ndarray, parts: int = 8) -> tuple[list[float], ...]:
-    """Masses and median errors of as many parts with equally many episodes."""
+    """Masses and median errors of parts with equal numbers of episodes."""
     order = np.array_split(np.argsort(masses), parts)
     return (
         [float(np.median(masses[k])) for k in order],

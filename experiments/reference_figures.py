@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FIGURE = ROOT / "controllers/reference/figure.png"
 NAMES = ("circle", "helix", "figure_eight", "lissajous", "waypoints", "step")
 APPROACH = 4.0  # s, of all shipped references
-BEGIN = (  # near each path, so that the way there does not fill the picture
+BEGIN = (  # near each path, so that the approach does not fill the picture
     "--set",
     "randomization=[]",
     "--set",
@@ -34,7 +34,7 @@ BEGIN = (  # near each path, so that the way there does not fill the picture
 
 
 def fly(program: Path, name: str, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time, places and references."""
+    """Time, positions and references."""
     out = folder / name
     command = [program, "run", "hover", "--reference", name, "--out", out, "--no-picture", *BEGIN]
     subprocess.run([*command, "--steps", "16000"], check=True, stdout=subprocess.DEVNULL)

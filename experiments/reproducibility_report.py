@@ -152,7 +152,7 @@ def _runs(scenario: str, figures: dict[str, Any]) -> str:
 
 
 def draw(content: dict[str, Any], out: Path) -> None:
-    """The paper's figure: a row per scenario; one seed left, different seeds right."""
+    """The paper's figure: one row per scenario; one seed left, different seeds right."""
     scenarios = content["scenarios"]
     figure = Figure(figsize=(10, 1.4 + 3.4 * len(scenarios)), layout="constrained")
     canvas = FigureCanvasAgg(figure)
@@ -165,7 +165,7 @@ def draw(content: dict[str, Any], out: Path) -> None:
     for axis in axes[-1]:
         axis.set_xlabel("environment steps")
         axis.xaxis.set_major_formatter(EngFormatter(sep=""))
-        # Below, where no curve is; once for its column: every scenario has the same runs.
+        # Below, outside the curves; once per column, because every scenario has the same runs.
         axis.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.18))
     canvas.print_png(out)
 
@@ -188,7 +188,7 @@ def _draw_group(axis: Axes, figures: dict[str, Any], name: str) -> None:
     axis.plot(steps, mean, color="0.35", linewidth=1, linestyle="--")
     for number, run in enumerate(runs):
         values = [point["return_mean"] for point in run["checkpoints"]]
-        # Curves that coincide are drawn from wide to narrow, so that each can be seen.
+        # Identical curves are drawn from wide to narrow, so that each is visible.
         width = 2.0 * (len(runs) - number) if name == "same seed" else 1.5
         label = f"process {number + 1}, environment threads: {run['threads']}"
         if name != "same seed":

@@ -1,4 +1,4 @@
-"""What experiments share: their command lines, and how they write page and data."""
+"""Shared code of experiments: command lines, and writing of page and data."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from training_runs import ROOT, command_line, machine, page_data, shown, write_j
 
 
 def option_parser(doc: str | None) -> argparse.ArgumentParser:
-    """A parser whose help begins with the script's docstring as it stands."""
+    """A parser whose help begins with the script's docstring, unformatted."""
     return argparse.ArgumentParser(
         description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
     )
 
 
 def add_quick(parser: argparse.ArgumentParser, trial: str) -> None:
-    """--quick, --out and --report; place_quick() fills them in.
+    """Adds --quick, --out and --report; place_quick() sets their defaults.
 
     Args:
-        trial: what is left of the experiment.
+        trial: description of the reduced experiment.
     """
     add = parser.add_argument
     add("--quick", action="store_true", help=f"a trial: {trial}, page beside the runs")
@@ -31,14 +31,14 @@ def add_quick(parser: argparse.ArgumentParser, trial: str) -> None:
 
 
 def place_quick(options: argparse.Namespace, name: str) -> None:
-    """Fills in the folders that are not given: flights/NAME, for a trial flights/NAME_quick."""
+    """Sets the folders that are not given: flights/NAME, for a trial flights/NAME_quick."""
     runs = ROOT / "flights" / (f"{name}_quick" if options.quick else name)
     options.out = options.out or runs
     options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
 
 
 def heading(experiment: str, script: str, arguments: Sequence[str] | None) -> dict[str, Any]:
-    """What data begins with: what was measured, by which command, on which machine.
+    """Head of the data: the experiment, its command, and the machine.
 
     Args:
         arguments: main()'s; None: those of the command line.
@@ -52,7 +52,7 @@ def heading(experiment: str, script: str, arguments: Sequence[str] | None) -> di
 
 
 def write_page(folder: Path, name: str, content: dict[str, Any], text: str) -> None:
-    """Writes `content` and the page that was made of it, and prints the page."""
+    """Writes `content` and its page, and prints the page."""
     write_json(folder / f"data/{name}.json", content)
     page = folder / f"{name}.md"
     page_data.write(page, text)

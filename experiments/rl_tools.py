@@ -1,4 +1,4 @@
-"""rl_tools' published hover training, built from a checkout of the user's and run beside ours."""
+"""rl_tools' published hover training, built from the user's checkout and compared with ours."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from training_runs import ROOT, RunError, write_json
 
 LEARNER = "rl_tools SAC"
 SOURCE = ROOT / "bench/peers/rl_tools_hover.cpp"
-# As the README of rl_tools says, for this processor.
+# As in the README of rl_tools, for this processor.
 FLAGS = ("-std=c++17", "-O3", "-ffast-math", "-march=native")
 POINTS = 10  # of a curve
 DIFFERS = """\
@@ -30,7 +30,7 @@ second that an episode flew. Seconds are those of training alone: neither start 
 
 
 def check(checkout: Path) -> None:
-    """Raises RunError where the folder is no checkout, or one in which the training is not."""
+    """Raises RunError if the folder is not a checkout, or does not contain the training."""
     needed = checkout / "src/rl/zoo/l2f/sac_tiny.h"
     if not needed.exists():
         raise RunError(
@@ -40,7 +40,7 @@ def check(checkout: Path) -> None:
 
 
 def build(checkout: Path, out: Path) -> Path:
-    """Compiles the training, if it was not; returns the program.
+    """Compiles the training, if necessary; returns the program.
 
     Raises RunError with the compiler's first lines.
     """
@@ -61,7 +61,7 @@ def build(checkout: Path, out: Path) -> Path:
 
 
 def record(program: Path, seed: int, out: Path) -> dict[str, Any]:
-    """Trains and evaluates a seed, or reads what was measured before.
+    """Trains and evaluates a seed, or reads an earlier measurement.
 
     A record of learn_table.py, without the times at which limits are reached.
     """
@@ -90,7 +90,7 @@ def record(program: Path, seed: int, out: Path) -> dict[str, Any]:
 
 
 def point(printed: dict[str, Any]) -> dict[str, Any]:
-    """One of a curve, from a line of the program."""
+    """A point of a curve, from a line of the program."""
     episodes = len(printed["errors"])
     return {
         "steps": printed["steps"],
@@ -101,12 +101,12 @@ def point(printed: dict[str, Any]) -> dict[str, Any]:
 
 
 def note(found: dict[str, str], episodes: int) -> str:
-    """What the page says on it; `found` is facts()."""
+    """The page's note on it; `found` is facts()."""
     return DIFFERS.format(episodes=episodes, **found)
 
 
 def facts(checkout: Path) -> dict[str, str]:
-    """Commit of the checkout (where it has one) and the compiler's version."""
+    """Commit of the checkout (if it has one) and the compiler's version."""
     commit = subprocess.run(
         ["git", "-C", str(checkout), "rev-parse", "--short=8", "HEAD"],
         capture_output=True,

@@ -4,7 +4,7 @@
     .venv/bin/python experiments/rotorpy_tracking.py [--quick] [--out DIR]
 
 Both fly RotorPy's Crazyflie and Hummingbird with its rotors' lag and all of its aerodynamics. Both
-controllers are evaluated at 1 kHz and get the same reference from the same functions. Flights
+controllers run at 1 kHz and get the same reference from the same functions. Flights
 begin on the reference, level and with its velocity; errors count after `SETTLE` seconds.
 """
 
@@ -53,7 +53,7 @@ class Harmonic:
     peak: float  # [m/s]
 
     def rates(self) -> Reals:
-        """Of each axis [rad/s]."""
+        """Rates of each axis [rad/s]."""
         turn = np.linspace(0.0, 2.0 * np.pi, 20001)[:, None]
         speed = np.array(self.amplitude) * self.cycles * np.cos(turn * self.cycles + self.phase)
         return np.asarray(self.cycles) * self.peak / np.linalg.norm(speed, axis=1).max()
@@ -71,7 +71,7 @@ class Harmonic:
 
 @dataclass(frozen=True)
 class Step:
-    """A metre to the side once flights have settled."""
+    """A step of one metre to the side, after the transient."""
 
     title: str = "step of 1 m"
 
@@ -141,7 +141,7 @@ def fly_ours(k: Constants, reference: Reference, seconds: float) -> Reals:
 
 
 def error_of(path: Reals, reference: Reference) -> tuple[float, float]:
-    """RMS and greatest distance to the reference after `SETTLE` [cm]."""
+    """RMS and largest distance to the reference after `SETTLE` [cm]."""
     wished = np.array([reference.derivatives((i + 1) * DT)[0] for i in range(len(path))])
     distance = 100.0 * np.linalg.norm(path - wished, axis=1)[round(SETTLE / DT) :]
     return float(np.sqrt(np.mean(distance**2))), float(distance.max())

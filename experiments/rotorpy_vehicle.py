@@ -1,4 +1,4 @@
-"""Vehicles of RotorPy as scenarios of ours, for comparisons.
+"""Vehicles of RotorPy as Skybody scenarios, for comparisons.
 
 S. Folk, J. Paulos, V. Kumar, "RotorPy: A Python-based Multirotor Simulator with Aerodynamics for
 Education and Research", 2023. A model is written from its numbers: one link, rotors without
@@ -29,19 +29,19 @@ URDF = """<?xml version="1.0"?>
 </robot>
 """
 
-# The moment of inertia of RotorPy's Crazyflie about z is above the sum of the others, which no body
-# has and Skybody refuses: both sides get a smaller one.
+# The moment of inertia of RotorPy's Crazyflie about z exceeds the sum of the others, which is not
+# physical and is an error in Skybody: both sides get a smaller one.
 CORRECTIONS: dict[str, Constants] = {"crazyflie": {"Izz": 2.85e-5}}
 
 
 def constants_of(vehicle: str) -> Constants:
-    """RotorPy's parameter file of a vehicle, with a body that can be."""
+    """RotorPy's parameter file of a vehicle, with a physical inertia."""
     module: Any = importlib.import_module(f"rotorpy.vehicles.{vehicle}_params")
     return dict(module.quad_params) | CORRECTIONS.get(vehicle, {})
 
 
 def rotors_file(k: Constants, lag: float) -> dict[str, Any]:
-    """Numbers become text and numbers again with the same bits. @param lag of rotors [s]"""
+    """Converts numbers to text that reads back with the same bits. @param lag of rotors [s]"""
     defaults = {
         "thrust_constant": float(k["k_eta"]),
         "moment_constant": float(k["k_m"]),

@@ -6,7 +6,7 @@
 N_B = N_E / 3 and N_B = N_E, on min(N_E, processors) threads, under the reference's constant zero
 action and under hover speed (hold), on the tree dynamics and on Simbody; then the paper's baselines
 (bench/baselines.py). Writes scalability.md, data/scalability.json and images/scalability.png, with
-the paper's own figures beside ours. Takes about 12 minutes; nothing else should run meanwhile.
+the paper's own figures and ours. Takes about 12 minutes; nothing else should run during that time.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ Result = dict[str, Any]
 
 
 def batches(envs: int) -> tuple[int, ...]:
-    """N_B of the paper, and all."""
+    """N_B of the paper, and N_E."""
     return tuple(dict.fromkeys((max(1, envs // 3), envs)))
 
 
 def cases(counts: Sequence[int]) -> list[tuple[str, Case]]:
-    """With the dynamics of each; Simbody up to the paper's largest number of environments."""
+    """Cases with their dynamics; Simbody up to the paper's largest number of environments."""
     return [
         (dynamics, Case(SCENARIO, envs, batch, action, overrides))
         for dynamics, overrides in DYNAMICS.items()
@@ -64,7 +64,7 @@ def cases(counts: Sequence[int]) -> list[tuple[str, Case]]:
 
 
 def run_pool(counts: Sequence[int], length: Length) -> list[Result]:
-    """The asynchronous pool: a result per case, printed as it comes."""
+    """The asynchronous pool: one result per case, printed at once."""
     results = []
     for dynamics, case in cases(counts):
         limit = min(length.most, SIMBODY_MOST) if dynamics == "simbody" else length.most
@@ -86,7 +86,7 @@ def run_pool(counts: Sequence[int], length: Length) -> list[Result]:
 
 def run_baselines(counts: Sequence[int], trials: int, seconds: float) -> list[Result]:
     """The paper's other ways of stepping N worlds."""
-    import baselines  # found where throughput.py looks for it
+    import baselines  # on the path set by throughput.py
 
     results = []
     for envs in counts:
@@ -104,7 +104,7 @@ def run_baselines(counts: Sequence[int], trials: int, seconds: float) -> list[Re
 
 
 def reset_share(action: str) -> float:
-    """How many of all rows begin an episode, over the length of the longest."""
+    """Share of rows that begin an episode, over the length of the longest one."""
     with skybody.make_pool(SCENARIO, EPISODE_ENVS, infos=False) as pool:
         pool.reset()
         rows = np.full((EPISODE_ENVS, pool.compiled.action_size), ACTIONS[action], np.float32)
@@ -132,7 +132,7 @@ def main() -> int:
     content["reset_share_envs"] = EPISODE_ENVS
     content["reset_share"] = {action: reset_share(action) for action in ACTIONS}
 
-    import scalability_report  # Matplotlib: not in every process that stepping spawns
+    import scalability_report  # imports Matplotlib: not in the processes that stepping spawns
 
     print(f"\n{scalability_report.peaks_text(content)}")
     if folder:

@@ -16,7 +16,7 @@ from throughput import machine_line, markdown_table, percent, plain_table, thous
 
 Result = dict[str, Any]
 LARGEST = max(paper_tables.COUNTS)
-BASELINES = {  # of bench/baselines.py: what it is here, and the paper's counterpart
+BASELINES = {  # ways of bench/baselines.py: description, and the paper's counterpart
     "vec": ("`make_vec`", None),
     "pool": ("`SimulationPool`", paper_tables.ASYNC_POOL),
     "processes": ("Python processes", paper_tables.MULTIPROCESSING),
@@ -110,12 +110,12 @@ def peaks_text(content: dict[str, Any]) -> str:
 
 
 def peak(results: Sequence[Result], wanted: Callable[[Result], bool]) -> Result:
-    """The one of those wanted with the best mean rate."""
+    """The result with the best mean rate among those wanted."""
     return max((r for r in results if wanted(r)), key=lambda r: float(r["mean"]["rate"]))
 
 
 def peak_rows(content: dict[str, Any]) -> list[list[str]]:
-    """Table III: ours beside the paper's."""
+    """Table III: ours and the paper's."""
     pool, gazebo = content["pool"], paper_tables.GAZEBO_POOL
 
     def of_pool(dynamics: str, action: str, most: float = LARGEST) -> Result:
@@ -155,8 +155,8 @@ def _paper_cells(found: Peak) -> list[str]:
 
 
 def _per_core(content: dict[str, Any]) -> str:
-    """Our best beside the paper's by core: computers differ by more than that."""
-    most = max(paper_tables.COUNTS)  # as the paper has them
+    """Our best rate and the paper's, per core, because the computers differ."""
+    most = max(paper_tables.COUNTS)  # as in the paper
     best = peak(
         content["pool"],
         lambda r: (r["dynamics"], r["action"]) == ("tree", "zero") and r["envs"] <= most,
@@ -274,7 +274,7 @@ def draw(content: dict[str, Any], out: Path) -> None:
 
 
 def _on_curve(r: Result, dynamics: str, whole: bool) -> bool:
-    """With one environment, N_B = 1 is both."""
+    """Whether a result belongs to a curve; with one environment, N_B = 1 belongs to both."""
     batch = r["envs"] if whole else max(1, r["envs"] // 3)
     return (r["dynamics"], r["action"], r["batch"]) == (dynamics, "zero", batch)
 

@@ -1,11 +1,11 @@
-"""How many steps a second each task takes from Python, 1,024 environments at once.
+"""Steps per second of each task from Python, with 1,024 environments.
 
     .venv/bin/python experiments/task_speed.py [SCENARIO ...] [--quick] [--out DIR]
 
-Every environment gets the same constant action: the mean of what the baseline `hold` sends in a
-flight, so that vehicles stay in the air for most of an episode, and so that resets are among what
-is measured, as in training. Where scenarios are named, those alone are measured, and the page keeps
-what it has of the others.
+Every environment gets the same constant action: the mean action of the baseline `hold` in a
+flight. So vehicles stay in the air for most of an episode, and resets are included in the
+measurement, as in training. If scenarios are named, only those are measured, and the page keeps
+its figures of the others.
 """
 
 from __future__ import annotations
@@ -91,16 +91,16 @@ SCENARIOS = (
 
 @dataclass(frozen=True)
 class Line:
-    """What was measured of one scenario."""
+    """Measurement of one scenario."""
 
     robots: int
     actions: int
     observations: int
-    repeat: int  # physics steps an action
-    rate: float  # environment steps a second
+    repeat: int  # physics steps per action
+    rate: float  # environment steps per second
 
     def cells(self, scenario: str) -> list[str]:
-        """Of the table's row."""
+        """Cells of the table's row."""
         numbers = [self.robots, self.observations, self.actions, self.repeat]
         return [
             scenario,
@@ -135,7 +135,7 @@ def steady_action(scenario: str) -> tuple[float, ...]:
 
 
 def measure_line(scenario: str, length: Length) -> Line:
-    """One scenario."""
+    """Measures one scenario."""
     compiled = skybody.CompiledScenario(scenario)
     row = steady_action(scenario)
     case = Case(scenario, ENVS, ENVS, "hold", row=row)

@@ -1,8 +1,9 @@
-"""How many steps a second an asynchronous pool takes from Python, by the GzDRL paper's protocol.
+"""Steps per second of an asynchronous pool from Python, by the GzDRL paper's protocol.
 
-The reference's code counts receives where the paper's text says environment steps: 1,000 to warm up
-and 10,000 that are measured. A receive brings N_B rows, each an environment step; a row that begins
-an episode counts like the others, as there. Each trial has a pool and a seed of its own.
+The reference's code counts receives, where the paper's text has environment steps: 1,000 for
+warm-up and 10,000 measured ones. A receive returns N_B rows, each an environment step; a row that
+begins an episode counts like the others, as in the reference. Each trial has a separate pool and
+seed.
 """
 
 from __future__ import annotations
@@ -30,21 +31,21 @@ from baselines import interval as interval  # noqa: E402
 from baselines import processor, processor_seconds  # noqa: E402
 from baselines import processors as processors  # noqa: E402
 
-BURST = 10  # receives between two looks at the clock
-# Of (a + 1) * 1150 rad/s: the reference's constant action, and the QDrone2's hover speed.
+BURST = 10  # receives between two readings of the clock
+# Actions a of (a + 1) * 1150 rad/s: the reference's constant action, and the QDrone2's hover speed.
 ACTIONS = {"zero": 0.0, "hold": 1391.0 / 1150.0 - 1.0}
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is stepped, and how."""
+    """Environments, batch and actions of a measurement."""
 
     scenario: str
     envs: int  # N_E
     batch: int  # N_B
     action: str  # of ACTIONS, the same for all environments and steps
     overrides: tuple[str, ...] = ()
-    row: tuple[float, ...] = ()  # the values of an environment's action, in place of `action`
+    row: tuple[float, ...] = ()  # values of an environment's action, in place of `action`
 
     @property
     def threads(self) -> int:
@@ -54,7 +55,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Length:
-    """How much is measured: whichever of receives and seconds is longer, but not beyond `most`."""
+    """Length of a measurement: the longer of receives and seconds, limited by `most`."""
 
     trials: int
     warm_up: int  # [receives]
@@ -74,7 +75,7 @@ class Trial:
     receives: int
     steps: int  # receives times N_B
     seconds: float
-    cpu_use: float  # processor time by wall time and processors: 0 ... 1
+    cpu_use: float  # processor time over wall time and processors: 0 ... 1
 
     @property
     def rate(self) -> float:
@@ -84,7 +85,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Summary:
-    """Mean of some trials."""
+    """Mean of several trials."""
 
     rate: float  # [steps/s]
     interval: float  # half the width of the 95 % interval of Student's t [steps/s]
@@ -94,7 +95,7 @@ class Summary:
 
 
 def summary(trials: Sequence[Trial]) -> Summary:
-    """Of two trials or more."""
+    """Summary of two or more trials."""
     rates = [trial.rate for trial in trials]
     return Summary(
         rate=statistics.mean(rates),
@@ -130,7 +131,7 @@ def _trial(compiled: skybody.CompiledScenario, case: Case, length: Length, seed:
 
 
 def _receiver(pool: skybody.Pool, case: Case) -> Callable[[], None]:
-    """Receives a batch and sends those environments on."""
+    """Receives a batch and sends those environments again."""
     shape = (case.batch, pool.compiled.action_size)
     rows = np.full(shape, case.row or ACTIONS[case.action], np.float32)
     recv, send = pool.recv, pool.send
@@ -148,7 +149,7 @@ def _receiver(pool: skybody.Pool, case: Case) -> Callable[[], None]:
 def _receive_for(
     receive: Callable[[], None], receives: int, seconds: float, most: float
 ) -> tuple[int, float]:
-    """Receives as many and for as long, or for the most seconds: how many, in how long [s]."""
+    """Receives so many and for so long, at most `most`; returns number and time [s]."""
     done, start = 0, time.perf_counter()
     while True:
         for _ in range(BURST):
@@ -159,11 +160,11 @@ def _receive_for(
             return done, taken
 
 
-# --- what both experiments write ----------------------------------------------------------------
+# --- shared output of both experiments ---------------------------------------------------------
 
 
 def facts() -> dict[str, Any]:
-    """What the figures were measured on, when, and with what."""
+    """Machine, date and versions of the measurement."""
     return {
         "machine": platform.node(),
         "processor": processor(),
@@ -187,19 +188,19 @@ def machine_line(found: dict[str, Any]) -> str:
 
 
 def thousands(rate: float, half: float | None = None) -> str:
-    """A rate in thousands a second, with its interval."""
+    """A rate in thousands per second, with its interval."""
     digits = 0 if rate >= 1e6 else 1
     text = f"{rate / 1e3:,.{digits}f}"
     return text if half is None else f"{text} ± {half / 1e3:,.{digits}f}"
 
 
 def percent(share: float) -> str:
-    """Of a share in 0 ... 1."""
+    """A share in 0 ... 1 in percent."""
     return f"{100.0 * share:.0f}"
 
 
 def markdown_table(rows: Sequence[Sequence[str]]) -> str:
-    """The first row is the head; the first column holds text, the others numbers."""
+    """The first row is the head; the first column is text, the others are numbers."""
     lines = ["| " + " | ".join(row) + " |" for row in rows]
     lines.insert(1, "| --- |" + " ---: |" * (len(rows[0]) - 1))
     return "\n".join(lines)
@@ -215,7 +216,7 @@ def plain_table(rows: Sequence[Sequence[str]]) -> str:
 
 
 def arguments(description: str) -> argparse.ArgumentParser:
-    """--quick and --out, which both experiments take."""
+    """--quick and --out, options of both experiments."""
     parser = argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -234,7 +235,7 @@ def arguments(description: str) -> argparse.ArgumentParser:
 
 
 def output_folder(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Path | None:
-    """Where to write, with its folders for data and images made; None: nowhere."""
+    """The output folder, with subfolders for data and images; None: no output."""
     folder: Path | None = options.out or (None if options.quick else ROOT / "docs/results")
     if folder is None:
         return None
@@ -247,7 +248,7 @@ def output_folder(parser: argparse.ArgumentParser, options: argparse.Namespace) 
 
 
 def write_report(folder: Path | None, name: str, text: str, content: dict[str, Any]) -> None:
-    """Prints a page and, where there is a folder, writes it with its figures as JSON."""
+    """Prints a page and, if there is a folder, writes it with its figures as JSON."""
     print(text)
     if folder is not None:
         page_data.write(folder / f"{name}.md", text)
@@ -255,5 +256,5 @@ def write_report(folder: Path | None, name: str, text: str, content: dict[str, A
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Writes `content`, a line per value."""
+    """Writes `content`, one line per value."""
     path.write_text(json.dumps(content, indent=1) + "\n")

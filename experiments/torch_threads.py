@@ -1,11 +1,12 @@
-"""What PyTorch's threads cost a small network: PPO of Stable-Baselines3 on Skybody's environments.
+"""Cost of PyTorch's threads for a small network: PPO of Stable-Baselines3 on Skybody's
+environments.
 
     .venv/bin/python experiments/torch_threads.py [--turns 3] [--markdown FILE]
 
-Each run is a process of its own, settings in turns: PyTorch's own choice, then
-`torch.set_num_threads(1)`; each alone, and beside one process that keeps a processor busy, as
-another training or a build does. PPO with its defaults (two layers of 64, minibatches of 64) learns
-`hover_learn` in 16 environments.
+Each run is a separate process, settings in turns: PyTorch's own choice, then
+`torch.set_num_threads(1)`; each without other load, and with one process that keeps a processor
+busy, like another training or a build. PPO with its defaults (two layers of 64, minibatches of 64)
+learns `hover_learn` in 16 environments.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ QUICK_ROLLOUT = 32
 def train(
     one_thread: bool, rollout: int, results: multiprocessing.Queue[tuple[int, float]]
 ) -> None:
-    """Trains a little; puts PyTorch's number of threads and environment steps a second."""
+    """Trains briefly; puts PyTorch's number of threads and environment steps per second."""
     import torch
     from skybody.sb3 import SkybodyVecEnv
     from stable_baselines3 import PPO
@@ -54,7 +55,7 @@ def keep_busy() -> None:
 
 
 def measure(one_thread: bool, is_busy: bool, rollout: int) -> tuple[int, float]:
-    """PyTorch's threads and steps a second of one run."""
+    """PyTorch's threads and steps per second of one run."""
     context = multiprocessing.get_context("spawn")
     results = context.Queue()
     other = context.Process(target=keep_busy, daemon=True)
@@ -75,7 +76,7 @@ def measure(one_thread: bool, is_busy: bool, rollout: int) -> tuple[int, float]:
 
 
 def extent(values: list[float], form: str = ",.0f") -> str:
-    """Least to greatest."""
+    """Smallest to largest."""
     return f"{min(values):{form}} to {max(values):{form}}"
 
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Trains the same policy again and again: does one seed give the same bits? (the GzDRL paper, V-B)
+"""Trains the same policy repeatedly: does one seed give the same bits? (the GzDRL paper, V-B)
 
     .venv/bin/python experiments/training_reproducibility.py [--algo ppo] [--jobs 2] [--out DIR]
 
-PPO of Stable-Baselines3 (or --algo fast-ppo, whose threads also learn) in processes of their own:
-one group with one seed and 1, 2 and 4 threads mixed among its processes, one group with different
-seeds. Every checkpoint is evaluated in a new process, on the same episodes, with frozen
-normalization. Writes a table, its figures as JSON and a picture. Runs that are finished are not
-repeated, and interrupted ones go on. Exit code 1 unless all checkpoints of the one seed are the
-same in every bit, and no two of different seeds are.
+PPO of Stable-Baselines3 (or --algo fast-ppo, which also learns with its threads) in separate
+processes: one group with one seed and 1, 2 and 4 threads mixed among its processes, one group with
+different seeds. Every checkpoint is evaluated in a new process, on the same episodes, with frozen
+normalization. Writes a table, its figures as JSON and a picture. Finished runs are not
+repeated, and interrupted ones are resumed. Exit code 1 unless all checkpoints of the one seed are
+the same in every bit, and no two of different seeds are.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ CHECKPOINTS = 10
 STEPS, QUICK_STEPS = 500_000, 20_000
 EPISODES = 20
 
-ENVS, ROLLOUT_STEPS = 8, 250  # ten checkpoints of 50,000 steps fall on ends of rollouts
+ENVS, ROLLOUT_STEPS = 8, 250  # ten checkpoints of 50,000 steps coincide with ends of rollouts
 
-# All hyper-parameters are written out: the presets of skybody.train may change, this experiment
-# must not. Where the paper says nothing, it is Stable-Baselines3's default.
+# All hyper-parameters are explicit: the presets of skybody.train may change, this experiment
+# must not. Values that the paper does not give are Stable-Baselines3's defaults.
 PAPER = {
     "envs": ENVS,
     "rollout_steps": ROLLOUT_STEPS,
@@ -82,21 +82,21 @@ LEARNS = {
 
 @dataclass(frozen=True)
 class Setup:
-    """What is trained, and how."""
+    """Scenario and hyper-parameters of the training."""
 
     overrides: tuple[str, ...]  # of the scenario
     hyper: dict[str, Any]
 
     def settings(self, algorithm: str) -> tuple[str, ...]:
-        """`hyper` as --set takes it, without what the learner does not have."""
+        """`hyper` as arguments of --set, without those that the learner does not have."""
         known = vars(algorithm_of(algorithm).defaults())
         return tuple(f"{name}={value}" for name, value in self.hyper.items() if name in known)
 
 
 SETUPS = {
-    # 1 s at 1 kHz, as the paper, whose policy had not learned
+    # 1 s at 1 kHz, as in the paper, whose policy had not learned
     "hover": Setup(("stepping.horizon=1000",), PAPER),
-    # where the return rises, with randomization
+    # the return rises, with randomization
     "hover_learn": Setup((), PAPER | LEARNS),
 }
 
@@ -112,7 +112,7 @@ class Group:
 def make_groups(
     scenario: str, out: Path, steps: int, processes: int, algorithm: str = "ppo"
 ) -> list[Group]:
-    """The same-seed and the different-seeds group; the first run stands in both."""
+    """The same-seed and the different-seeds group; both contain the first run."""
 
     def run(seed: int, process: int) -> Run:
         return Run(
@@ -137,7 +137,7 @@ def make_groups(
 
 
 def run_record(run: Run) -> dict[str, Any]:
-    """A run's checkpoints and what they were worth; without those that an interruption added."""
+    """A run's checkpoints and their results, without those added by an interruption."""
     every = run.total_steps // CHECKPOINTS
     keep = ("steps", "parameter_hash", "return_mean", "return_std", "position_error_median")
     checkpoints = [
@@ -158,7 +158,7 @@ def group_figures(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The columns of the paper's Table II over the runs of one group, and its curves.
 
     Deviations are those of a sample (n - 1). `different` counts the checkpoints of which no two
-    runs have the same parameters. Raises RunError where the runs do not have the same checkpoints.
+    runs have the same parameters. Raises RunError if the runs do not have the same checkpoints.
     """
     steps = [[point["steps"] for point in record["checkpoints"]] for record in records]
     if any(of_run != steps[0] for of_run in steps):
@@ -185,7 +185,7 @@ def group_figures(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def scenario_figures(groups: Sequence[Group]) -> dict[str, Any]:
-    """Everything about one scenario. Raises RunError where runs saw different scenarios."""
+    """All figures of one scenario. Raises RunError if runs used different scenarios."""
     runs = list(dict.fromkeys(run for group in groups for run in group.runs))
     configs = [run.config() for run in runs]
     for one, other in combinations(zip(runs, configs, strict=True), 2):

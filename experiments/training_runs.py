@@ -1,4 +1,4 @@
-"""Runs of `python -P -m skybody.train` as processes of their own, begun once and then kept."""
+"""Runs of `python -P -m skybody.train` as separate processes, trained once and then kept."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ import page_data as page_data  # noqa: E402
 
 
 class RunError(RuntimeError):
-    """A run that failed, or that is another one than asked for; the text is the whole message."""
+    """A run that failed, or that differs from the requested one; the text is the whole message."""
 
 
 @dataclass(frozen=True)
@@ -46,16 +46,16 @@ class Run:
     overrides: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()  # hyper-parameters, KEY=VALUE
     checkpoints: int = 10
-    eval_episodes: int = 20  # beside training, per checkpoint; 0: none
-    program: tuple[str, ...] = tuple(module_command("skybody.train")[1:])  # that trains
+    eval_episodes: int = 20  # during training, per checkpoint; 0: none
+    program: tuple[str, ...] = tuple(module_command("skybody.train")[1:])  # of the training
 
     @property
     def log(self) -> Path:
-        """What the run prints."""
+        """File with the run's output."""
         return self.folder.with_name(f"{self.folder.name}.log")
 
     def command(self) -> list[str]:
-        """That begins the run, or goes on with it."""
+        """The command that begins the run, or resumes it."""
         made = [sys.executable, *self.program, "--out", str(self.folder)]
         if (self.folder / "config.json").exists():
             return [*made, "--resume"]
@@ -69,7 +69,7 @@ class Run:
         return made
 
     def check(self) -> None:
-        """Raises RunError where the folder holds another run than this one."""
+        """Raises RunError if the folder contains a run other than this one."""
         path = self.folder / "config.json"
         if not path.exists():
             return
@@ -97,13 +97,13 @@ class Run:
                 )
 
     def with_threads_of_folder(self) -> Run:
-        """As the folder has it, if any: threads change no bits, and a run goes on with its own."""
+        """With the folder's number of threads, if any: it changes no bits, and a resume uses it."""
         if not (self.folder / "config.json").exists():
             return self
         return dataclasses.replace(self, threads=self.config()["threads"])
 
     def finished(self) -> bool:
-        """Whether it came to its end and every checkpoint has its evaluation."""
+        """Whether it has reached its end and every checkpoint has its evaluation."""
         found = checkpoint_folders(self.folder)
         if not found or read_meta(found[-1])["steps"] < self.total_steps:
             return False
@@ -111,17 +111,17 @@ class Run:
         return evaluated or self.eval_episodes == 0
 
     def config(self) -> dict[str, Any]:
-        """What it was done with: options, hyper-parameters, versions."""
+        """Its options, hyper-parameters and versions."""
         made: dict[str, Any] = json.loads((self.folder / "config.json").read_text())
         return made
 
     def evaluations(self) -> list[dict[str, Any]]:
-        """Of all checkpoints that have one, oldest first."""
+        """Evaluations of all checkpoints that have one, oldest first."""
         found = [read_evaluation(folder) for folder in checkpoint_folders(self.folder)]
         return [row for row in found if row is not None]
 
     def train(self) -> None:
-        """Begins it, or goes on with it, until its end. Raises RunError, KeyboardInterrupt."""
+        """Begins or resumes it, and waits for its end. Raises RunError, KeyboardInterrupt."""
         self.check()
         self.folder.parent.mkdir(parents=True, exist_ok=True)
         with self.log.open("a") as log:
@@ -134,9 +134,9 @@ class Run:
 
 
 def train_all(runs: Sequence[Run], jobs: int, say: Callable[[Run], str]) -> None:
-    """Trains those that are not finished, `jobs` at a time; prints what `say` says of each.
+    """Trains the unfinished runs, `jobs` at a time; prints the line of `say` for each.
 
-    After the first failure or Ctrl-C no further run begins; those under way come to an end (after
+    After the first failure or Ctrl-C no further run begins; running ones come to an end (after
     Ctrl-C: the end of their rollout, with a checkpoint).
     """
     for run in runs:
@@ -167,7 +167,7 @@ def train_all(runs: Sequence[Run], jobs: int, say: Callable[[Run], str]) -> None
 
 
 def machine() -> dict[str, Any]:
-    """What the figures were measured on."""
+    """Facts about the machine of the measurement."""
     name = platform.processor() or platform.machine()
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():
@@ -187,7 +187,7 @@ def machine_line(found: dict[str, Any]) -> str:
 
 
 def versions_line(configs: Sequence[dict[str, Any]]) -> str:
-    """Of all runs; a package that came in several versions is listed with all of them."""
+    """Versions of all runs; a package with several versions is listed with all of them."""
     found: dict[str, set[str]] = {}
     for config in configs:
         for name, version in config["versions"].items():
@@ -197,8 +197,9 @@ def versions_line(configs: Sequence[dict[str, Any]]) -> str:
 
 
 def changed_hyper(config: dict[str, Any]) -> list[str]:
-    """Hyper-parameters of a run that are not its learner's defaults, KEY=VALUE: those of a preset
-    and of the command line."""
+    """Hyper-parameters of a run that differ from its learner's defaults, KEY=VALUE, by a preset or
+    the command line.
+    """
     defaults = dataclasses.asdict(algorithm_of(config["algorithm"]).defaults())
     changed = []
     for name, value in config["hyper"].items():
@@ -211,17 +212,17 @@ def changed_hyper(config: dict[str, Any]) -> list[str]:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Writes `content`, a line per value."""
+    """Writes `content`, one line per value."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(content, indent=1) + "\n")
 
 
 def shown(path: Path) -> str:
-    """`path` for people: below the repository without its name."""
+    """`path` for display: below the repository without its name."""
     absolute = path.resolve()
     return str(absolute.relative_to(ROOT) if absolute.is_relative_to(ROOT) else path)
 
 
 def command_line(script: str, arguments: Sequence[str]) -> str:
-    """That repeats this experiment."""
+    """The command that repeats this experiment."""
     return " ".join(["python", f"experiments/{script}", *arguments])

@@ -1,10 +1,9 @@
-"""Gains before and after `skybody tune`, for every shipped vehicle and others' URDFs.
+"""Gains before and after `skybody tune`, for every shipped vehicle and third-party URDFs.
 
     .venv/bin/python experiments/tune_table.py [--quick] [--out DIR]
 
-Each vehicle is tuned with the command's defaults. Costs are means over 32 vehicles and winds that
-the search has not seen. Vehicles of others are read from shared/data/urdf, which lies beside the
-project.
+Each vehicle is tuned with the command's defaults. Costs are means over 32 held-out vehicles and
+winds. Third-party vehicles are read from shared/data/urdf, in a folder beside the project.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from throughput import (
 
 ROOT = Path(__file__).resolve().parents[1]
 MODELS = ROOT / "scenarios/models"
-OTHERS = [folder / "shared/data/urdf" for folder in ROOT.parents]  # a work tree lies deeper
+OTHERS = [folder / "shared/data/urdf" for folder in ROOT.parents]  # a work tree is deeper
 SHIPPED = (
     "qdrone2",
     "crazyflie",
@@ -40,12 +39,12 @@ SHIPPED = (
     "firefly_arm",
 )
 FOREIGN = ("cf2p", "cf2x", "racer")
-LONGEST = 60.0  # [s] that a tuning may take on two cores
+LONGEST = 60.0  # [s] limit of a tuning on two cores
 PICTURE = "cf2p"
 
 
 def vehicles() -> list[Vehicle]:
-    """Those that are here."""
+    """The vehicles that are available."""
     found = [Vehicle(name) for name in SHIPPED]
     for name in FOREIGN:
         urdf = next((f / f"{name}.urdf" for f in OTHERS if (f / f"{name}.urdf").is_file()), None)
@@ -71,7 +70,7 @@ def measure(quick: bool, folder: Path | None) -> list[dict[str, Any]]:
 
 
 def is_good(rows: list[dict[str, Any]]) -> bool:
-    """Every vehicle flies better with its own gains, soon."""
+    """Whether every vehicle flies better with its own gains, and tuning is fast enough."""
     return all(
         row["after"]["cost"] < row["before"]["cost"]
         and row["after"]["lost"] <= row["before"]["lost"]

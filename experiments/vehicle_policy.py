@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""One policy for 20,000 drawn quadrotors, from 30 g to 5 kg: how well within a minute of training?
+"""One policy for 20,000 drawn quadrotors, from 30 g to 5 kg: its quality after a minute of
+training.
 
     .venv/bin/python experiments/vehicle_policy.py [--seeds 1] [--train-only] [--out DIR]
 
 The scenario is `vehicles` with another draw (20,000 vehicles of 30 g to 5 kg) and the rewards of
 `hover_learn`. Learners: fast-ppo, fast-ppo with gated recurrent memory, and gradient. Of each run
 the newest policy counts that was written within 60 s of the command. It flies 100 episodes with 100
-vehicles that it has not seen: the fleet of another seed. Writes vehicle_policy.md and its JSON.
-Finished runs are not repeated; one that was interrupted begins anew, because its time counts. Run
-it on a machine that does nothing else; with --train-only it evaluates and writes in a later call,
-for which that does not matter.
+held-out vehicles, drawn by another seed. Writes vehicle_policy.md and its JSON.
+Finished runs are not repeated; an interrupted one begins again, because its time counts. Run
+it on an otherwise idle machine; with --train-only it evaluates and writes in a later call,
+which may run on a loaded machine.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ PPO = (
 
 
 def overrides(fleet: int) -> tuple[str, ...]:
-    """Of the scenario: so many vehicles, and the rewards of `hover_learn`."""
+    """Overrides of the scenario: the number of vehicles, and the rewards of `hover_learn`."""
     return (
         "randomization=[{plugin: vehicle, parameters: {robot: quad, "
         f"fleet: {fleet}, mass: [{LIGHTEST}, {HEAVIEST}]}}}}, "
@@ -62,7 +63,7 @@ def overrides(fleet: int) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Contestant:
-    """A learner with its settings, and steps that take less than a minute on two quiet cores."""
+    """A learner with its settings, and steps for less than a minute on two idle cores."""
 
     algorithm: str
     steps: int
@@ -77,7 +78,7 @@ CONTESTANTS = {
     "gradient": Contestant(
         "gradient",
         12_000_000,
-        # The preset's long, slow approach is for few steps: here it ends 44 mm off.
+        # The preset's long, slow approach is for few steps: here it ends with an error of 44 mm.
         (
             "envs=128",
             "learning_rate=6e-3",
@@ -90,7 +91,7 @@ CONTESTANTS = {
 
 
 def make_runs(out: Path, seeds: Sequence[int], quick: bool) -> list[tuple[str, Run]]:
-    """Names of contestants and their runs, in the order in which they are done."""
+    """Names of contestants and their runs, in their order of execution."""
     fleet, contestants = FLEET, CONTESTANTS
     if quick:
         fleet, contestants = QUICK_FLEET, {"fast-ppo": Contestant("fast-ppo", 1, PPO)}
@@ -115,7 +116,7 @@ def make_runs(out: Path, seeds: Sequence[int], quick: bool) -> list[tuple[str, R
 
 
 def newest_in_time(run: Run) -> tuple[Path, float]:
-    """The last checkpoint that was written within SECONDS of the command, and when [s]."""
+    """The last checkpoint that was written within SECONDS of the command, and its time [s]."""
     published = measure(run)["published"]
     written = [(folder, published[folder.name]) for folder in checkpoint_folders(run.folder)]
     in_time = [(folder, seconds) for folder, seconds in written if seconds <= SECONDS]

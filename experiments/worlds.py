@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""The worlds of tasks, contact, couplings and air: a picture of each, and how often its baseline
-succeeds.
+"""The worlds of tasks, contact, couplings and air: a picture of each, and the success rate of its
+baseline.
 
     .venv/bin/python experiments/worlds.py [WORLD ...] [--quick] [--out DIR]
 
-Each world is flown by `hold` in 100 drawn episodes with `skybody run`, whose picture of the first
-one is taken. An episode succeeds if nothing failed and it ends as the head of the world's file
-says. Where worlds are named, those alone are flown, and the page keeps what it has of the others.
-tests/python/test_worlds.py asks the same of every commit.
+`hold` flies each world in 100 drawn episodes with `skybody run`, which draws the picture of the
+first one. An episode succeeds if nothing failed and it ends as stated in the head of the world's
+file. If worlds are named, only those are flown, and the page keeps its results of the others.
+tests/python/test_worlds.py tests the same in every commit.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from throughput import (
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
 EPISODES = 100
-COARSER = 2  # pixels of a flight's picture for one of the page
+COARSER = 2  # factor between the pixels of a flight's picture and those of the page
 
 
 def near_the_goals(most: float) -> Callable[[h5py.Group], bool]:
@@ -49,17 +49,17 @@ def near_the_goals(most: float) -> Callable[[h5py.Group], bool]:
 
 
 def on_the_deck(episode: h5py.Group) -> bool:
-    """0.06 m above the deck's face, and within 0.2 m of its place aside."""
+    """0.06 m above the deck's face, and within 0.2 m of its position sideways."""
     quad, deck = episode["bodies"][-1, 0, :3], episode["bodies"][-1, 1, :3]
     aside = float(np.linalg.norm(quad[:2] - episode["goal"][-1, 0, :2]))
     return aside < 0.2 and abs(quad[2] - deck[2] - 0.03 - 0.06) < 0.005
 
 
 def tool_in_place(episode: h5py.Group) -> bool:
-    """Gripper within 0.01 m of its point; vehicle from 3 s on within 0.05 m of its place."""
+    """Gripper within 0.01 m of its point; vehicle from 3 s on within 0.05 m of its position."""
     later = episode["time"][:] >= 3.0
     vehicle = episode["bodies"][:][later, 0, :3] - np.array([0.0, 0.0, 2.0])
-    # The goal is the forearm's frame, turned as it is now: as far off as the gripper is.
+    # The goal is the forearm's frame with its current rotation: its error equals the gripper's.
     tool = episode["bodies"][-1, 2, :3] - episode["goal"][-1, 0, :3]
     return bool(np.linalg.norm(vehicle, axis=1).max() < 0.05 and np.linalg.norm(tool) < 0.01)
 
@@ -83,7 +83,7 @@ def on_the_path(most: float) -> Callable[[h5py.Group], bool]:
 ROTOR_SPEEDS = ["robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}]"]
 SINGLE_THRUSTS = ["robots.quad.controllers=[{plugin: srt}]"]
 SHORTER = ["stepping.horizon=1000"]  # 10 s of 30: every figure once or twice
-LONGER = ["stepping.horizon=500"]  # 10 s for 7: `hold` flies at 1.5 m/s at most, from 11 m away
+LONGER = ["stepping.horizon=500"]  # 10 s for 7: `hold` flies at most at 1.5 m/s, from 11 m away
 WORLDS = {
     "cooperative_payload": ([], says_so),
     "cooperative_payload_learn": ([], says_so),
@@ -131,7 +131,7 @@ WORLDS = {
     "pendulum_randomized": ([], says_so),
     "pendulum_paper": ([], says_so),
 }
-# For the page alone: they move as worlds above do, with another reward or more of the same robots.
+# Only for the page: like worlds above, with another reward or more of the same robots.
 VARIANTS: dict[str, tuple[list[str], Callable[[h5py.Group], bool]]] = {
     "payload_learn": ([], says_so),
     "payload_modular_learn": ([], says_so),
@@ -151,11 +151,11 @@ VARIANTS: dict[str, tuple[list[str], Callable[[h5py.Group], bool]]] = {
     "formation_20": ([], says_so),
 }
 ALL_WORLDS = WORLDS | VARIANTS
-DEMONSTRATIONS = {"collision", "four_bar", "hard_landing"}  # where a baseline has nothing to reach
+DEMONSTRATIONS = {"collision", "four_bar", "hard_landing"}  # the baseline has no goal
 
 
 def fly(world: str, episodes: int, folder: Path, picture: bool = False) -> list[bool]:
-    """Flies a world by its baseline. @returns of each episode whether it succeeded"""
+    """Flies a world by its baseline. @returns for each episode whether it succeeded"""
     overrides, is_success = ALL_WORLDS[world]
     command = [str(PROGRAM), "run", world.split()[0], "--episodes", str(episodes)]
     for override in overrides:
@@ -163,7 +163,7 @@ def fly(world: str, episodes: int, folder: Path, picture: bool = False) -> list[
     command += [] if picture else ["--no-picture"]
     subprocess.run([*command, "--out", str(folder)], check=True, capture_output=True)
     with h5py.File(folder / "flight.h5") as log:
-        # A task that says itself what success is may end the episode by it.
+        # A task that defines success itself may end the episode by it.
         return [
             bool((e["status"][-1] == 2 or is_success is says_so) and is_success(e))
             for e in log["episodes"].values()
@@ -182,7 +182,7 @@ def head_of(world: str) -> str:
 
 
 def save_smaller(picture: Path, to: Path) -> None:
-    """Averages blocks of pixels."""
+    """Reduces a picture by averaging blocks of pixels."""
     pixels = matplotlib.image.imread(picture)[..., :3]
     height, width = (size - size % COARSER for size in pixels.shape[:2])
     blocks = pixels[:height, :width].reshape(
@@ -207,14 +207,14 @@ def section(world: str, episodes: int, out: Path | None) -> str:
 
 
 def sections_of(page: Path) -> dict[str, str]:
-    """What a page has of each world; nothing where there is no page."""
+    """The page's sections by world; empty if there is no page."""
     text = page.read_text() if page.is_file() else ""
     parts = [part.strip() for part in text.split("\n## ")[1:]]
     return {part.split("\n", 1)[0]: f"## {part}" for part in parts}
 
 
 def table(sections: dict[str, str]) -> str:
-    """A line a world: how many of its episodes succeed."""
+    """One line per world: the share of its successful episodes."""
     rows = ["| world | succeeded | of |", "| --- | ---: | ---: |"]
     for world, text in sections.items():
         found = re.search(r"succeeds in (\d+) of (\d+)", text)

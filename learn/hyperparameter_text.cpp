@@ -13,7 +13,7 @@
 namespace skybody::learn {
 namespace {
 
-// Each reads the whole of a text, or says in which form it is to be written.
+// Each overload parses the whole text; on failure it returns the expected form.
 
 const char* read(std::string_view text, double& to) {
   const std::optional<double> value = parse_number(text);
@@ -37,7 +37,7 @@ const char* read(std::string_view text, bool& to) {
   return nullptr;
 }
 
-/// Nothing: no layers.
+/// Empty text: no layers.
 const char* read(std::string_view text, Sizes& to) {
   Sizes sizes;
   for (std::string_view rest = text; !rest.empty();) {

@@ -35,8 +35,8 @@ void check_value(const HyperparameterRow& row, const Sizes& sizes) {
   for (const int size : sizes) check_value(row, size);
 }
 
-/// A policy that is trained must be one that can be read: beside the hidden layers its file has the
-/// last one, and the recurrent one where there is a memory.
+/// A trained policy must be readable: besides the hidden layers its file has the output layer, and
+/// the recurrent layer if there is a memory.
 void check_layers(const Hyperparameters& hyper, Algorithm algorithm) {
   const bool has_memory = algorithm == Algorithm::kFastPpo && hyper.recurrent_units > 0;
   const std::size_t most = kMostLayers - (has_memory ? 2 : 1);

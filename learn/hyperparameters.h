@@ -1,5 +1,5 @@
-// Hyper-parameters of the learners, and their list: one row each, from which come the struct, the
-// checks, `--set`, config.json and the Python binding.
+// Hyper-parameters of the learners, in one list with one row each. The struct, the checks, `--set`,
+// config.json and the Python binding are generated from it.
 #pragma once
 
 #include <span>
@@ -10,17 +10,17 @@
 
 namespace skybody::learn {
 
-/// The learners of this library, as `--algo` names them.
+/// The learners of this library, with the names of `--algo`.
 enum class Algorithm { kFastPpo, kGradient };
-/// In their order.
+/// In the order of Algorithm.
 inline constexpr const char* kAlgorithmNames[] = {"fast-ppo", "gradient"};
 inline const char* name(Algorithm algorithm) {
   return kAlgorithmNames[static_cast<int>(algorithm)];
 }
 
 // X(type, name, default, least, largest, algorithms, meaning)
-//   type: int, double, bool, Sizes (numbers of units of layers), Activation
-//   algorithms: P of fast-ppo, G of gradient, B of both
+//   type: int, double, bool, Sizes (units of each layer), Activation
+//   algorithms: P: fast-ppo, G: gradient, B: both
 // clang-format off
 #define SKYBODY_HYPERPARAMETERS(X) \
   X(int, envs, 256, 1, 1 << 24, B, "environments that are stepped side by side") \
@@ -59,7 +59,7 @@ inline const char* name(Algorithm algorithm) {
 
 using Sizes = std::vector<int>;
 
-/// Values of all hyper-parameters; those that an algorithm does not have are not looked at.
+/// Values of all hyper-parameters; those of other algorithms are ignored.
 struct Hyperparameters {
 #define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) TYPE NAME = DEFAULT;
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
@@ -69,12 +69,12 @@ struct Hyperparameters {
 /// A row of the list.
 struct HyperparameterRow {
   const char* name;
-  double least, largest;    ///< of a number, or of each of Sizes
-  bool fast_ppo, gradient;  ///< which algorithms have it
+  double least, largest;    ///< range of a number, or of each of Sizes
+  bool fast_ppo, gradient;  ///< algorithms that use it
   const char* meaning;
 };
 
-/// The list, in its order.
+/// All rows, in order.
 std::span<const HyperparameterRow> hyperparameter_rows();
 
 /// Whether an algorithm has the hyper-parameter of a row.
@@ -82,11 +82,11 @@ inline bool has(const HyperparameterRow& row, Algorithm algorithm) {
   return algorithm == Algorithm::kGradient ? row.gradient : row.fast_ppo;
 }
 
-/// The names of those that an algorithm has, in the list's order.
+/// Names of an algorithm's hyper-parameters, in the list's order.
 std::vector<std::string> hyperparameter_names(Algorithm algorithm);
 
-/// @throws Error where one that the algorithm has is beyond its range, or `hidden` has more layers
-///         than a policy file: the message has its name, the value and the range
+/// @throws Error if one of the algorithm's hyper-parameters is out of range, or `hidden` has more
+///         layers than a policy file: the message has its name, the value and the range
 void check(const Hyperparameters& hyper, Algorithm algorithm);
 
 }  // namespace skybody::learn

@@ -24,7 +24,7 @@ std::shared_ptr<const CompiledScenario> compile_training(const LoadOptions& load
 
 std::unique_ptr<Learner> make_learner(Algorithm algorithm, const LoadOptions& load,
                                       LearnerOptions options) {
-  check(options.hyper, algorithm);  // before a scenario is compiled by them
+  check(options.hyper, algorithm);  // before a scenario is compiled with them
   if (options.compiled == nullptr) options.compiled = compile_scenario(load);
   if (algorithm == Algorithm::kFastPpo) return std::make_unique<Ppo>(options);
   return std::make_unique<AnalyticGradientLearner>(options, compile_training(load, options));

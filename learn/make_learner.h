@@ -1,4 +1,4 @@
-// Learners by their algorithm's name, for a scenario as it is loaded.
+// Creates learners by their algorithm's name.
 #pragma once
 
 #include <memory>
@@ -9,11 +9,11 @@
 
 namespace skybody::learn {
 
-/// A learner in this process. `gradient` is given the scenario as it is trained in, too: loaded
-/// once more, with the longer physics steps that the hyper-parameter `physics_steps` asks for.
+/// A learner in this process. `gradient` trains in a second copy of the scenario, loaded with the
+/// longer physics steps of the hyper-parameter `physics_steps`.
 /// @param load     the scenario
-/// @param options  `compiled`: what `load` has been compiled to, or null: it is compiled here
-/// @throws InputError where the scenario is wrong, Error as Ppo and AnalyticGradientLearner
+/// @param options  `compiled`: the compiled form of `load`, or null: it is compiled here
+/// @throws InputError if the scenario is invalid, Error as Ppo and AnalyticGradientLearner
 std::unique_ptr<Learner> make_learner(Algorithm algorithm, const LoadOptions& load,
                                       LearnerOptions options);
 

@@ -1,8 +1,8 @@
-"""The dearest files of a build: a table of the steps that took longest, from ninja's log.
+"""The slowest files of a build: a table of the longest steps, from ninja's log.
 
     python3 scripts/build_times.py [--build build/release] [--count 20]
 
-A step that ccache answered took no time of the compiler: build from nothing for figures
+Steps answered by ccache took no compiler time: for valid figures make a full build without it
 (CCACHE_DISABLE=1 ./dev build).
 """
 
@@ -22,13 +22,13 @@ class Step:
     """One command of the build."""
 
     seconds: float
-    output: str  # the file that it made, below the build folder
+    output: str  # the output file, below the build folder
 
 
 def read_steps(log: Path) -> list[Step]:
     """The last run of each command, the longest first.
 
-    Raises SystemExit where the file is no log of ninja.
+    Raises SystemExit if the file is not a log of ninja.
     """
     try:
         lines = log.read_text(encoding="utf-8").splitlines()
@@ -44,7 +44,7 @@ def read_steps(log: Path) -> list[Step]:
 
 
 def table(steps: list[Step], count: int) -> str:
-    """In Markdown, with the sum of all steps."""
+    """A table in Markdown, with the sum of all steps."""
     rows = [f"| {step.seconds:.1f} | {short(step.output)} |" for step in steps[:count]]
     total = sum(step.seconds for step in steps)
     head = ["| seconds | file |", "| --- | --- |"]
@@ -52,7 +52,7 @@ def table(steps: list[Step], count: int) -> str:
 
 
 def short(output: str) -> str:
-    """A path without what CMake puts into it."""
+    """A path without the parts that CMake adds."""
     parts = [part for part in output.split("/") if part != "CMakeFiles"]
     return "/".join(part for part in parts if not part.endswith(".dir"))
 

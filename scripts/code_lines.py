@@ -1,8 +1,8 @@
-"""Lines of code of C++ files: no blank ones, and none that is a comment alone.
+"""Lines of code of C++ files, without blank lines and lines that only contain a comment.
 
 python3 scripts/code_lines.py core/physics [core/env ...]
 
-Prints the number of each folder or file given. A commit of the past: give `--at COMMIT`.
+Prints the number of each given folder or file. For a past commit give `--at COMMIT`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SUFFIXES = (".h", ".cpp")
-# Texts first, so that what looks like a comment inside one stays.
+# Strings first, so that comment markers inside them stay.
 TOKENS = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|//[^\n]*|/\*.*?\*/', re.DOTALL)
 
 
@@ -30,7 +30,7 @@ def count_lines(text: str) -> int:
 
 
 def git(*arguments: str) -> str:
-    """What git prints."""
+    """Output of git."""
     result = subprocess.run(
         ["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=True
     )

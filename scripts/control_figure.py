@@ -1,6 +1,6 @@
 """Draws levels of control as rows and controllers as arrows between them, as SVG.
 
-Plain text without a library, so that the same declarations give the same file everywhere.
+Plain text without a library, so that the same declarations always give the same file.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ ROW = 58  # pixels between levels
 TOP = 30
 LABEL_WIDTH = 340  # of the levels' names and values
 COLUMN = 122
-BAR = "actuators"  # what is below all levels
+BAR = "actuators"  # below all levels
 COLORS = ("#1f5fa8", "#b3541e", "#2e7d4f", "#7b4fa3", "#8c6d1f", "#a8324a", "#2a7f8e", "#555555")
 
 
@@ -29,9 +29,9 @@ class Arrow:
 
 
 def ranked(modes: dict[str, Any]) -> list[str]:
-    """Levels from the highest to the lowest: each above what its controllers lead to.
+    """Levels from the highest to the lowest: each above the levels that its controllers command.
 
-    Those that nobody takes come first; those that act come last.
+    Levels without a controller above come first; levels of acting controllers come last.
     """
     names = [s["signal"] for s in modes["signals"] if s["signal"] != "none"]
     below: dict[str, set[str]] = {name: set() for name in names}
@@ -53,7 +53,7 @@ def ranked(modes: dict[str, Any]) -> list[str]:
 
 
 def arrows(modes: dict[str, Any], rows: list[str]) -> list[Arrow]:
-    """One a mode; what acts leads to the actuators where it gives what it takes."""
+    """One arrow per mode; it leads to the actuators for acting controllers."""
     acts = {s["signal"] for s in modes["signals"] if s["acts"]}
     found = []
     for mode in modes["controllers"]:
@@ -63,13 +63,13 @@ def arrows(modes: dict[str, Any], rows: list[str]) -> list[Arrow]:
         begin = rows.index(takes) if takes in rows else -1
         end = len(rows) if takes == gives and gives in acts else rows.index(gives)
         found.append(Arrow(mode["plugin"], ", ".join(mode["options"]), begin, end))
-    led = {rows[a.begin] for a in found if a.end == len(rows)}  # others act as they are
+    led = {rows[a.begin] for a in found if a.end == len(rows)}  # others act directly
     found += [Arrow("", "", rows.index(name), len(rows)) for name in acts - led]
     return place(sorted(found, key=lambda a: (a.begin, a.end - a.begin, a.name, a.note)))
 
 
 def place(found: list[Arrow]) -> list[Arrow]:
-    """Gives each the first column in which nothing is beside it."""
+    """Gives each arrow the first column in which it overlaps no other."""
     columns: list[list[tuple[int, int]]] = []
     for arrow in found:
         low, high = sorted((arrow.begin, arrow.end))
@@ -89,7 +89,7 @@ def text(x: float, y: float, content: str, style: str) -> str:
 
 
 def wrapped(content: str, width: int) -> list[str]:
-    """Lines of at most `width` letters."""
+    """Lines of at most `width` characters."""
     lines = [""]
     for word in content.split():
         if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
@@ -143,7 +143,7 @@ def figure(modes: dict[str, Any]) -> str:
     rows = ranked(modes)
     meanings = {s["signal"]: s["meaning"] for s in modes["signals"]}
     found = arrows(modes, rows)
-    above = 1 if any(a.begin < 0 for a in found) else 0  # a row for those that take nothing
+    above = 1 if any(a.begin < 0 for a in found) else 0  # a row for controllers without input
     y = [TOP + ROW * (k + above + 0.5) for k in range(len(rows) + 1)]
     columns = 1 + max((a.column for a in found), default=0)
     width = LABEL_WIDTH + 24 + COLUMN * columns

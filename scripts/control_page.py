@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the tables of docs/control-modes.md and its figure from what the built plugins declare.
+"""Writes the tables of docs/control-modes.md and its figure from the plugins' declarations.
 
     scripts/control_page.py [--check]
 
-Asks `skybody modes --json` of build/release. --check writes nothing and exits with 1 where page or
-figure is behind.
+Runs `skybody modes --json` of build/release. --check writes nothing and exits with 1 if page or
+figure is outdated.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ END = "<!-- end of {name} -->\n"
 
 
 def declared() -> dict[str, Any]:
-    """What the shipped plugins say of themselves."""
+    """The declarations of the shipped plugins."""
     environment = {k: v for k, v in os.environ.items() if k != "SKYBODY_PLUGIN_PATH"}
     done = subprocess.run(
         [PROGRAM, "modes", "--json"], capture_output=True, text=True, check=True, env=environment
@@ -75,7 +75,7 @@ def signal_table(modes: dict[str, Any]) -> str:
 
 
 def level(use: dict[str, Any], count: dict[str, str]) -> str:
-    """A signal, with its size where the signal leaves that open."""
+    """A signal, with its size if the signal does not fix it."""
     has_choice = " or " in count.get(use["signal"], "")
     return f"`{use['signal']}`" + (f" ({use['size']})" if has_choice else "")
 
@@ -98,7 +98,7 @@ def controller_table(modes: dict[str, Any]) -> str:
 
 
 def page(modes: dict[str, Any]) -> str:
-    """docs/control-modes.md as it should be."""
+    """The current text of docs/control-modes.md."""
     text = PAGE.read_text(encoding="utf-8")
     for name, content in (
         ("signals", signal_table(modes)),

@@ -1,11 +1,10 @@
 """Reads the public declarations of a C or C++ header with their comments.
 
-No compiler: this knows headers that clang-format has laid out and that are documented as ours are,
-by `///` before a declaration, `///<` behind a member, and in plain C by `/* ... */` in both places.
-Bodies, private parts, preprocessor lines and namespaces called `detail` or `*_detail` are left
-out.
-Structure is read from a copy in which comments and literals are blank, so that no brace in a text
-counts.
+This is not a compiler. It reads headers in the project's clang-format layout and documentation
+style: `///` before a declaration, `///<` behind a member, and in plain C `/* ... */` in both
+places. Bodies, private parts, preprocessor lines and namespaces called `detail` or `*_detail` are
+left out. Structure is read from a copy in which comments and literals are blank, so that braces in
+them do not count.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ class Declaration:
     signature: str
     doc: str
     line: int
-    scope: str = ""  # class, struct, enum; empty of all else
+    scope: str = ""  # class, struct, enum; otherwise empty
     is_protected: bool = False
     members: list[Declaration] = field(default_factory=list)
 
@@ -60,12 +59,12 @@ def file_comment(text: str) -> str:
 
 
 def read(path: Path) -> list[Declaration]:
-    """The declarations of a header, those within namespaces too."""
+    """The declarations of a header, including those within namespaces."""
     return Reader(path.read_text()).declarations()
 
 
 class Reader:
-    """Goes through a header once."""
+    """Reads a header once from its beginning to its end."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -76,7 +75,7 @@ class Reader:
         return self.scope(len(self.text), "", is_class=False)
 
     def scope(self, end: int, owner: str, is_class: bool) -> list[Declaration]:
-        """What is declared up to `end`, which is the scope's closing brace."""
+        """The declarations up to `end`, which is the scope's closing brace."""
         found: list[Declaration] = []
         access = "private" if is_class else "public"
         while True:
@@ -95,13 +94,13 @@ class Reader:
             found += declarations
 
     def skip_blanks(self, end: int) -> int:
-        """Where the next declaration begins."""
+        """The position of the next declaration."""
         while self.at < end and (self.code[self.at].isspace() or self.code[self.at] in ";}"):
             self.at += 1
         return self.at
 
     def declaration(self, begin: int, end: int, owner: str) -> list[Declaration]:
-        """The declaration that begins at `begin`; of a namespace all that it holds."""
+        """The declaration that begins at `begin`; for a namespace, all its declarations."""
         stop = self.end_of_head(begin, end)
         head = self.tidy(self.text[begin:stop], self.code[begin:stop])
         scope = SCOPE.match(head)
@@ -131,7 +130,7 @@ class Reader:
         self.at = rest + 1
         signature = re.sub(r"^typedef\s+", "", head)
         if re.search(r"\b(?:class|struct)\s+\w+\s*<", signature):
-            return []  # a specialisation, for which the general template speaks
+            return []  # a specialisation: documented by the general template
         return [Declaration(name, signature, doc, self.line(begin), kind, False, members)]
 
     def enumerators(self, begin: int, end: int) -> list[Declaration]:
@@ -143,7 +142,7 @@ class Reader:
         return found
 
     def end_of_head(self, begin: int, end: int) -> int:
-        """Where the declaration ends: at its `;`, or at the brace that opens its body."""
+        """The end of the declaration: its `;`, or the brace that opens its body."""
         depth = 0
         at = self.behind_template(begin)
         has_value = False
@@ -162,7 +161,7 @@ class Reader:
         return end
 
     def behind_template(self, begin: int) -> int:
-        """The place behind `template <...>`, or `begin` where there is none."""
+        """The position after `template <...>`, or `begin` if there is none."""
         found = re.compile(r"template\s*<").match(self.code, begin)
         if not found:
             return begin
@@ -182,7 +181,7 @@ class Reader:
 
     @staticmethod
     def tidy(text: str, code: str) -> str:
-        """One line without comments, markers and what initialises a constructor's members."""
+        """One line without comments, markers and a constructor's member initializers."""
         kept = "".join(
             t if c != " " or t in " \n\"'" or '"' in text else " "
             for t, c in zip(text, code, strict=True)
@@ -227,7 +226,7 @@ class Reader:
 
     @staticmethod
     def block_comment(lines: list[str]) -> list[str]:
-        """A C comment that ends in the last of these lines and has them for itself."""
+        """A C comment that ends in the last of these lines and fills them."""
         if not lines or not lines[-1].strip().endswith("*/"):
             return []
         begin = len(lines) - 1
@@ -244,7 +243,7 @@ class Reader:
         return self.comment_behind(self.end_of_head(begin, len(self.text)))
 
     def comment_behind(self, end: int) -> str:
-        """The comment in the rest of a line, with the lines that go on with it."""
+        """The comment in the rest of a line, with its continuation lines."""
         tail = self.text[end:]
         found = re.match(r"[^\n/]*///<([^\n]*(?:\n\s*///<[^\n]*)*)", tail)
         if found:

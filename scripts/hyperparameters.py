@@ -19,7 +19,7 @@ BEGIN, END = (
 
 
 def table() -> str:
-    """A row for each, with the learners that have it."""
+    """One row per hyper-parameter, with the learners that have it."""
     listed: dict[str, tuple[str, float, float, str]] = {}
     defaults: dict[str, Any] = {}
     for algorithm in NATIVE:
@@ -40,19 +40,19 @@ def having(name: str) -> list[str]:
 
 
 def spoken(value: Any) -> str:
-    """As `--set` takes it."""
+    """A value in the form of `--set`."""
     if isinstance(value, bool):
         return str(value).lower()
     return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
 def spoken_range(default: Any, least: float, largest: float) -> str:
-    """Empty for words and truths, whose meaning lists them."""
+    """A range; empty for words and bools, whose descriptions list them."""
     return "" if isinstance(default, (bool, str)) else f"{least:g} to {largest:g}"
 
 
 def page() -> str:
-    """docs/training.md with the table as it should be."""
+    """docs/training.md with the updated table."""
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     return before + BEGIN + table() + END + rest.split(END)[1]
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Writes requirements/*.txt, every package with its version and hashes, from the names in requirements/*.in.
-# Versions that are locked already stay; -U, or -P PACKAGE, takes the newest.
+# Writes requirements/*.txt, every package with its version and hashes, from the names in
+# requirements/*.in. Locked versions are kept; -U, or -P PACKAGE, takes the newest.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../requirements"
 
@@ -18,6 +18,6 @@ lock() {
 lock dev "$@"
 lock no-deps --no-deps "$@"
 lock pictures -c dev.txt
-# Ray's environment lies upon the tests' and has its packages, all but Gymnasium (./dev ray).
+# Ray's environment extends that of the tests and has its packages, except Gymnasium (./dev ray).
 sed -n 's/^\([a-z0-9-]*==[^ ]*\).*/\1/p' dev.txt | grep -v '^gymnasium==' >"$tools/shared.txt"
 lock ray -c "$tools/shared.txt" "$@"

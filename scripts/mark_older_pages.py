@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Says on each page of docs/results what of the code has changed since its data were measured.
+"""Notes on each page of docs/results the code changes since its data were measured.
 
-    scripts/mark_older_pages.py                                   # writes, or takes away, the notes
+    scripts/mark_older_pages.py                                   # adds or removes the notes
     scripts/mark_older_pages.py --raise contact "no rebound is too fast"  # a new version, and notes
-    scripts/mark_older_pages.py --same flight                     # hashes moved by rounding alone
-    scripts/mark_older_pages.py --stamp docs/results/memory.md    # data of this page are of today
+    scripts/mark_older_pages.py --same flight                     # hashes changed by rounding only
+    scripts/mark_older_pages.py --stamp docs/results/memory.md    # this page's data are of today
 
-Raise a subject's version with each change that moves figures of its pages. tests/golden tells some:
-a subject with flights in `golden` fails tests/python/test_result_pages.py where their motion has
-moved and nobody has said --raise or --same. docs/results/README.md says more.
+Raise a subject's version with each change that alters figures of its pages. tests/golden detects
+some: for a subject with flights in `golden`, tests/python/test_result_pages.py fails if their
+motion has changed without --raise or --same. See docs/results/README.md.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import page_data
 
 
 def mark(page: Path) -> bool:
-    """Writes the note on a page. Returns whether it has changed."""
+    """Writes the note on a page. Returns whether the page has changed."""
     text = page.read_text(encoding="utf-8")
     data = page_data.stamp_of(text)
     if data is None:
@@ -32,7 +32,7 @@ def mark(page: Path) -> bool:
 
 
 def change(subject: str, words: str | None) -> None:
-    """Notes the golden hashes of today, and with `words` a new version."""
+    """Records the golden hashes of today, and with `words` a new version."""
     versions = page_data.read_versions()
     row = versions["subjects"][subject]
     row["golden"] = {flight: page_data.motion_of(flight) for flight in row["golden"]}

@@ -1,12 +1,12 @@
-"""Which code a page of docs/results measured: its data line, and the note on what is older.
+"""The data line of a page of docs/results: the measured code, and a note on later changes.
 
-docs/results/versions.json has the subjects that pages measure (the step in the air, contact, ...)
-with the changes of each: the number of changes is the subject's version. A page's data line says
-which commit was measured, when, and in which versions:
+docs/results/versions.json has the measured subjects of pages (the step in the air, contact, ...)
+with the changes of each: the number of changes is the subject's version. A page's data line has
+the measured commit, the date, and the versions:
 
     Data: commit 1234abcd, 2026-11-26; flight 2, contact 2.
 
-It stands below the title. Where a subject has changed since, the next line says so.
+It is below the title. If a subject has changed since, the next line is a note.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ LINES = re.compile(rf"^(?:Data: commit |{re.escape(OLDER)}).*\n\n?", re.M)
 
 
 def read_versions() -> dict[str, Any]:
-    """versions.json."""
+    """Reads versions.json."""
     return dict(json.loads(VERSIONS.read_text(encoding="utf-8")))
 
 
 def write_versions(versions: dict[str, Any]) -> None:
-    """Likewise."""
+    """Writes versions.json."""
     VERSIONS.write_text(json.dumps(versions, indent=1) + "\n", encoding="utf-8")
 
 
 def commit() -> str:
-    """Of the sources, `-dirty` where they are not as committed."""
+    """Commit of the sources, with `-dirty` if they differ from it."""
     command = ["git", "describe", "--always", "--dirty", "--abbrev=8", "--exclude=*"]
     try:
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
@@ -51,7 +51,7 @@ def commit() -> str:
 
 
 def stamp() -> dict[str, Any]:
-    """Of data that are measured now: commit, date, and the versions of all subjects."""
+    """The stamp of data measured now: commit, date, and the versions of all subjects."""
     subjects = read_versions()["subjects"]
     return {
         "commit": commit(),
@@ -61,7 +61,7 @@ def stamp() -> dict[str, Any]:
 
 
 def stamp_of(text: str) -> dict[str, Any] | None:
-    """The stamp of a page, or None where it has no data line."""
+    """The stamp of a page, or None if it has no data line."""
     found = DATA.search(text)
     if found is None:
         return None
@@ -76,14 +76,14 @@ def body(text: str) -> str:
 
 
 def data_line(name: str, data: dict[str, Any]) -> str:
-    """The line of page `name`, with the versions of the subjects that it measures."""
+    """The line of page `name`, with the versions of its measured subjects."""
     measured = read_versions()["pages"].get(name, list(data["versions"]))
     versions = ", ".join(f"{subject} {data['versions'].get(subject, 1)}" for subject in measured)
     return f"Data: commit {data['commit']}, {data['date']}{versions and '; '}{versions}."
 
 
 def note(data: dict[str, Any]) -> str | None:
-    """What has changed since, or None."""
+    """The changes since the measurement, or None."""
     subjects = read_versions()["subjects"]
     changes = [
         f"{name}: {change['change']} ({change['date']})"
@@ -94,7 +94,7 @@ def note(data: dict[str, Any]) -> str | None:
 
 
 def stamped(name: str, text: str, data: dict[str, Any]) -> str:
-    """Page `name` with its data line, and the note where one is due, below the title."""
+    """Page `name` with its data line, and the note if needed, below the title."""
     line = data_line(name, data)
     own = stamp_of(line)
     assert own is not None
@@ -107,7 +107,7 @@ def write(path: Path, text: str, keeps: bool = False) -> None:
 
     Args:
         text: begins with the title's line.
-        keeps: some of the data were there before: the page keeps its data line, the oldest's.
+        keeps: some of the data are older: the page keeps its data line, which is the oldest's.
     """
     data = stamp()
     if keeps and path.exists():
@@ -116,7 +116,7 @@ def write(path: Path, text: str, keeps: bool = False) -> None:
 
 
 def pages() -> list[Path]:
-    """All that have data."""
+    """All pages with data."""
     return [page for page in sorted(FOLDER.glob("*.md")) if page.stem not in NOT_MEASURED]
 
 

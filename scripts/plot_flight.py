@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Draws the flights of a Skybody log: one picture an episode.
+"""Draws the flights of a Skybody log: one picture per episode.
 
     skybody plot flights/hover-0/flight.h5 [--pdf] [--panels z,yaw,path] [--out DIR] [--most 3]
 
-Positions against their goals, attitude, rotor speeds with their commands, joints, reward, and the
-path in space with the vehicle at some instants and the obstacles. The time is shaded in which
-something touches the ground, an obstacle or another robot. Writes flight-0001.png, flight-0002.png,
+Positions with their goals, attitude, rotor speeds with their commands, joints, reward, and the
+path in space with the vehicle at some instants and the obstacles. Times of contact with the
+ground, an obstacle or another robot are shaded. Writes flight-0001.png, flight-0002.png,
 ... beside the log (with --pdf flight-0001.pdf, ...) and prints a line `picture PATH` for each.
---panels draws some of the panels alone, one below another.
+--panels draws only some of the panels, one below another.
 Needs matplotlib, numpy and h5py.
 """
 
@@ -28,7 +28,7 @@ try:
 except ImportError as error:
     sys.exit(f"{sys.executable} has no {error.name}; pip install matplotlib h5py")
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))  # which python -P leaves out
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # which python -P omits
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -50,10 +50,10 @@ STYLE = {
     "agg.path.chunksize": 10000,
 }
 GOAL = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
-LEGEND_WIDTH = 72  # letters that fit above a panel, each line and its gap taken as 7
-HEADING_WIDTH = 165  # letters of the legend below the title
-MOST_NAMED = 15  # joints with a name each; of more only the lines are drawn
-LEAST_ERROR = 1e-3  # mm; less is drawn as this
+LEGEND_WIDTH = 72  # characters that fit above a panel, each line and its gap counted as 7
+HEADING_WIDTH = 165  # characters of the legend below the title
+MOST_NAMED = 15  # joints with individual names; of more only the lines are drawn
+LEAST_ERROR = 1e-3  # mm; smaller errors are drawn as this
 COMMAND = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0, "alpha": 0.8}
 
 
@@ -83,7 +83,7 @@ def draw_errors(panel, flight: Flight) -> None:
             panel.plot(flight.time, np.maximum(track.error(), LEAST_ERROR), color=track.color)
     panel.set_yscale("log")
     low, high = panel.get_ylim()
-    if high < 10.0 * low:  # a decade at least: its ticks are round numbers
+    if high < 10.0 * low:  # at least a decade: its ticks are round numbers
         middle = np.sqrt(low * high)
         panel.set_ylim(middle / np.sqrt(10.0), middle * np.sqrt(10.0))
     panel.set_ylabel("to goal [mm]")
@@ -108,7 +108,7 @@ def draw_reward(panel, flight: Flight) -> None:
 
 
 def draw_effort(panel, flight: Flight) -> None:
-    """The rotors' cubed speeds, which their power goes by, over their mean in the episode."""
+    """The rotors' cubed speeds, proportional to power, over their mean in the episode."""
     effort = np.mean(np.abs(flight.rotor_speed) ** 3, axis=1)
     panel.plot(flight.time, effort / max(float(effort.mean()), 1e-12), color="tab:purple")
     panel.set_ylabel("effort / its mean")
@@ -153,7 +153,7 @@ def draw_rotors(panel, flight: Flight) -> None:
 
 
 def second_scale(panel):
-    """Axes on the right of a panel, which gives way to their numbers."""
+    """Axes on the right of a panel, which leaves room for their numbers."""
     place = panel.get_position()
     panel.set_position([place.x0, place.y0, 0.82 * place.width, place.height])
     axes = panel.twinx()
@@ -163,7 +163,7 @@ def second_scale(panel):
 
 
 def draw_joints(panel, flight: Flight) -> None:
-    """Angles in degrees; where there are sliders their travel, by a scale on the right."""
+    """Angles in degrees; with sliders also their travel, by a scale on the right."""
     if not flight.joints:
         panel.text(0.5, 0.5, "no joints", ha="center", transform=panel.transAxes)
         return
@@ -191,7 +191,7 @@ def shade_touching(panel, flight: Flight) -> None:
 
 
 def above(panel, handles: list | None = None) -> None:
-    """A legend over the panel, where no data is: in as few rows as fit, all about as long."""
+    """A legend above the panel, outside the data: in as few rows as fit, all of similar length."""
     handles = handles or panel.get_legend_handles_labels()[0]
     longest = max(len(handle.get_label()) for handle in handles)
     rows = math.ceil(len(handles) / max(1, LEGEND_WIDTH // (longest + 7)))
@@ -208,7 +208,7 @@ def above(panel, handles: list | None = None) -> None:
 
 
 def robot_handles(flight: Flight, width: int) -> list:
-    """A handle a robot; where there are more than fit, the first ones and the last."""
+    """One handle per robot; if they do not fit, the first ones and the last."""
     handles = [Line2D([], [], color=t.color, linewidth=2.5, label=t.name) for t in flight.tracks]
     most = max(2, width // (max((len(t.name) for t in flight.tracks), default=0) + 8))
     if len(handles) <= most:
@@ -314,7 +314,7 @@ def draw_chosen(flight: Flight, names: list[str]):
 
 
 def save(figure, path: Path) -> None:
-    """Nobody finds a half-written picture."""
+    """Writes atomically: no half-written picture is ever visible."""
     partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
         with partial.open("xb") as file:
@@ -327,7 +327,7 @@ def save(figure, path: Path) -> None:
 
 
 def panel_names(text: str) -> list[str]:
-    """Of --panels."""
+    """Parses --panels."""
     names = [name.strip() for name in text.split(",")]
     for name in names:
         if name not in PANELS:
@@ -356,7 +356,7 @@ def main() -> int:
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else "no HDF5 file"
         parser.error(f"{options.log}: {reason}")
-    # "default": a matplotlibrc of the working folder changes nothing.
+    # "default": independent of a matplotlibrc in the working folder.
     with log, plt.style.context(("default", STYLE)):
         if reason := refusal(log):
             parser.error(f"{options.log}: {reason}")

@@ -1,4 +1,4 @@
-"""What plot_flight.py draws of an episode, read from a Skybody flight log."""
+"""The data of an episode for plot_flight.py, read from a Skybody flight log."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ENDINGS = ("terminated", "truncated", "fault", "stopped", "interrupted")
 
 @dataclass
 class Track:
-    """What is drawn of one body."""
+    """Track and goal of one body."""
 
     name: str
     color: str
@@ -25,14 +25,14 @@ class Track:
     goal: np.ndarray | None  # x, y, z [m], yaw [rad]
 
     def follows(self) -> bool:
-        """Whether the goal moves from one instant to the next: a reference, and no place."""
+        """Whether the goal moves between instants: a reference instead of a position."""
         if self.goal is None or len(self.goal) < 3:
             return False
         moves = np.any(np.diff(self.goal[:, :3], axis=0) != 0.0, axis=1)
         return bool(np.mean(moves) > 0.1)
 
     def goal_yaw(self) -> np.ndarray:
-        """The goal's heading in degrees, without jumps like the body's, begun in the same turn."""
+        """The goal's heading in degrees, without jumps, in the same initial turn as the body's."""
         goal = np.degrees(np.unwrap(self.goal[:, 3]))
         return goal + 360.0 * np.round((self.angles[0, 2] - goal[0]) / 360.0)
 
@@ -47,12 +47,12 @@ class Joints:
 
     unit: str  # deg or m
     names: list[str]
-    values: np.ndarray  # a row an instant, a column a joint
+    values: np.ndarray  # one row per instant, one column per joint
 
 
 @dataclass
 class Obstacle:
-    """A shape that stands still."""
+    """A static shape."""
 
     kind: str  # box, sphere, cylinder, capsule, plane or height_field
     size: np.ndarray  # edges; radius; radius and length along z; none; edges along x and y [m]
@@ -77,14 +77,14 @@ class Flight:
     rotor_command: np.ndarray | None
     joints: list[Joints]
     obstacles: list[Obstacle]
-    touching: list[tuple[float, float]]  # spans of time in which something touches something
+    touching: list[tuple[float, float]]  # time spans with a contact
 
 
 def attitude_degrees(quaternion: np.ndarray) -> np.ndarray:
     """Roll and pitch (z-y'-x'') and yaw of rows w x y z, without jumps.
 
-    Yaw is that of the tables of `skybody run` and of the controllers: the turn about z before the
-    shortest turn that tilts.
+    Yaw is that of the tables of `skybody run` and of the controllers: the rotation about z before
+    the shortest rotation that tilts.
     """
     w, x, y, z = quaternion.T
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
@@ -98,7 +98,7 @@ def texts(values) -> list[str]:
 
 
 def colors(count: int) -> list:
-    """As many colours that can be told apart as the cycle has, then a continuous map."""
+    """Distinct colours from the cycle if it has enough, otherwise from a continuous map."""
     cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]
     if count <= len(cycle):
         return cycle[:count]
@@ -126,8 +126,9 @@ def read_tracks(episode: h5py.Group) -> list[Track]:
 
 
 def joints_of(episode: h5py.Group) -> list[Joints]:
-    """Angles of revolute and universal joints, the angle by which a ball joint has turned from
-    zero, and travels of sliders. Joints of free bodies are not drawn."""
+    """Angles of revolute and universal joints, the rotation angle of a ball joint from zero, and
+    travels of sliders. Joints of free bodies are not drawn.
+    """
     if "q" not in episode:
         return []
     dataset = episode["q"]
@@ -167,12 +168,12 @@ def rotation_of(quaternions: np.ndarray) -> np.ndarray:
 
 
 def numbers_in(text: str) -> np.ndarray:
-    """Of a list such as `[1, 2]`, or one number."""
+    """The numbers of a list such as `[1, 2]`, or one number."""
     return np.array([float(n) for n in text.strip("[]").split(",") if n.strip()])
 
 
 def heights_of(keys: dict[str, str], folder: Path) -> np.ndarray | None:
-    """The grid of a height field; None where its file is gone."""
+    """The grid of a height field; None if its file is missing."""
     if "heights" in keys:
         return numbers_in(keys["heights"]).reshape(-1, int(keys["columns"]))
     file = folder / keys["file"].strip("\"'")
@@ -180,12 +181,12 @@ def heights_of(keys: dict[str, str], folder: Path) -> np.ndarray | None:
 
 
 def obstacles_of(scenario: str, drawn: dict[str, float], folder: Path = Path()) -> list[Obstacle]:
-    """Those of the scenario as core/io/config_writer.cpp writes it: merged, one key a line.
+    """Obstacles of a scenario in the form of core/io/config_writer.cpp: merged, one key per line.
 
     Args:
         scenario: its text.
-        drawn: values of the episode's EnvParams by path; poses and sizes are among them.
-        folder: that of the scenario, in which files of heights lie.
+        drawn: values of the episode's EnvParams by path, including poses and sizes.
+        folder: the scenario's folder, for files of heights.
     """
     section = re.search(r"^obstacles:\n((?:[ -].*\n?)*)", scenario, re.MULTILINE)
     found = []
@@ -238,14 +239,14 @@ def ending(episode: h5py.Group) -> str:
 
 
 def touching_spans(touching: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
-    """From the row before the first in which something touches to the last."""
+    """Spans from the row before the first contact to the last one."""
     later = touching[1:] == 1
     edges = np.flatnonzero(np.diff(np.concatenate([[False], later, [False]]).astype(int)))
     return [(time[a], time[b]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def refusal(log: h5py.File) -> str:
-    """Why a file is no flight log; empty: it is one."""
+    """The reason why a file is not a flight log; empty: it is one."""
     found = log.attrs.get("format", "")
     if str(found).startswith("skybody flight log"):
         return ""
@@ -265,7 +266,7 @@ def read_flight(log: h5py.File, name: str) -> Flight:
     if followed := dict.fromkeys(texts(about.get("references", []))):
         title += f" along {', '.join(followed)}"
     title += f"  ·  episode {int(name)} of {len(log['episodes'])}"
-    if "action" in episode:  # else nothing is left to a policy
+    if "action" in episode:  # otherwise there is no policy
         title += f"  ·  policy {about['policy']}"
     title += f"  ·  seed {about['seed']}"
     subtitle = f"{ending(episode)} after {time[-1]:.3f} s, {len(time) - 1} steps of "

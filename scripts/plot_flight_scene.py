@@ -10,9 +10,9 @@ from plot_flight_data import Flight, Obstacle, rotation_of
 
 TOUCHING = {"color": "gold", "alpha": 0.4, "linewidth": 0}
 AXES = ("tab:red", "tab:green", "tab:blue")
-INSTANTS = 7  # at which vehicles are drawn, along each path
+INSTANTS = 7  # number of drawn vehicles along each path
 AROUND = 24  # points of a circle
-MOST_CELLS = 60  # of a height field that are drawn along an edge
+MOST_CELLS = 60  # of a height field, drawn along an edge
 
 
 # --- obstacles ----------------------------------------------------------------------------------
@@ -30,7 +30,7 @@ def box_faces(size: np.ndarray) -> list[np.ndarray]:
 
 
 def turned_faces(profile: np.ndarray) -> list[np.ndarray]:
-    """A surface of revolution about z: four-cornered faces between circles (radius, height)."""
+    """A surface of revolution about z: quadrilaterals between circles (radius, height)."""
     angles = np.linspace(0, 2 * np.pi, AROUND + 1)
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     circles = [np.column_stack([r * ring, np.full(len(ring), h)]) for r, h in profile]
@@ -42,8 +42,9 @@ def turned_faces(profile: np.ndarray) -> list[np.ndarray]:
 
 
 def field_faces(size: np.ndarray, heights: np.ndarray | None) -> list[np.ndarray]:
-    """The triangles of a height field; where there are too many cells, larger ones; a rectangle
-    where its heights are not known."""
+    """The triangles of a height field; with too many cells, larger ones; without heights a
+    rectangle.
+    """
     if heights is None:
         heights = np.zeros((2, 2))
     rows, columns = (
@@ -78,7 +79,7 @@ def plane_faces(obstacle: Obstacle, low: np.ndarray, high: np.ndarray) -> list[n
 
 
 def faces_of(obstacle: Obstacle) -> list[np.ndarray]:
-    """Its faces in W; none of a plane, which has no end."""
+    """Its faces in W; empty for a plane, which is infinite."""
     if obstacle.kind == "plane":
         return []
     if obstacle.kind == "box":
@@ -100,7 +101,7 @@ def faces_of(obstacle: Obstacle) -> list[np.ndarray]:
 
 
 def draw_obstacles(panel, obstacles: list[Obstacle], low: np.ndarray, high: np.ndarray) -> None:
-    """What reaches beyond the picture ends at its border."""
+    """Draws obstacles, clipped at the border of the picture."""
     for obstacle in obstacles:
         is_plane = obstacle.kind == "plane"
         faces = np.array(plane_faces(obstacle, low, high) if is_plane else faces_of(obstacle))
@@ -124,7 +125,7 @@ def draw_obstacles(panel, obstacles: list[Obstacle], low: np.ndarray, high: np.n
 
 
 def instants_along(path: np.ndarray, size: float) -> np.ndarray:
-    """Rows at equal distances along a path, fewer where it is short beside what is drawn there."""
+    """Rows at equal distances along a path; fewer if it is short compared with the vehicles."""
     steps = np.linalg.norm(np.nan_to_num(np.diff(path, axis=0)), axis=1)
     way = np.concatenate([[0.0], np.cumsum(steps)])
     count = int(np.clip(way[-1] / (2 * size), 1, INSTANTS - 1)) + 1
@@ -132,8 +133,11 @@ def instants_along(path: np.ndarray, size: float) -> np.ndarray:
 
 
 def parents(bodies: np.ndarray) -> list[int]:
-    """For each body of a robot but the base, the earlier one in whose frame its origin moves least:
-    joints that turn keep it in one place there. Of several such the nearest."""
+    """For each body of a robot except the base, the earlier body in whose frame its origin moves
+    least.
+
+    Rotary joints keep the origin fixed there. Of several such bodies it is the nearest.
+    """
     found = []
     for k in range(1, bodies.shape[1]):
         offsets = bodies[:, k, None, :3] - bodies[:, :k, :3]
@@ -171,7 +175,7 @@ def draw_vehicles(panel, flight: Flight, size: float) -> None:
 
 
 def limits_of(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
-    """A box around paths, goals and moving bodies, and as much of the obstacles as is near."""
+    """A box around paths, goals and moving bodies, and the nearby part of the obstacles."""
     sets = [flight.bodies[:, :, :3].reshape(-1, 3)]
     sets += [t.goal[:, :3] for t in flight.tracks if t.goal is not None]
     points = np.concatenate(sets)

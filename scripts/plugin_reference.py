@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes docs/plugin_reference.md from the headers that plugins are written with.
+"""Writes docs/plugin_reference.md from the headers of the plugin API.
 
     scripts/plugin_reference.py [--check]
 
---check writes nothing and exits with 1 where the page is behind. A declaration of plugins/api
+--check writes nothing and exits with 1 if the page is outdated. A declaration of plugins/api
 without a comment is an error: exit status 2, with its file and line.
 """
 
@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/plugin_reference.md"
 HEAD = ROOT / "scripts/plugin_reference_head.md"
 API = "plugins/api"
-# What a reader of this page does not call. Comments of other such members begin with LIBRARY.
+# Members that plugin authors do not call. Comments of other such members begin with LIBRARY.
 HIDDEN = {"kKind"}
 LIBRARY = ("For the library", "Called by the host")
 TABLES = {
@@ -35,11 +35,11 @@ TABLES = {
 
 @dataclass
 class Part:
-    """A heading and the declarations of one header below it; all where `names` is empty."""
+    """A heading and the declarations of one header below it; all if `names` is empty."""
 
     title: str
     header: str
-    names: tuple[str, ...] | None = ()  # None: no declarations, the introduction alone
+    names: tuple[str, ...] | None = ()  # None: no declarations, only the introduction
     intro: bool = False  # whether the header's own comment comes first
     constructors: bool = False
 
@@ -115,7 +115,7 @@ PLACES = """\
 
 
 def prose(doc: str) -> str:
-    """A comment as Markdown: commands in words, what is indented as lists or as code."""
+    """A comment as Markdown: commands in words, indented parts as lists or as code."""
     doc = doc.replace("@throws nothing: ", "Throws nothing: ")
     doc = re.sub(r"@throws (\S+) (naming|for|if)", r"Throws `\1` \2", doc)
     doc = re.sub(r"\s*@t?param (\w+(?:, ?\w+)*)\s+", r"\n  - `\1`: ", doc)
@@ -145,7 +145,7 @@ def blocks(lines: list[str]) -> Iterator[str]:
 
 
 def escaped(line: str) -> str:
-    """Signs that Markdown would take for HTML; what is in backticks stays."""
+    """Escapes characters that Markdown would take for HTML, except in backticks."""
     parts = line.split("`")
     return "`".join(
         part if k % 2 else part.replace("<", "&lt;").replace("*", r"\*")
@@ -189,7 +189,7 @@ def is_shown(declaration: Declaration, owner: str, constructors: bool) -> bool:
 
 
 def without_packs(declarations: list[Declaration]) -> list[Declaration]:
-    """Without overloads for packs of functions that stand here for double or Real as well."""
+    """Without overloads for packs of functions that also exist here for double or Real."""
     kept: dict[str, Declaration] = {}
     for declaration in declarations:
         if "template <int W>" in declaration.signature and declaration.name in kept:
@@ -200,7 +200,7 @@ def without_packs(declarations: list[Declaration]) -> list[Declaration]:
 
 
 class Page:
-    """The page under way, with what lacks a comment."""
+    """The page being written, with the list of declarations without a comment."""
 
     def __init__(self) -> None:
         self.parts: list[str] = [HEAD.read_text().strip()]
@@ -302,7 +302,7 @@ def kinds() -> list[str]:
 
 
 def macro_comment() -> str:
-    """What stands before SKYBODY_PLUGIN."""
+    """The comment before SKYBODY_PLUGIN."""
     text = (ROOT / f"{API}/export.h").read_text()
     lines = text[: text.index("#define SKYBODY_PLUGIN(")].rstrip().splitlines()
     comment: list[str] = []

@@ -1,4 +1,4 @@
-"""Writes the table of options in docs/python.md from skybody.options, whose list it is.
+"""Writes the table of options in docs/python.md from the list in skybody.options.
 
 .venv/bin/python scripts/python_options.py
 """
@@ -25,7 +25,7 @@ TAKERS: dict[type, tuple[str, ...]] = {
 
 
 def table() -> str:
-    """A row for each option, with all that take it with this default."""
+    """One row per option, with all classes and functions that take it with this default."""
     takers: dict[tuple[str, Option], list[str]] = {}
     for kind, names in TAKERS.items():
         for key, (_, option) in options_of(kind).items():
@@ -40,7 +40,7 @@ def table() -> str:
 
 
 def page() -> str:
-    """docs/python.md with the table as it should be."""
+    """docs/python.md with the updated table."""
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     return before + BEGIN + table() + END + rest.split(END)[1]
 

@@ -1,9 +1,9 @@
-"""Writes the tables of observations and infos in the READMEs of tasks from what the tasks declare.
+"""Writes the tables of observations and infos in the READMEs of tasks from their declarations.
 
 .venv/bin/python scripts/task_tables.py
 
-A README says by a comment which scenario's declarations belong there. Of a team the first robot's
-columns are shown, with A for its name and B for another one's.
+A comment in a README names the scenario of its tables. For a team the first robot's
+columns are shown, with A for its name and B for another robot's.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MARK = re.compile(
 
 
 def columns(compiled: Any) -> list[str]:
-    """The observation: name, size, unit, meaning; privileged ones for the critic are told apart."""
+    """The observation: name, size, unit, meaning; privileged columns for the critic are marked."""
     rows = ["| Column | Size | Unit | |", "|---|---|---|---|"]
     shown: set[str] = set()
     for column in compiled.observation_columns:
@@ -41,7 +41,7 @@ def columns(compiled: Any) -> list[str]:
 
 
 def infos(compiled: Any) -> list[str]:
-    """What beside the observation is told: name, unit, meaning."""
+    """The infos: name, unit, meaning."""
     rows = ["| Value | Unit | |", "|---|---|---|"]
     shown: set[str] = set()
     for channel in compiled.info_channels:
@@ -64,7 +64,7 @@ TABLES: dict[str, Callable[[Any], list[str]]] = {"columns": columns, "infos": in
 
 
 def page(text: str) -> str:
-    """A README with its tables as they should be."""
+    """A README with its updated tables."""
 
     def replaced(match: re.Match[str]) -> str:
         table = TABLES[match[2]](load(match[3], (), ()))

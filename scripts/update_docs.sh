@@ -1,7 +1,12 @@
 #!/usr/bin/env bash
-# Writes docs/scenarios.md anew from its head and the declared keys, docs/plugin_reference.md from the headers,
-# tables and figure of docs/control-modes.md from the built plugins, the tables of options in docs/python.md and of hyper-parameters in docs/training.md from the Python package,
-# the tables of observations and infos in the READMEs of tasks from their declarations, and those of what was learned from docs/results/data.
+# Updates generated documentation:
+# - docs/scenarios.md from its head and the declared keys,
+# - docs/plugin_reference.md from the headers,
+# - tables and figure of docs/control-modes.md from the built plugins,
+# - the tables of options in docs/python.md and of hyper-parameters in docs/training.md from the
+#   Python package,
+# - the tables of observations and infos in the READMEs of tasks from their declarations,
+# - the tables of learning results from docs/results/data.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 { cat scripts/scenarios_head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md

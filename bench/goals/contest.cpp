@@ -11,10 +11,10 @@
 namespace skybody::bench {
 namespace {
 
-/// Actions of a stream, made beforehand.
+/// Actions of a stream, precomputed.
 class Stream {
  public:
-  /// @param constant  of all actions, in place of those that `name` stands for
+  /// @param constant  value of all actions, in place of the stream `name`
   Stream(const std::string& name, std::optional<float> constant,
          const std::shared_ptr<const CompiledScenario>& compiled, int envs)
       : rows_(static_cast<std::size_t>(envs)),
@@ -35,7 +35,7 @@ std::shared_ptr<const CompiledScenario> load(const Contest& contest) {
   return compile_scenario(options);
 }
 
-/// All environments, sent and received round by round as a learner does.
+/// All environments, sent and received in rounds, as a learner does.
 class Ours {
  public:
   explicit Ours(const Contest& contest)
@@ -60,7 +60,7 @@ class Ours {
     PoolOptions options;
     options.envs = contest.envs;
     options.threads = contest.threads;
-    options.info = false;  // the limit has none
+    options.info = false;  // the limit has no infos
     return options;
   }
   void round() {
@@ -105,7 +105,7 @@ class Limit {
   limit::EnvironmentArray array_;
   Stream stream_;
   int threads_;
-  const float* rows_ = nullptr;  ///< of the present round
+  const float* rows_ = nullptr;  ///< of the current round
 };
 
 }  // namespace

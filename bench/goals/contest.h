@@ -1,4 +1,4 @@
-// A scenario through Pool against its limit loops, in turns.
+// A scenario in Pool against its limit loops, in turns.
 #pragma once
 
 #include <map>
@@ -12,8 +12,8 @@
 
 namespace skybody::bench {
 
-/// How long measurements take: each contestant's best of `trials` x `seconds`, all taking turns, so
-/// that a slow moment of the machine hits all and a quiet one is found by each.
+/// Duration of measurements: each contestant's best of `trials` x `seconds`. All take turns, so
+/// that a slow moment of the machine affects all and each one gets a quiet moment.
 struct Effort {
   int trials = 40;
   double seconds = 0.004;
@@ -22,27 +22,27 @@ struct Effort {
 /// One comparison.
 struct Contest {
   LoadOptions scenario;
-  std::string actions = "hold";        ///< of the engine's BatchActions, or a name for `constant`
-  std::optional<float> constant = {};  ///< of all actions, in place of those of that name
-  /// Of the limit where they differ: at rest on the ground its vehicles would fall.
+  std::string actions = "hold";        ///< of BatchActions, or a name for `constant`
+  std::optional<float> constant = {};  ///< value of all actions, in place of that stream
+  /// Actions of the limit if they differ: with rotors at rest its vehicles would fall.
   std::string limit_actions = {};
-  std::vector<limit::LoopKind> loops;  ///< those in lanes; the best counts
+  std::vector<limit::LoopKind> loops;  ///< the loops in lanes; the best counts
   int envs = 1024;
   int repeats = 1;  ///< K
   int threads = 1;
-  double settle = 0.0;  ///< physics time before the measurement [s], for what has to come to rest
+  double settle = 0.0;  ///< physics time before the measurement [s], for vehicles to come to rest
 };
 
-/// Environment steps a second.
+/// Environment steps per second.
 struct Outcome {
   double ours = 0.0, limit = 0.0;
-  std::string loop;         ///< the best
-  double near_share = 0.0;  ///< share of our physics steps with something near enough to touch
+  std::string loop;         ///< name of the best loop
+  double near_share = 0.0;  ///< share of our physics steps with bodies near contact
 };
 
 Outcome run_contest(const Contest& contest, const Effort& effort);
 
-/// Steps a second of the scenario alone.
+/// Steps per second of the scenario only.
 double engine_rate(const Contest& contest, const Effort& effort);
 
 }  // namespace skybody::bench

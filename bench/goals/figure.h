@@ -10,20 +10,20 @@
 
 namespace skybody::bench {
 
-/// What was measured, what it is compared with, and the goal.
+/// A measurement, the value that it is compared with, and the goal.
 struct Figure {
   std::string what;     ///< "hover, K=1, 1024 environments"
-  std::string actions;  ///< hold, zero, random; empty where there are none
-  int threads = 0;      ///< 0 where it is not a matter of threads
+  std::string actions;  ///< hold, zero, random; empty: none
+  int threads = 0;      ///< 0: independent of threads
   std::string unit;     ///< of `ours` and `limit`
   double ours = 0.0;
-  std::optional<double> limit;  ///< what it is compared with
-  std::string against;          ///< what that is
-  double ratio = 0.0;           ///< as the goal has it
+  std::optional<double> limit;  ///< the compared value
+  std::string against;          ///< description of `limit`
+  double ratio = 0.0;           ///< as the goal defines it
   std::string sense;            ///< ">=" or "<=" the goal; empty: no goal, for information
   double goal = 0.0;
   std::optional<double> near_share =
-      std::nullopt;  ///< share of our physics steps with something near enough to touch
+      std::nullopt;  ///< share of our physics steps with bodies near contact
 
   bool meets() const { return sense.empty() || (sense == ">=" ? ratio >= goal : ratio <= goal); }
   std::string json() const;

@@ -33,14 +33,14 @@ double bytes_per_environment(const LoadOptions& scenario, int envs) {
     Pool pool(compiled, options);
     const std::vector<float> actions(static_cast<std::size_t>(count) * 4, 0.2f);
     pool.send_reset();
-    for (int round = 0; round < 4; ++round) {  // so that both rotating buffers are there
+    for (int round = 0; round < 4; ++round) {  // allocates both rotating buffers
       pool.recv();
       pool.send(actions);
     }
     pool.recv();
     return resident_bytes();
   };
-  fill(64);  // what does not depend on the number
+  fill(64);  // allocates everything that is independent of the number
   malloc_trim(0);
   const double before = resident_bytes();
   return (fill(envs) - before - 4.0 * 4.0 * envs) / envs;  // without our own actions
@@ -59,7 +59,8 @@ double reset_time(const LoadOptions& scenario) {
   for (int l = 0; l < lanes; ++l) {
     compiled->initialize(group, l, 0, static_cast<std::uint64_t>(l));
   }
-  // What a reset leaves for the next step to do belongs to it: a step alone is taken off.
+  // A reset defers some work to the next step. That work belongs to the reset, so the time of a
+  // plain step is subtracted.
   const std::uint32_t all = first_lanes(lanes);
   const std::vector<float> actions(count * static_cast<std::size_t>(compiled->action_size()));
   const Rows rows{observation.data(), reward.data(), status.data()};

@@ -1,9 +1,9 @@
-// The C++ lines of the table of goals, as JSON: every rate of ours beside the limit's, from one
-// run. bench/goals.py prints the table and adds what is measured from Python.
+// The C++ lines of the table of goals, as JSON: every rate of ours and that of the limit, from one
+// run. bench/goals.py prints the table and adds the measurements from Python.
 //
 //   bench_goals [--full | --trial] [--out FILE]
 //
-// --full: longer trials, for results to keep. --trial: one short trial a figure, for tests.
+// --full: longer trials, for results to keep. --trial: one short trial per figure, for tests.
 #include <skybody/build_info.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ namespace {
 
 constexpr const char* kActions[] = {"hold", "zero", "random"};
 
-/// Without those one by one: the goals are ratios to the lanes limit.
+/// Removes the scalar loops: the goals are ratios to the lanes limit.
 std::vector<limit::LoopKind> in_lanes(const std::vector<limit::LoopKind>& loops) {
   std::vector<limit::LoopKind> out;
   for (const limit::LoopKind& loop : loops) {
@@ -58,7 +58,7 @@ class Goals {
   const std::vector<Figure>& figures() const { return figures_; }
 
  private:
-  /// A goal holds for `hold`, and at half the rate for the other streams.
+  /// The goal applies to `hold` and `off`; for the other streams it is halved.
   void contest(const std::string& what, const Contest& contest, double goal) {
     std::fprintf(stderr, "  %s, %s, %d threads\n", what.c_str(), contest.actions.c_str(),
                  contest.threads);
@@ -69,7 +69,7 @@ class Goals {
                         o.near_share});
   }
 
-  /// Time until vehicles that do not fly lie on the ground [s].
+  /// Time until vehicles that do not fly rest on the ground [s].
   static double settle(const std::string& actions) { return actions == "hold" ? 0.0 : 2.0; }
 
   Contest hover_contest(int repeats) const {
@@ -94,7 +94,7 @@ class Goals {
     }
   }
 
-  /// Set down with rotors at rest; the limit, which has no ground, hovers meanwhile.
+  /// Vehicles on the ground with rotors at rest; the limit has no ground, so its vehicles hover.
   void resting() {
     for (const int threads : {1, 2}) {
       Contest c = hover_contest(1);
@@ -110,7 +110,8 @@ class Goals {
     }
   }
 
-  /// Action that carries base and rod: the hold policy knows no load whose link begins at the base.
+  /// Action that carries base and rod: the hold policy ignores a load whose link begins at the
+  /// base.
   static float hover_with_rod() {
     const double weight = (limit::kMass + limit::kPinRod.mass) * limit::kGravity;
     const double speed = std::sqrt(weight / (4.0 * limit::kThrust));
@@ -140,7 +141,8 @@ class Goals {
     }
   }
 
-  /// For information: the payload without what the limit has not, its IMU and drawn constants.
+  /// For information: the payload without its IMU and drawn constants, which the limit does not
+  /// have.
   void plain_payload() {
     Contest c;
     c.scenario = {"payload",
@@ -166,7 +168,7 @@ class Goals {
     }
   }
 
-  /// Ratio to the limit by number of environments, and what a second thread brings.
+  /// Ratio to the limit by number of environments, and the gain of a second thread.
   void scaling() {
     double at_1024 = 0.0;
     for (const int envs : {1024, 64, 256, 4096, 16384}) {

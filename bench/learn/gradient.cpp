@@ -1,6 +1,6 @@
 // Learning curve of `gradient`: trains, and every few updates flies held-out episodes with the
-// policy at the scenario's own physics steps. One line a look: seconds of the process without
-// looks, cost, norm of the gradient, error and faults in training; then of the held-out episodes
+// policy at the scenario's own physics steps. Each evaluation prints one line. Training: seconds of
+// the process without evaluations, cost, norm of the gradient, error and faults. Held-out episodes:
 // the median error over the last second, the worst tenth's, failures and the mean return.
 //
 //   bench_gradient [SCENARIO] [NAME=VALUE ...]

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kLast = 50;  // steps of an episode
 
-/// Of one episode.
+/// Values of one episode.
 struct Episode {
-  NetworkPolicy policy;  // one each: a policy may remember
+  NetworkPolicy policy;  // one each: a policy may have state
   std::vector<double> errors = {};
   double sum_of_rewards = 0.0;
   bool is_over = false, has_failed = false;

@@ -9,19 +9,19 @@
 
 namespace skybody::bench {
 
-/// Of kHeldOut episodes, each judged by its last 50 steps.
+/// Results of kHeldOut episodes, measured over the last 50 steps of each.
 struct HeldOut {
-  double median = 0.0;       ///< distance from the goal [m], the mean over an episode's last steps
-  double worst_tenth = 0.0;  ///< nine of ten episodes end nearer [m]
+  double median = 0.0;       ///< distance from the goal [m], mean over an episode's last steps
+  double worst_tenth = 0.0;  ///< nine of ten episodes end closer [m]
   double mean_return = 0.0;
-  int failures = 0;  ///< episodes that the task ended, or a fault
+  int failures = 0;  ///< episodes that ended by the task or a fault
 };
 
 inline constexpr int kHeldOut = 100;
 
-/// Flies the policy as `skybody run --policy` does, at the scenario's own physics steps.
-/// @param compiled  a scenario with a horizon, whose task gives a distance from the goal
-/// @throws Error where it does not, or the policy does not fit
+/// Flies the policy like `skybody run --policy`, at the scenario's own physics steps.
+/// @param compiled  a scenario with a horizon, whose task reports a distance from the goal
+/// @throws Error if it does not, or if the policy does not fit
 HeldOut fly_held_out(const std::shared_ptr<const CompiledScenario>& compiled,
                      const PolicyFile& policy, std::uint64_t seed);
 

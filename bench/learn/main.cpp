@@ -1,6 +1,6 @@
-// Networks of ours beside Eigen's: nanoseconds a sample and GFLOP/s on one thread, of a small
+// Our networks and Eigen's: nanoseconds per sample and GFLOP/s on one thread, of a small
 // network and a wide one, forward and forward with backward. "Eigen, products alone" has neither
-// biases nor activations: what a bare GEMM of these shapes takes.
+// biases nor activations: the time of a bare GEMM of these shapes.
 //
 //     bench_learn [ROWS]      rows of a batch, default 1024
 #include <algorithm>
@@ -57,7 +57,7 @@ NetworkTimes time_ours(const std::vector<int>& sizes, int rows, int repeats, Isa
 
 void print_row(const char* what, const NetworkTimes& times, const std::vector<int>& sizes,
                int rows) {
-  double forward = 0.0, both = 0.0;  // multiply-adds a sample
+  double forward = 0.0, both = 0.0;  // multiply-adds per sample
   for (std::size_t k = 0; k + 1 < sizes.size(); ++k) {
     const double products = static_cast<double>(sizes[k]) * sizes[k + 1];
     forward += products;

@@ -1,4 +1,4 @@
-// An array of environments that a limit loop steps, on one thread or two.
+// An array of environments for a limit loop, on one thread or two.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace skybody::bench::limit {
 /// N environments; all begin an episode in the first round.
 class EnvironmentArray {
  public:
-  /// @param envs  a multiple of the loop's width   @param repeats  physics steps a step, K
+  /// @param envs  a multiple of the loop's width   @param repeats  physics steps per step, K
   EnvironmentArray(const LoopKind& kind, int envs, int repeats)
       : kind_(kind),
         envs_(envs),
@@ -23,7 +23,7 @@ class EnvironmentArray {
     std::fill_n(ended_.data(), ended_.size(), std::uint8_t{1});
   }
 
-  /// One step of a share of the environments: share 0 or 1 of 2, or 0 of 1.
+  /// Steps a share of the environments: share 0 or 1 of 2, or 0 of 1.
   void step(const float* actions, int share = 0, int shares = 1) {
     const int blocks = envs_ / kind_.width;
     kind_.run({blocks_.data(),

@@ -8,7 +8,7 @@
 namespace skybody::bench::limit {
 namespace {
 
-/// Sebastiano Vigna's splitmix64 (public domain): the next of a sequence that starts anywhere.
+/// Sebastiano Vigna's splitmix64 (public domain): the next value of a sequence with any seed.
 class Draws {
  public:
   Draws(std::uint64_t env, std::uint64_t episode) : state_(env * 0x632be59bd9b4e019u + episode) {}
@@ -29,7 +29,7 @@ class Values {
   Values(double* first, int stride) : first_(first), stride_(stride) {}
   double& operator[](int k) const { return first_[k * stride_]; }
 
-  /// At rest somewhere, with that heading.
+  /// At rest at a drawn position, with that heading.
   /// @param mass  that the rotors carry [kg]
   void place(Draws& draw, double lowest, double yaw, double mass) const {
     const Values& v = *this;

@@ -1,5 +1,5 @@
-// A step of the environments of one block, whatever their task: actions in, physics, ends and
-// resets, rows out. What a step without engine does.
+// A step of the environments of one block, for any task: actions in, physics, ends and
+// resets, rows out. It is the complete work of a step without an engine.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace skybody::bench::limit {
 
-/// What a task says about where its vehicles are.
+/// Results of a task for the current states.
 template <class Real>
 struct Outcome {
   Real reward;
-  Real failure;  ///< > 0 where the episode terminates
+  Real failure;  ///< > 0 if the episode terminates
 };
 
 /// @tparam Task  of a Real (double, a pack, or two): State with the values of one environment in
@@ -24,7 +24,7 @@ class BlockStep {
  public:
   using Real = typename Task::Real;
   static constexpr int W = LaneLoads<Real>::kCount;
-  /// Values of an environment: the state, what the task keeps, steps of the episode.
+  /// Values of an environment: the state, the task's own values, steps of the episode.
   static constexpr int kStep = Task::kValues, kValues = kStep + 1;
   static constexpr int kObservation = Task::kObservation, kActions = 4;
   using Memory = Block<W, kValues>;
@@ -61,7 +61,7 @@ class BlockStep {
 
   /// Clips, and scales to rotor speeds.
   SKYBODY_INLINE void take_actions(const float* rows, Real* command) {
-    // Twice, as rows and as columns: no value waits for its own way through memory.
+    // Stored twice, as rows and as columns, so that no load waits for a store of the same value.
     for (int k = 0; k < 4 * W; ++k) {
       const float a = -1.0f > rows[k] ? -1.0f : rows[k];
       action_[k] = 1.0f < a ? 1.0f : a;
@@ -88,8 +88,8 @@ class BlockStep {
     }
   }
 
-  /// As Gymnasium's next-step autoreset: the step that was just made does not count where an
-  /// episode had ended.
+  /// As in Gymnasium's next-step autoreset: if an episode had ended, the step just made does not
+  /// count.
   SKYBODY_INLINE void begin_again(std::uint64_t first, const std::uint8_t* ended) {
     store_state();
     for (int l = 0; l < W; ++l) {
@@ -108,7 +108,7 @@ class BlockStep {
     const Outcome<Real> outcome = task_.observe(
         [&](int k) __attribute__((always_inline)) { return get(k); }, values);
     write_values(values, rows.observation, Task::kObservation);
-    // Nothing at a reset.
+    // The reward of a reset is 0.
     write_floats(pick(step_ > Real(0.0), outcome.reward, Real(0.0)), rows.reward);
     const Real over = step_ - (Task::kHorizon - 0.5);
     if (bits(larger(outcome.failure, over) > Real(0.0)) == 0) [[likely]] {
@@ -125,7 +125,7 @@ class BlockStep {
     }
   }
 
-  /// The last values of a row: this action and, where the task shows it, the one before.
+  /// The last values of a row: this action and, if the task shows it, the previous one.
   SKYBODY_INLINE void write_actions(float* row) {
     constexpr int kOwn = Task::kOwnObservation;
     for (int l = 0; l < W; ++l, row += Task::kObservation) {

@@ -7,10 +7,10 @@
 namespace skybody::bench::limit {
 namespace {
 
-/// Rows are floats of values up to 7, 2^-22 apart at the largest; of teams up to 30.
+/// Rows are floats of values up to 7, where floats are 2^-22 apart; in teams up to 30.
 constexpr double kBound = 1e-6, kTeamBound = 4e-6;
 
-/// @param steps  physics steps whose rows are to be the same in all loops
+/// @param steps  physics steps whose rows must be equal in all loops
 bool check_task(const char* name, CheckedTask task, const std::vector<LoopKind>& loops, int repeats,
                 double bound = kBound, int steps = 3000) {
   bool good = true;

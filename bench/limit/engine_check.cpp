@@ -15,7 +15,7 @@
 namespace skybody::bench::limit {
 namespace {
 
-constexpr int kGroup = 8;  // environments that are compared: an octet of the engine's
+constexpr int kGroup = 8;  // environments compared: one block of eight lanes of the engine
 
 /// Actions in [middle - spread, middle + spread], a fixed sequence.
 class Actions {
@@ -46,7 +46,7 @@ LoadOptions team_of(const char* scenario, const std::string& repeat) {
 LoadOptions scenario_of(CheckedTask task, int repeats) {
   const std::string repeat = "stepping.action_repeat=" + std::to_string(repeats);
   switch (task) {
-    case CheckedTask::kPayload:  // nominal constants; who hangs still shows little
+    case CheckedTask::kPayload:  // nominal constants; a hanging load at rest shows little
       return {"payload",
               {repeat, "sensors=[]",
                "randomization=[{plugin: start, parameters: {robot: quad, position_min: [-5, -5, "
@@ -112,7 +112,7 @@ class Engine {
   std::uint64_t status_[kGroup] = {};
 };
 
-/// The engine's bases come first in both.
+/// The engine's bases come first in both arrays.
 void copy_base(Engine& engine, EnvironmentArray& array, int env, int robot = 0) {
   const int to = robot * kFlyerValues;
   for (int k = 0; k < 7; ++k) array.value(env, to + k) = engine.q(env, 7 * robot + k);
@@ -120,7 +120,7 @@ void copy_base(Engine& engine, EnvironmentArray& array, int env, int robot = 0) 
   for (int k = 0; k < 4; ++k) array.value(env, to + kRotor + k) = engine.rotor(env, 4 * robot + k);
 }
 
-/// @param first  where the target's values lie
+/// @param first  index of the target's values
 void copy_target(Engine& engine, EnvironmentArray& array, int env, int first, int count) {
   for (int k = 0; k < count; ++k) {
     array.value(env, first + k) = engine.param(env, "task.target[" + std::to_string(k) + "]");
@@ -169,12 +169,12 @@ void raise(double& largest, double a, double b) {
 Difference compare_with_engine(CheckedTask task, const LoopKind& loop, int repeats, int steps) {
   Engine engine(task, repeats);
   EnvironmentArray array(loop, kGroup, repeats);
-  // About hover, so that no episode ends; a little more where something hangs below.
+  // Actions near hover, so that no episode ends; larger ones with a hanging load.
   const bool carries = task == CheckedTask::kPayload || task == CheckedTask::kPinRod;
   Actions actions(carries ? 0.3f : 0.21f, 0.05f);
   std::vector<float> rows(static_cast<std::size_t>(kGroup * loop.actions));
   actions.fill(rows);
-  array.step(rows.data());  // begins the episodes; then the engine's starts take their place
+  array.step(rows.data());  // begins the episodes; the engine's initial states then replace theirs
   std::vector<float> start;
   for (int e = 0; e < kGroup; ++e) {
     copy_state(task, engine, array, e);

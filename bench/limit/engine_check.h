@@ -1,4 +1,4 @@
-// Whether the limit loops do what the scenarios do.
+// Checks that the limit loops agree with the scenarios.
 #pragma once
 
 #include <string>
@@ -7,19 +7,19 @@
 
 namespace skybody::bench::limit {
 
-/// How far a loop and the engine are apart after the same flight.
+/// Difference between a loop and the engine after the same flight.
 struct Difference {
-  double observation = 0.0;  ///< largest of any value of a row
+  double observation = 0.0;  ///< largest of all values of a row
   double reward = 0.0;
-  double moved = 0.0;  ///< for scale: how far values of the row went meanwhile
+  double moved = 0.0;  ///< for scale: the largest change of the row's values in the flight
 };
 
-/// What is flown, and how the engine's state becomes the loop's.
+/// The task, and the mapping from the engine's state to the loop's.
 enum class CheckedTask { kHover, kPayload, kPinRod, kTeamOf2, kTeamOf20 };
 
-/// Flies the engine and a loop from the same starts with the same random actions about hover for
-/// some steps, in the air throughout.
-/// @param loop  one by one
+/// Flies the engine and a loop from the same initial states with the same random actions near hover
+/// for some steps, without ground contact.
+/// @param loop  a scalar loop
 Difference compare_with_engine(CheckedTask task, const LoopKind& loop, int repeats, int steps);
 
 /// Whether two loops give the same bits: rows after each of some random steps, with ends and

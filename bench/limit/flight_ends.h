@@ -1,4 +1,4 @@
-// When a flight has failed, as the shipped tasks have it, by comparisons alone.
+// Failure conditions of a flight, as in the shipped tasks, by comparisons only.
 #pragma once
 
 #include "bench/limit/lane_choice.h"
@@ -20,14 +20,14 @@ SKYBODY_INLINE Heading<Real> heading_of(const Quat<Real>& q) {
   return {2.0 * (q.x * q.y + q.w * q.z), 1.0 - 2.0 * (q.y * q.y + q.z * q.z)};
 }
 
-/// > 0 where the vehicle has tilted too far or left the box.
+/// > 0 if the tilt is too large or the vehicle has left the box.
 template <class Real>
 SKYBODY_INLINE Real tilted_or_far(const Quat<Real>& q, const Vec3<Real>& p) {
   const Real far = larger(larger(magnitude(p.x), magnitude(p.y)), magnitude(p.z));
   return larger(kTiltCosine - (1.0 - 2.0 * (q.x * q.x + q.y * q.y)), far - kBound);
 }
 
-/// > 0 where the heading is beyond kYawMax.
+/// > 0 if the heading is beyond kYawMax.
 template <class Real>
 SKYBODY_INLINE Real turned_too_far(const Heading<Real>& heading) {
   return magnitude(heading.sine) - kYawTangent * heading.cosine;

@@ -1,9 +1,11 @@
-// One physics step of the QDrone2 in the air, written out by hand: rotor lag, all of its rotors'
-// effects, one rigid body, and the default rule of the engine (kMidpointRule, step_rules.h): half a
-// step of the pose, a step of the velocities by the explicit midpoint rule at that pose, half a
-// step of the pose; rotors count with the means over the step of their speed and of its square. The
-// sums over rotors are closed forms of this vehicle's places and senses of rotation (front left +,
-// front right -, back left -, back right +); constants are folded. No ground.
+// One physics step of the QDrone2 in the air, written by hand: rotor lag, all rotor effects, one
+// rigid body, and the default rule of the engine (kMidpointRule, step_rules.h):
+// 1. half a step of the pose,
+// 2. a step of the velocities by the explicit midpoint rule at that pose,
+// 3. half a step of the pose.
+// Rotors enter by the means over the step of their speed and of its square. The sums over rotors
+// are closed forms for this vehicle's positions and senses of rotation (front left +, front right
+// -, back left -, back right +); constants are folded. No ground.
 #pragma once
 
 #include "bench/limit/lane_choice.h"
@@ -22,7 +24,7 @@ struct Flyer {
   Real rotor[4];        ///< [rad/s]
 };
 
-/// Where the values of a Flyer lie in memory, in the order of its members.
+/// Indices of the values of a Flyer in memory, in the order of its members.
 enum FlyerValue {
   kPosition = 0,
   kRotation = 3,
@@ -65,7 +67,7 @@ SKYBODY_INLINE Real& flyer_value(Flyer<Real>& s, int k) {
   }
 }
 
-/// Sums over the rotors of the means of w and of w^2, with the signs of the hubs' places.
+/// Sums over the rotors of the means of w and of w^2, with the signs of the hubs' positions.
 template <class Real>
 struct RotorSums {
   Real all;    ///< of w [rad/s]
@@ -73,18 +75,18 @@ struct RotorSums {
   Real left;   ///< of w sign(y), and of s w sign(x)
   Real turn;   ///< of s w
   Real squared, squared_ahead, squared_left, squared_turn;  ///< the same of w^2 [rad^2/s^2]
-  Real spin_up;                                             ///< of s times w's change in the step
+  Real spin_up;                                             ///< of s times the change of w
 };
 
-/// Moves the rotors through the step.
+/// Advances the rotors by the step.
 /// @returns their sums over the step
 template <class Real>
 SKYBODY_INLINE RotorSums<Real> run_rotors(Real* rotor, const Real* command) {
   Real w[4], f[4], gain[4];
   for (int i = 0; i < 4; ++i) {
     const Real start = rotor[i], gap = command[i] - start;
-    // A rotor speeds up quicker than it slows down: the larger of both gains is its own, and the
-    // smaller of both lacks.
+    // A rotor speeds up faster than it slows down: its gain is the larger of both, and its
+    // remaining gap the smaller of both.
     gain[i] = larger(gap * kRise, gap * kFall);
     const Real end = start + gain[i];
     const Real lack = smaller(gap * kRiseLack, gap * kFallLack);
@@ -144,8 +146,8 @@ SKYBODY_INLINE Quat<Real> product(const Quat<Real>& q, const Real& c, const Vec3
           c * q.z + ((q.w * v.z + q.x * v.y) - q.y * v.x)};
 }
 
-/// q turned by `spin` for half a step. With h half the angle, below 0.0075 while the vehicle turns
-/// slower than 30 rad/s, three terms of sine and cosine are exact to rounding (h^6 / 720 < 3e-16).
+/// q rotated by `spin` for half a step. h is half the angle, below 0.0075 for rates below 30 rad/s,
+/// so three terms of sine and cosine are exact to rounding (h^6 / 720 < 3e-16).
 template <class Real>
 SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& spin) {
   const Vec3<Real> h = spin * Real(0.25 * kDt);
@@ -154,8 +156,8 @@ SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& spin) {
                  Vec3<Real>(h * (1.0 - square * (1.0 / 6 - square * (1.0 / 120)))));
 }
 
-/// The same, by the tangent of h and back to norm 1: whatever norm rounding has left, a step ends
-/// with 1. The norm before is 1 + d with d = tan(h)^2: four terms of (1 + d)^(-1/2) are exact to
+/// The same, by the tangent of h and normalized: a step ends with norm 1 whatever the rounding
+/// error. The norm before is 1 + d with d = tan(h)^2: four terms of (1 + d)^(-1/2) are exact to
 /// rounding (d^4 < 2e-17), and three of the tangent to 1e-14 of h.
 template <class Real>
 SKYBODY_INLINE Quat<Real> turned_to_unit(const Quat<Real>& q, const Vec3<Real>& spin) {
@@ -174,7 +176,7 @@ SKYBODY_INLINE void drift(Flyer<Real>& s) {
   s.position += s.velocity * Real(0.5 * kDt);
   s.rotation = turned(s.rotation, s.spin);
 }
-/// The second one.
+/// The second half step of the pose.
 template <class Real>
 SKYBODY_INLINE void drift_to_end(Flyer<Real>& s) {
   s.position += s.velocity * Real(0.5 * kDt);
@@ -200,7 +202,7 @@ struct FlyerVelocity {
     x = (r.m[0] * v.x + r.m[3] * v.y) + r.m[6] * v.z;
     y = (r.m[1] * v.x + r.m[4] * v.y) + r.m[7] * v.z;
   }
-  /// Goes on by half a step.
+  /// Advances by half a step.
   SKYBODY_INLINE void kick_half(const FlyerRates<Real>& rates, const Mat3<Real>& r) {
     x += (0.5 * kDt) * (rates.linear.x - kGravity * r.m[6]);
     y += (0.5 * kDt) * (rates.linear.y - kGravity * r.m[7]);
@@ -216,7 +218,7 @@ SKYBODY_INLINE void kick(Flyer<Real>& s, const FlyerRates<Real>& rates, const Ma
   s.spin += rates.angular * Real(kDt);
 }
 
-/// Euler about the centre of mass, which lies kCom above the origin.
+/// Euler's equations about the centre of mass, which is kCom above the origin.
 template <class Real>
 SKYBODY_INLINE FlyerRates<Real> flyer_rates(const RotorSums<Real>& sums,
                                             const FlyerVelocity<Real>& at) {
@@ -235,7 +237,7 @@ SKYBODY_INLINE FlyerRates<Real> flyer_rates(const RotorSums<Real>& sums,
 }
 
 /// One physics step.
-/// @param command  of the rotors, within what they can do [rad/s]
+/// @param command  of the rotors, within their limits [rad/s]
 template <class Real>
 SKYBODY_INLINE void fly(Flyer<Real>& s, const Real* command) {
   const RotorSums<Real> rotors = run_rotors(s.rotor, command);

@@ -7,12 +7,13 @@
 
 namespace skybody::bench::limit {
 
-/// Where the values of an environment lie.
+/// Indices of the values of an environment.
 enum HoverValue { kTarget = kFlyerValues, kTargetYaw = kTarget + 3, kHoverValues };
 
-/// Begins the next episode of one environment: start and target drawn as scenarios/hover.yaml has
-/// them, rotors at hover speed. Not inlined: rare, and the same code for all widths.
-/// @param values  its first value; the others lie `stride` doubles apart
+/// Begins the next episode of one environment: initial state and target drawn as in
+/// scenarios/hover.yaml, rotors at hover speed. Not inlined: it is rare, and the same code for all
+/// widths.
+/// @param values  its first value; consecutive values are `stride` doubles apart
 void begin_hover(double* values, int stride, std::uint64_t env, std::uint64_t episode);
 
 template <class R>
@@ -37,7 +38,7 @@ struct HoverTask {
     const auto left = heading.cosine <= Real(0.0);
     Real yaw = atan2_right(heading.sine, heading.cosine);
     Real yaw_error = get(kTargetYaw) - yaw;
-    if (bits(left) != 0) [[unlikely]] {  // the nose behind them: the full circle
+    if (bits(left) != 0) [[unlikely]] {  // a heading beyond 90 degrees: full atan2
       yaw = pick(left, full_atan2(heading.sine, heading.cosine), yaw);
       yaw_error = wrapped(get(kTargetYaw) - yaw);
     }

@@ -1,5 +1,6 @@
-// What differs between a double, a pack and two packs in the limit loops: choices per lane as one
-// machine instruction each, and memory. The same bits as select() and max() of core/base.
+// Operations that differ between a double, a pack and two packs in the limit loops: selections per
+// lane, one machine instruction each, and memory access. The same bits as select() and max() of
+// core/base.
 #pragma once
 
 #include <immintrin.h>
@@ -8,7 +9,7 @@
 
 namespace skybody::bench::limit {
 
-/// a where the mask is set, else b.
+/// a if the mask is set, else b.
 SKYBODY_INLINE double pick(bool mask, double a, double b) { return mask ? a : b; }
 template <int W>
 SKYBODY_INLINE Pack<W> pick(const Mask<W>& mask, const Pack<W>& a, const Pack<W>& b) {
@@ -38,7 +39,7 @@ SKYBODY_INLINE Pack<W> with_sign(const Pack<W>& x, const Pack<W>& sign) {
   return copysign(x, sign);
 }
 
-/// The rare ways of angles, as core/base has them.
+/// The rare branches of angles, as in core/base.
 template <class Real>
 SKYBODY_INLINE Real full_atan2(const Real& y, const Real& x) {
   return atan2(y, x);
@@ -62,7 +63,7 @@ SKYBODY_INLINE SinCos<Real> sincos_of(const Real& x) {
   return sincos(x);
 }
 
-/// Bit i is the truth of lane i.
+/// Bit i is the mask of lane i.
 SKYBODY_INLINE std::uint32_t bits(bool mask) { return mask ? 1u : 0u; }
 template <int W>
 SKYBODY_INLINE std::uint32_t bits(const Mask<W>& mask) {
@@ -87,8 +88,8 @@ struct LaneLoads {
   static SKYBODY_INLINE void store(double* p, const Real& x) { store_lanes(p, x); }
 };
 
-/// atan2(y, x) for x > 0 and finite y; else some finite value. As core/base/math_atan.h without
-/// what only zeros, infinities and the left half plane need.
+/// atan2(y, x) for x > 0 and finite y; else some finite value. As core/base/math_atan.h, without
+/// the cases of zeros, infinities and the left half plane.
 template <class Real>
 SKYBODY_INLINE Real atan2_right(const Real& y, const Real& x) {
   const Real ay = magnitude(y);

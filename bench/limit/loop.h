@@ -1,4 +1,4 @@
-// What every limit loop is called with, and how its memory is laid out.
+// Arguments of all limit loops, and the layout of their memory.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace skybody::bench::limit {
 
-/// Rows of environments, one after another without gaps.
+/// Rows of environments, contiguous.
 struct Rows {
   const float* action = nullptr;  ///< [N, 4], any values but NaN
   float* observation = nullptr;   ///< [N, width]
@@ -23,20 +23,20 @@ struct LoopCall {
 };
 using Loop = void (*)(const LoopCall& call);
 
-/// State of W environments; value k of all of them lies side by side.
+/// State of W environments; values k of all of them are contiguous.
 template <int W, int V>
 struct alignas(64) Block {
   double value[V][W];
-  float action[W][4];        ///< of the step before
-  std::uint64_t episode[W];  ///< that begins next
+  float action[W][4];        ///< of the previous step
+  std::uint64_t episode[W];  ///< number of the next episode
 };
 
 /// A compiled loop.
 struct LoopKind {
   const char* name = "";  ///< "8 lanes, v4"
-  int width = 1;          ///< environments side by side
+  int width = 1;          ///< number of lanes
   std::size_t block_bytes = 0;
-  int observation = 0;  ///< floats a row
+  int observation = 0;  ///< floats per row
   int actions = 0;      ///< likewise
   Loop run = nullptr;
 };

@@ -7,17 +7,17 @@
 
 namespace skybody::bench::limit {
 
-/// By task, one by one first.
+/// Loops by task, the scalar one first.
 struct Loops {
   std::vector<LoopKind> hover, payload, pin_rod, team_of_2, team_of_20;
 };
 
-/// Those of one instruction set.
+/// The loops of one instruction set.
 Loops loops_v2();
 Loops loops_v3();
 Loops loops_v4();
 
-/// Every loop that this machine can run.
+/// All loops that this machine can run.
 Loops all_loops();
 
 }  // namespace skybody::bench::limit

@@ -1,7 +1,8 @@
-// Compiled once for each instruction set, with -march of its own and SKYBODY_LIMIT_ISA its name: a
-// function of that target in a file for the lowest one (core/base/kernel_target.h) is lowered to
-// that file's vectors too early, and g++ 12 then compares eight lanes one after another. Whatever
-// is called here is inlined or has no linkage, so that no code for one set is run on another.
+// Compiled once for each instruction set, with its own -march and SKYBODY_LIMIT_ISA as its name.
+// The alternative, a function of that target in a file for the lowest one
+// (core/base/kernel_target.h), is lowered to that file's vectors too early, and g++ 12 then
+// compares eight lanes one after another. All callees are inlined or have no linkage, so that no
+// code for one set runs on another.
 #include "bench/limit/hover_task.h"
 #include "bench/limit/loops.h"
 #include "bench/limit/payload_task.h"
@@ -23,7 +24,7 @@ SKYBODY_INLINE void run_blocks(const LoopCall& call, int repeats) {
   }
 }
 
-// Not one for both: a loop of one physics step is none.
+// Separate code for one physics step, which needs no loop.
 template <class Step>
 void run_once(const LoopCall& call) {
   run_blocks<Step>(call, 1);

@@ -1,7 +1,7 @@
-// What a hand-written loop without an engine does: the hover and payload environments and one with
-// a rod on a pin, one by one and in lanes, for 1 and 10 physics steps an action, 64 to 16,384
-// environments, one thread and two spinning ones. Checks first that the loops do what the engine
-// does; exit code 1 if they do not.
+// Rates of hand-written loops without an engine: the hover and payload environments and one with
+// a rod on a pin, scalar and in lanes, for 1 and 10 physics steps per action, 64 to 16,384
+// environments, one thread and two spinning ones. Checks first that the loops agree with the
+// engine; exit code 1 if they do not.
 #include <cstdio>
 #include <span>
 #include <vector>
@@ -15,12 +15,12 @@ namespace skybody::bench::limit {
 namespace {
 
 constexpr int kTrials = 40;
-constexpr double kSeconds = 0.002;  // a trial; short ones find quiet moments of the machine
+constexpr double kSeconds = 0.002;  // of a trial; short ones find quiet moments of the machine
 constexpr int kSizes[] = {64, 256, 1024, 4096, 16384};
 constexpr int kTeamSizes[] = {32, 128, 512};
 
-/// All loops take turns, so that a slow moment of the machine hits them alike.
-/// @returns steps a second, loop by loop
+/// All loops take turns, so that a slow moment of the machine affects them equally.
+/// @returns steps per second of each loop
 std::vector<double> best_rates(const std::vector<LoopKind>& loops, int envs, int repeats,
                                int threads) {
   const std::vector<float> actions(static_cast<std::size_t>(envs * loops.front().actions), 0.21f);

@@ -1,14 +1,14 @@
-// One physics step of the QDrone2 with the bob of scenarios/models/qdrone2_payload, written out by
+// One physics step of the QDrone2 with the bob of scenarios/models/qdrone2_payload, written by
 // hand: base, rod and bob, ball joints between them. No ground.
 //
-// A ball joint passes a force and no moment, and every joint lies on its bodies' z axes, as do the
-// centres of mass: what a force f at a joint does to the acceleration of a joint of the same body
-// is then a constant diagonal matrix in the body's axes. With f the base's force on the rod and g
-// the rod's on the bob, "the joint's point accelerates alike on both its bodies" is
+// A ball joint transmits a force and no moment. All joints and centres of mass are on the z axes of
+// their bodies, so a force f at a joint accelerates another joint of the same body by a constant
+// diagonal matrix in the body's axes. With f the base's force on the rod and g the rod's force on
+// the bob, equal accelerations of both bodies at each joint give
 //   base and rod   k0 - G f = k1 + T f + U g
 //   rod and bob    k2 - U f - T g = k3 + C g
-// two symmetric 3x3 systems, and no elimination of coordinates. Both evaluations of a step are at
-// one pose, so that the systems are inverted once. Accelerations count from free fall.
+// two symmetric 3x3 systems, without elimination of coordinates. Both evaluations of a step are at
+// one pose, so that the systems are inverted once. Accelerations are relative to free fall.
 #pragma once
 
 #include "bench/limit/free_flight.h"
@@ -31,7 +31,7 @@ constexpr double kBobArm = 0.07;          ///< lower joint above the bob's [m]
 template <class Real>
 struct Turning {
   Quat<Real> rotation;  ///< the parent from the body
-  Vec3<Real> spin;      ///< against the parent, the body's axes [rad/s]
+  Vec3<Real> spin;      ///< relative to the parent, body axes [rad/s]
 };
 
 /// Angular acceleration without moments: -I^-1 (w x I w).
@@ -50,7 +50,7 @@ SKYBODY_INLINE Vec3<Real> on_axis(const Vec3<Real>& angular, const Vec3<Real>& w
   return {z * (angular.y + w.x * w.z), z * (w.y * w.z - angular.x), -z * (w.x * w.x + w.y * w.y)};
 }
 
-/// Diagonal of: force at z = `from` to acceleration at z = `to`.
+/// Diagonal matrix from a force at z = `from` to the acceleration at z = `to`.
 template <LinkConstants kLink>
 struct Compliance {
   double x, y, z;
@@ -74,7 +74,7 @@ SKYBODY_INLINE void add_turned(SymMat3<Real>& sum, const Mat3<Real>& rows, doubl
   sum.yz += a.y * da.z + b.y * db.z;
 }
 
-/// State of the quadrotor and what hangs on it.
+/// State of the quadrotor and its hanging bodies.
 template <class Real>
 struct Carrier {
   Flyer<Real> base;
@@ -120,7 +120,7 @@ class Hanging {
     const Vec3<Real> hanging = transpose_times(rod_of_bob_, w1), w2 = hanging + bob_spin;
     const RotorWrench<Real> rotors = rotor_wrench(sums, at.x, at.y, w);
 
-    // Each body as if nothing hung on it.
+    // Each body without its hanging bodies.
     Vec3<Real> base_turn = gyration<kBase>(w);
     base_turn.x += (1.0 / kBase.x) * (rotors.moment.x + (kCom * kMass) * rotors.push.y);
     base_turn.y += (1.0 / kBase.y) * (rotors.moment.y - (kCom * kMass) * rotors.push.x);
@@ -129,19 +129,19 @@ class Hanging {
     const Vec3<Real> rod_turn = gyration<kRod>(w1), k1 = on_axis(rod_turn, w1, kRodArm);
     const Vec3<Real> bob_turn = gyration<kBob>(w2), k3 = on_axis(bob_turn, w2, kBobArm);
 
-    // In rod axes. U f = -kAcross f, whichever way: the rod feels -g below.
+    // In rod axes. U f = -kAcross f in any axes: the force on the lower end of the rod is -g.
     const Vec3<Real> seen = lower_ * (-k1 - rod_of_bob_ * k3);  // g if f were 0; k2 is -k1
     const Vec3<Real> f = upper_ * (transpose_times(base_of_rod_, k0) - k1 + across(seen));
     const Vec3<Real> g = seen + lower_ * across(f);
 
-    // Back to the bodies.
+    // Transforms back to the bodies' axes.
     const Vec3<Real> pull = base_of_rod_ * f, hang = transpose_times(rod_of_bob_, g);
     const Vec3<Real> angular{base_turn.x - (kHookArm / kBase.x) * pull.y,
                              base_turn.y + (kHookArm / kBase.y) * pull.x, base_turn.z};
     const Vec3<Real> push = rotors.push - pull * Real(1.0 / kMass);
     const Vec3<Real> rod = pulled<kRod>(rod_turn, kRodArm, Vec3<Real>(f + g));
     const Vec3<Real> bob = pulled<kBob>(bob_turn, kBobArm, hang);
-    // Against the parent, whose axes turn in those of the body.
+    // Relative to the parent, whose axes rotate in those of the body.
     return {{push - on_axis(angular, w, kCom), angular},
             rod - transpose_times(base_of_rod_, angular) + cross(rod_spin, carried),
             bob - transpose_times(rod_of_bob_, rod) + cross(bob_spin, hanging)};
@@ -153,7 +153,7 @@ class Hanging {
   static SKYBODY_INLINE Vec3<Real> across(const Vec3<Real>& f) {
     return {kAcross.x * f.x, kAcross.y * f.y, kAcross.z * f.z};
   }
-  /// Angular acceleration with a force at z = `arm`.
+  /// Angular acceleration due to a force at z = `arm`.
   template <LinkConstants kLink>
   static SKYBODY_INLINE Vec3<Real> pulled(const Vec3<Real>& free, double arm,
                                           const Vec3<Real>& force) {
@@ -165,7 +165,7 @@ class Hanging {
 };
 
 /// One physics step.
-/// @param command  of the rotors, within what they can do [rad/s]
+/// @param command  of the rotors, within their limits [rad/s]
 template <class Real>
 SKYBODY_INLINE void fly(Carrier<Real>& s, const Real* command) {
   const RotorSums<Real> rotors = run_rotors(s.base.rotor, command);

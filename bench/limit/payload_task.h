@@ -7,7 +7,7 @@
 
 namespace skybody::bench::limit {
 
-/// Where the values of a Carrier lie in memory; the base's come first.
+/// Indices of the values of a Carrier in memory; the base's come first.
 enum CarrierValue {
   kRodRotation = kFlyerValues,
   kRodSpin = kRodRotation + 4,
@@ -16,15 +16,15 @@ enum CarrierValue {
   kCarrierValues = kBobSpin + 3
 };
 
-/// Begins an episode as scenarios/payload.yaml does, rod and bob hanging, nominal constants.
+/// Begins an episode as in scenarios/payload.yaml, rod and bob hanging, nominal constants.
 void begin_payload(double* values, int stride, std::uint64_t env, std::uint64_t episode);
 
-/// Position and velocity of a point below others.
+/// Position and velocity of a point below other bodies.
 template <class Real>
 struct PointMotion {
   Vec3<Real> position, velocity;  ///< W [m, m/s]
 
-  /// Goes on to the point `length` down the z axis of a body that the present one belongs to.
+  /// Moves to the point `length` down the z axis of a body that contains the current point.
   SKYBODY_INLINE void descend(const Quat<Real>& rotation, const Vec3<Real>& spin, double length) {
     const Mat3<Real> r = to_mat3(rotation);
     position -= r.column(2) * Real(length);
@@ -32,7 +32,7 @@ struct PointMotion {
   }
 };
 
-/// Observation of a payload task: its values without the action, and what follows from them.
+/// Observation of a payload task, without the action, and its end and reward.
 template <class Real>
 SKYBODY_INLINE Outcome<Real> observe_payload(const Flyer<Real>& base, const PointMotion<Real>& load,
                                              const Vec3<Real>& load_spin, Real (&values)[22]) {
@@ -98,7 +98,7 @@ struct PayloadTask {
   Carrier<Real> carrier;
 
  private:
-  /// @param parent, body  the parent against W, and the body against its parent
+  /// @param parent, body  the parent relative to W, and the body relative to its parent
   static SKYBODY_INLINE Turning<Real> in_world(const Turning<Real>& parent,
                                                const Turning<Real>& body) {
     return {parent.rotation * body.rotation,

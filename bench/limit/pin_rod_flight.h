@@ -1,20 +1,20 @@
 // One physics step of the QDrone2 with a rod on a pin (bench/scenarios/models/qdrone2_pin_rod),
-// written out by hand. No ground.
+// written by hand. No ground.
 //
-// The centre of mass of both bodies moves by the outer forces alone; about it, four coordinates are
-// left: the base's rotation and the pin's angle. With d from the base's centre of mass to the rod's
+// Only the outer forces move the centre of mass of both bodies; about it, four coordinates remain:
+// the base's rotation and the pin's angle. With d from the base's centre of mass to the rod's
 // and m = m0 m1 / (m0 + m1), in base axes,
 //   (I0 + I1 + m (d^2 - d d^T)) a + (I1 y + m d x e) p = moments
 //   (I1 y + m d x e) a + (y I1 y + m e e) p            = moment about the pin
-// where y is the pin's axis, p its acceleration and e = y x r1 what d gains per unit of angle.
+// where y is the pin's axis, p its acceleration and e = y x r1 the derivative of d by the angle.
 #pragma once
 
 #include "bench/limit/free_flight.h"
 
 namespace skybody::bench::limit {
 
-/// A slender rod with a weight at its end; it hangs 0.03 m below the base's origin from a pin along
-/// the base's y axis, its centre of mass `arm` further down at angle 0.
+/// A slender rod with a weight at its end. It hangs 0.03 m below the base's origin from a pin along
+/// the base's y axis; its centre of mass is `arm` further down at angle 0.
 struct PinRod {
   double mass = 0.2;                        ///< [kg]
   double arm = 0.4;                         ///< [m]
@@ -38,7 +38,7 @@ struct SwingerRates {
   Real rate;  ///< of the pin [rad/s^2]
 };
 
-/// The equations at one angle of the pin, which both evaluations of a step share.
+/// The equations at one angle of the pin, shared by both evaluations of a step.
 template <class Real>
 class PinRodPose {
  public:
@@ -74,13 +74,13 @@ class PinRodPose {
     // d, e and the rod's rates: d = (r1.x, 0, dz), e = y x r1 = (r1.z, 0, -r1.x).
     const Real &dx = r1x_, &dz = dz_, &ex = r1z_, ez = -r1x_;
     const Vec3<Real> w1{w.x, w.y + rate, w.z};
-    // w x y rate: what turns the pin's axis.
+    // w x y rate: rate of change of the pin's axis.
     const Real cx = -(w.z * rate), cz = w.x * rate;
     const Vec3<Real> rod = swirl(w1, r1x_, r1z_), base = swirl(w, Real(0.0), Real(kPinArm));
     Vec3<Real> bias = rod - base;  // d's second derivative without accelerations; and (c x r1):
     bias.y += cz * r1x_ - cx * r1z_;
 
-    // The force on d, from the rotors at the base and from bias.
+    // The force on d, from the rotors at the base and from the bias.
     const Vec3<Real> pull = (rotors.push * Real(kReduced) + bias * Real(kReduced)) * Real(-1.0);
     const Vec3<Real> gyro1 = cross(w1, rod_inertia(w1)) + rod_inertia({cx, Real(0.0), cz});
     const Vec3<Real> gyro0 =
@@ -97,7 +97,7 @@ class PinRodPose {
                              zz_ * moment.z + xz_ * moment.x};
     const Real pin_rate = (pin - coupling_ * angular.y) * (1.0 / kPinInertia);
 
-    // d'' and with it the base's centre of mass, then its origin.
+    // d'' gives the acceleration of the base's centre of mass, then that of its origin.
     const Vec3<Real> away{(angular.y * dz + ex * pin_rate) + bias.x,
                           (angular.z * dx - angular.x * dz) + bias.y,
                           (ez * pin_rate - angular.y * dx) + bias.z};
@@ -125,12 +125,12 @@ class PinRodPose {
   Real ixx_, izz_, ixz_;  ///< the rod's inertia in base axes
   Real r1x_, r1z_;        ///< from the pin to the rod's centre of mass
   Real dz_;
-  Real coupling_;           ///< of the pin's acceleration and the base's about y
+  Real coupling_;           ///< between the accelerations of the pin and of the base about y
   Real xx_, xz_, yy_, zz_;  ///< inverse of the base's equations without the pin
 };
 
 /// One physics step.
-/// @param command  of the rotors, within what they can do [rad/s]
+/// @param command  of the rotors, within their limits [rad/s]
 template <class Real>
 SKYBODY_INLINE void fly(Swinger<Real>& s, const Real* command) {
   const RotorSums<Real> rotors = run_rotors(s.base.rotor, command);

@@ -6,10 +6,10 @@
 
 namespace skybody::bench::limit {
 
-/// Where the values of a Swinger lie in memory; the base's come first.
+/// Indices of the values of a Swinger in memory; the base's come first.
 enum SwingerValue { kPinAngle = kFlyerValues, kPinRate, kSwingerValues };
 
-/// Begins an episode as bench/scenarios/pin_rod.yaml does.
+/// Begins an episode as in bench/scenarios/pin_rod.yaml.
 void begin_pin_rod(double* values, int stride, std::uint64_t env, std::uint64_t episode);
 
 template <class R>
@@ -34,7 +34,7 @@ struct PinRodTask {
     const Quat<Real>& q = base.rotation;
     const Quat<Real> rotation{q.w * half.cos - q.y * half.sin, q.x * half.cos - q.z * half.sin,
                               q.w * half.sin + q.y * half.cos, q.x * half.sin + q.z * half.cos};
-    // The base's rates in rod axes: turned back about y.
+    // The base's rates in rod axes: rotated back about y.
     const Real sine = 2.0 * half.sin * half.cos, cosine = 1.0 - 2.0 * half.sin * half.sin;
     const Vec3<Real>& w = base.spin;
     const Vec3<Real> spin{cosine * w.x - sine * w.z, w.y + swinger.rate, sine * w.x + cosine * w.z};

@@ -1,4 +1,4 @@
-// Steps a second of a limit loop.
+// Steps per second of a limit loop.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace skybody::bench::limit {
 
-/// Repeats `round` for about so long. @returns rounds a second
+/// Repeats `round` for about `seconds`. @returns rounds per second
 inline double rounds_per_second(const std::function<void()>& round, double seconds) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
@@ -25,7 +25,7 @@ inline double rounds_per_second(const std::function<void()>& round, double secon
 
 /// @param actions  [N, 4], the same every round
 /// @param threads  1 or 2
-/// @returns environment steps a second
+/// @returns environment steps per second
 inline double step_rate(EnvironmentArray& array, const float* actions, int threads,
                         double seconds) {
   if (threads == 1) {

@@ -20,8 +20,8 @@ struct FloatLanes<8> {
 template <int W>
 using Floats = typename FloatLanes<W>::Native;
 
-/// Columns to rows in groups of four lanes: afterwards vector i holds column values v[0..3] of lane
-/// i, and with eight lanes of lane i + 4 in its upper half. Its own inverse.
+/// Columns to rows in groups of four lanes. Afterwards vector i holds column values v[0..3] of lane
+/// i, and with eight lanes those of lane i + 4 in its upper half. Its own inverse.
 SKYBODY_INLINE void transpose4(Floats<4> (&v)[4]) {
   const Floats<4> a = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5);
   const Floats<4> b = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5);
@@ -58,7 +58,7 @@ SKYBODY_INLINE Floats<4> upper(const Floats<8>& v) {
   return __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
 
-/// Four columns from the first four floats of rows that lie `stride` floats apart.
+/// Four columns from the first four floats of rows that are `stride` floats apart.
 SKYBODY_INLINE void read_columns(const float* rows, double (&column)[4], int) {
   for (int i = 0; i < 4; ++i) column[i] = rows[i];
 }
@@ -93,7 +93,7 @@ SKYBODY_INLINE void read_columns(const float* rows, Twin<R> (&column)[4], int st
 
 namespace detail {
 
-/// Four values from `first` on (what lies beyond the last is anything) into rows.
+/// Writes four values from `first` on into rows; values beyond the last one are arbitrary.
 template <int N>
 SKYBODY_INLINE void write_four(const Pack<4> (&values)[N], int first, float* rows, int stride) {
   Floats<4> v[4];
@@ -114,8 +114,8 @@ SKYBODY_INLINE void write_four(const Pack<8> (&values)[N], int first, float* row
 
 }  // namespace detail
 
-/// Writes N columns to the lanes' rows, `stride` floats apart. Up to three floats after the N are
-/// written as well: write what belongs there afterwards.
+/// Writes N columns to the lanes' rows, `stride` floats apart. Overwrites up to three floats after
+/// the N, so write those afterwards.
 template <int N>
 SKYBODY_INLINE void write_values(const double (&values)[N], float* row, int) {
   for (int k = 0; k < N; ++k) row[k] = static_cast<float>(values[k]);
@@ -135,7 +135,7 @@ SKYBODY_INLINE void write_values(const Twin<R> (&values)[N], float* rows, int st
   write_values(b, rows + LaneLoads<R>::kCount * stride, stride);
 }
 
-/// One float per lane, side by side.
+/// One float per lane, contiguous.
 SKYBODY_INLINE void write_floats(double x, float* to) { *to = static_cast<float>(x); }
 template <int W>
 SKYBODY_INLINE void write_floats(const Pack<W>& x, float* to) {

@@ -1,5 +1,5 @@
-// Two threads that share each round of work and wait for one another by spinning: the caller is one
-// of them. The quickest way to use two processors that have nothing else to do.
+// Two threads that share each round of work and wait for one another by spinning; the caller is one
+// of them. The fastest way to use two processors without other load.
 #pragma once
 
 #include <emmintrin.h>
@@ -13,7 +13,7 @@
 
 namespace skybody::bench::limit {
 
-/// Puts the calling thread on one processor of those it may use, by place in their list.
+/// Pins the calling thread to one of its allowed processors, by index in their list.
 inline void pin_this_thread(std::size_t place) {
   const std::vector<int> processors = allowed_processors();
   cpu_set_t set;
@@ -22,7 +22,8 @@ inline void pin_this_thread(std::size_t place) {
   pthread_setaffinity_np(pthread_self(), sizeof(set), &set);
 }
 
-/// While it lives, the caller is pinned to the first processor and its companion to the second.
+/// During its lifetime, the caller is pinned to the first processor and its companion to the
+/// second.
 class SpinningPair {
  public:
   /// @param work  called with 0 on the caller's thread and 1 on the companion's, every round
@@ -39,7 +40,7 @@ class SpinningPair {
   SpinningPair(const SpinningPair&) = delete;
   SpinningPair& operator=(const SpinningPair&) = delete;
 
-  /// Both shares of a round.
+  /// Runs both shares of a round.
   void run() {
     const std::uint64_t round = round_.load(std::memory_order_relaxed) + 1;
     round_.store(round, std::memory_order_release);

@@ -1,6 +1,7 @@
 // A step of the environments of one block in which N QDrone2 fly in formation: the scenarios
 // formation_2 ... formation_20 in the air, with the joint observation and the team's reward. Robots
-// fly one after another; the sight of a pair is computed once and written to both.
+// are stepped one after another; the relative values of a pair are computed once and written to
+// both.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +12,12 @@
 
 namespace skybody::bench::limit {
 
-/// The radius of the polygon that a formation of so many stands on, as its scenario has it [m].
+/// The radius of the polygon of a formation of `count` robots, as in its scenario [m].
 constexpr double formation_radius(int count) { return count == 20 ? 1.6 : 1.0; }
 
-/// Begins an episode of one environment: the robots on their diagonal somewhere, the target drawn
-/// near the first one, rotors at hover speed.
-/// @param values  its first value; the others lie `stride` doubles apart
+/// Begins an episode of one environment: the robots on their diagonal at a drawn position, the
+/// target drawn near the first one, rotors at hover speed.
+/// @param values  its first value; consecutive values are `stride` doubles apart
 void begin_team(double* values, int stride, int robots, std::uint64_t env, std::uint64_t episode);
 
 /// @tparam R  a double, a pack, or two   @tparam N  robots
@@ -109,7 +110,7 @@ class TeamStep {
     return r;
   }
 
-  /// Writes the sights of robots i and j, i < j, of each other. @returns their distance
+  /// Writes the relative observations of robots i and j, i < j. @returns their distance
   SKYBODY_INLINE Real write_pair(int i, int j, float* rows) const {
     const Vec3<Real> offset = position(j) - position(i);
     const Real distance = root(squared_norm(offset));
@@ -119,7 +120,7 @@ class TeamStep {
     write_sight(there, i, rows + j * kRobotRow + kOwn + i * kSight);
     return distance;
   }
-  /// @param seen  the robot
+  /// @param seen  the observed robot
   SKYBODY_INLINE void write_sight(const Real (&values)[4], int seen, float* row) const {
     write_values(values, row, kObservation);
     for (int l = 0; l < W; ++l, row += kObservation) {
@@ -127,7 +128,7 @@ class TeamStep {
     }
   }
 
-  /// Hausdorff distance of the robots from the places about their centroid [m].
+  /// Hausdorff distance of the robots from the formation's positions about their centroid [m].
   SKYBODY_INLINE Real formation_error(const Vec3<Real>& centroid) const {
     Real from_place[N], farthest(0.0);
     for (int j = 0; j < N; ++j) from_place[j] = Real(1e300);
@@ -155,7 +156,7 @@ class TeamStep {
     return separation * (formation + formation * (arrival + forward) + 0.4 * arrival);
   }
 
-  /// Corners of the polygon [m], from five on the first one in the middle.
+  /// Corners of the polygon [m]; with five or more robots the first one is in the middle.
   struct Places {
     double x[N], y[N];
     Places() {
@@ -174,7 +175,7 @@ class TeamStep {
   }
 
   Memory& block_;
-  alignas(64) float motion_[N][W][12];  ///< velocity and axes, for all others' sights
+  alignas(64) float motion_[N][W][12];  ///< velocity and axes, for the other robots
 };
 
 }  // namespace skybody::bench::limit

@@ -1,13 +1,13 @@
 // Two packs as one: every operation is done on both, one after the other. A step is a chain of some
-// hundred operations of which each waits for the one before; two chains side by side keep a
-// processor busy that would otherwise wait. The same bits as each pack alone.
+// hundred operations, each of which waits for the previous one. Two independent chains keep the
+// processor busy during these waits. The same bits as each pack by itself.
 #pragma once
 
 #include "bench/limit/lane_choice.h"
 
 namespace skybody::bench::limit {
 
-/// The truth in each lane of a Twin.
+/// The mask of each lane of a Twin.
 template <class R>
 struct TwinMask {
   MaskOf<R> a, b;

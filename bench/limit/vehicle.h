@@ -1,6 +1,5 @@
-// The QDrone2 of scenarios/models/qdrone2 as the limit loops know it: everything that does not
-// depend on the state is a number before the program runs. SI units, body axes x forward, y left,
-// z up, origin of the base link.
+// The QDrone2 of scenarios/models/qdrone2 for the limit loops: everything independent of the state
+// is a compile-time constant. SI units, body axes x forward, y left, z up, origin of the base link.
 #pragma once
 
 namespace skybody::bench::limit {
@@ -32,21 +31,21 @@ constexpr double kRolling = 1e-9;          ///< c_r [N s^2/rad]
 constexpr double kRotorInertia = 4.92e-6;  ///< J [kg m^2]
 constexpr double kMaxRotorSpeed = 2246.0;  ///< [rad/s]
 
-/// Share of the way to its command that a rotor goes in a step, and half the mean over the step of
-/// the share that it still lacks, (tau / 2 dt) (1 - exp(-dt / tau)).
+/// Fraction of the gap to its command that a rotor closes in a step, and half the mean over the
+/// step of the fraction that remains, (tau / 2 dt) (1 - exp(-dt / tau)).
 constexpr double kRise = 1.0 - detail::exp_near_zero(-kDt / 0.0125);
 constexpr double kRiseLack = 0.5 * 0.0125 / kDt * kRise;
 constexpr double kFall = 1.0 - detail::exp_near_zero(-kDt / 0.025);
 constexpr double kFallLack = 0.5 * 0.025 / kDt * kFall;
 
-// The base and four rotors of 5 g, merged by parallel axes.
+// The base and four rotors of 5 g, merged by the parallel-axis theorem.
 constexpr double kRotorMass = 0.005, kBaseMass = 1.52;
 constexpr double kMass = kBaseMass + 4.0 * kRotorMass;          ///< [kg]
 constexpr double kCom = 4.0 * kRotorMass * kHubHeight / kMass;  ///< z of the centre of mass [m]
 constexpr double kRotorArmZ = kHubHeight - kCom;                ///< hubs above it [m]
 constexpr double kAcrossX = kBaseMass * kCom * kCom + 4.0 * kRotorMass * kRotorArmZ *
                                                           kRotorArmZ;  ///< from moving masses in z
-/// About the centre of mass, the other products are zero [kg m^2].
+/// About the centre of mass; the other products are zero [kg m^2].
 constexpr double kInertiaX =
     0.014387 + 4.0 * 2.46e-6 + kAcrossX + 4.0 * kRotorMass * kHalfWidth * kHalfWidth;
 constexpr double kInertiaY =

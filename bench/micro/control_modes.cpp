@@ -1,4 +1,4 @@
-// A whole hover step under each shipped chain of controllers, in lanes: what a mode costs is the
+// A whole hover step under each shipped chain of controllers, in lanes: the cost of a mode is the
 // difference to rotor_speed.
 #include <benchmark/benchmark.h>
 
@@ -31,14 +31,14 @@ BENCHMARK_CAPTURE(control, indi_attitude, "{plugin: indi, parameters: {signal: a
 BENCHMARK_CAPTURE(control, indi, "{plugin: indi}");
 
 /// Chains that begin with a law, in steady flight. Their command is the middle of every range: a
-/// place, at rest. What a law's own evaluation costs is the difference to the row of the same
-/// command and the same controllers behind, in which `balance` of bench/plugins, which computes
-/// nothing, stands for the law. A share of hover is that difference over `hover`, whose actions are
-/// the speeds at which rotors hover.
+/// position, at rest. The cost of a law's own evaluation is the difference to the row with the same
+/// command and the same following controllers, in which `balance` of bench/plugins, which computes
+/// nothing, replaces the law. The share of hover is that difference over `hover`, whose actions are
+/// the hover speeds of the rotors.
 void law(benchmark::State& state, const std::string& chain, float action) {
   Group group("hover", {"robots.quad.controllers=[" + chain + "]"});
   group.hold(action);
-  constexpr long kArrival = 4000;  // steps until all lanes are where they should be
+  constexpr long kArrival = 4000;  // steps until all lanes have arrived
   long step = 0;
   const auto begin = [&] {
     group.reset();
@@ -61,7 +61,7 @@ std::string with(const std::string& plugin, const std::string& parameters) {
   return "{plugin: " + plugin + ", parameters: {" + parameters + "}}, ";
 }
 
-// Of rotors whose action a means (a + 1) 2246 / 2 rad/s: QDrone2 hovers at 1390.6 rad/s.
+// For rotors, action a is (a + 1) 2246 / 2 rad/s: QDrone2 hovers at 1390.6 rad/s.
 constexpr float kHoverSpeed = 0.23829f;
 const std::string kCtbr = "{plugin: ctbr}", kCtbt = "{plugin: ctbt}";
 const std::string kRotors = "{plugin: rotor_speed}";

@@ -1,4 +1,4 @@
-// One group of environments as a worker of Pool steps it.
+// One group of environments, stepped like by a worker of Pool.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 
 namespace skybody::bench {
 
-/// Some environments side by side, reset, with rows of their own.
+/// Several environments in lanes, reset, with their own rows.
 class Group {
  public:
-  /// @param lanes  0: as many as the scenario is best stepped in
+  /// @param lanes  0: the best number for the scenario
   Group(const std::string& scenario, const std::vector<std::string>& overrides, int lanes = 0)
       : compiled_(compile_scenario({scenario, overrides, {SKYBODY_BENCH_PLUGINS}})),
         group_(compiled_->make_state(lanes > 0 ? lanes : compiled_->preferred_lanes())),
@@ -38,11 +38,11 @@ class Group {
   void step() {
     compiled_->step(group_, *work_, all(), action_.data(), compiled_->action_size(), rows());
   }
-  /// Physics alone.
+  /// Physics only.
   void advance() { compiled_->advance(group_, *work_, all(), 1); }
-  /// Task and rows alone.
+  /// Task and rows only.
   void evaluate() { compiled_->evaluate(group_, *work_, all(), rows()); }
-  /// Begins again where all lanes are long on their way, so that none lies on the ground.
+  /// Resets all lanes from time to time, so that none reaches the ground.
   void keep_flying(long step) {
     if (step % 500 == 0) reset();
   }

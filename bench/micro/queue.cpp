@@ -1,4 +1,4 @@
-// Rounds of Pool: what is left of a step's rate with queue, batches and threads around it.
+// Rounds of Pool: rate of a step including queue, batches and threads.
 #include <benchmark/benchmark.h>
 
 #include "core/assemble/load.h"

@@ -1,4 +1,4 @@
-// Resets: times are of one environment in items, of a group in time.
+// Resets: items are environments, times are of a group.
 #include <benchmark/benchmark.h>
 
 #include "bench/bare_simbody.h"
@@ -14,7 +14,7 @@ const std::string kDrawn =
     "[0.9, 1.1]}}, {plugin: start, parameters: {robot: quad, position_min: [-5, -5, 0.3], "
     "position_max: [5, 5, 3], yaw_min: -0.72, yaw_max: 0.72}}]";
 
-/// A reset and the step after it, which does what the reset left to do.
+/// A reset and the step after it, which completes the deferred work of the reset.
 void reset(benchmark::State& state, const std::vector<std::string>& overrides) {
   Group group("hover", overrides);
   for ([[maybe_unused]] auto _ : state) {
@@ -28,7 +28,7 @@ BENCHMARK_CAPTURE(reset, constants_drawn, std::vector<std::string>{kDrawn});
 BENCHMARK_CAPTURE(reset, constants_drawn_simbody,
                   std::vector<std::string>{kDrawn, "stepping.dynamics=simbody"});
 
-/// Another mass by hand: a new topology.
+/// Hand-written change of the mass: a new topology.
 void bare_rebuild(benchmark::State& state) {
   const auto world = make_bare_loop(true);
   double scale = 0.9;

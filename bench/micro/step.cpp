@@ -1,4 +1,4 @@
-// A step and its parts, one thread: times are of one environment.
+// A step and its parts, on one thread: times are per environment.
 #include <benchmark/benchmark.h>
 
 #include "bench/micro/group.h"
@@ -6,7 +6,7 @@
 namespace skybody::bench {
 namespace {
 
-/// Runs `what` on a group; the counter is environments a second.
+/// Runs a function on a group; the counter is environments per second.
 template <class What>
 void run(benchmark::State& state, Group& group, What&& what) {
   long step = 0;
@@ -36,8 +36,8 @@ void rows(benchmark::State& state, const std::string& scenario) {
 
 const std::vector<std::string> kOnce = {"stepping.action_repeat=1"};
 const std::vector<std::string> kSimbody = {"stepping.action_repeat=1", "stepping.dynamics=simbody"};
-// A controller for double only between the shipped ones: it passes on what it gets, lane after
-// lane.
+// A double-only controller between the shipped ones: it passes its input on, one lane after
+// another.
 const std::vector<std::string> kDoubleOnly = {
     "stepping.action_repeat=1",
     "robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}, "

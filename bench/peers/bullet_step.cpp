@@ -1,9 +1,9 @@
 // Bullet's btDiscreteDynamicsWorld::stepSimulation, one world with R quadrotors on one core.
 //
-// What makes it quickest here, all by its documented means: empty shapes in no collision group, a
-// cache of pairs that holds none, the broad phase that is quicker at that number of bodies, one
-// step a call without interpolation, no motion states, the explicit gyroscopic term (as in our
-// semi-implicit Euler), single precision (Bullet's own default).
+// The fastest documented settings for this work: empty shapes in no collision group, an empty
+// pair cache, the faster broad phase for that number of bodies, one step per call without
+// interpolation, no motion states, the explicit gyroscopic term (as in our semi-implicit Euler),
+// single precision (Bullet's own default).
 #include <BulletCollision/BroadphaseCollision/btSimpleBroadphase.h>
 #include <btBulletDynamicsCommon.h>
 

@@ -1,8 +1,8 @@
-"""Scenes of contact and couplings in MuJoCo and Bullet, a world on a core each: prints JSON lines.
+"""Scenes of contact and couplings in MuJoCo and Bullet, one world per core: prints JSON lines.
 
-Run by experiments/contact_speed.py with the Python of requirements/contact.txt. Thrusts are forces
-that stay as they are; MuJoCo's steps are looped over in C, Bullet's in Python (the call is little
-beside a step).
+Run by experiments/contact_speed.py with the Python of requirements/contact.txt. Thrusts are
+constant forces; MuJoCo's steps are looped over in C, Bullet's in Python (the call costs little
+compared with a step).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import pybullet
 MODEL = Path(__file__).resolve().parents[2] / "scenarios/models/qdrone2/qdrone2.urdf"
 DT = 0.001
 WEIGHT = 1.54 * 9.81  # [N]
-SHARE = 0.68  # of the weight, that a constant action of zero carries in the formation
+SHARE = 0.68  # of the weight: carried by a constant action of zero in the formation
 FEET = [(sx * 0.1016, sy * 0.127, -0.05) for sx in (-1, 1) for sy in (-1, 1)]
 
 
@@ -63,7 +63,7 @@ def carried_xml() -> str:
 
 
 def rate(call: Callable[[], None], steps: int, seconds: float) -> float:
-    """Steps a second, after as long a warm-up."""
+    """Steps per second, after a warm-up of the same duration."""
     found = 0.0
     for _ in range(2):
         begun, calls = time.perf_counter(), 0
@@ -75,7 +75,7 @@ def rate(call: Callable[[], None], steps: int, seconds: float) -> float:
 
 
 def by_mujoco(xml: str, lift: float, fall: float, seconds: float) -> float:
-    """`lift`: the force on each vehicle [N]; `fall`: what is simulated before [s]."""
+    """`lift`: the force on each vehicle [N]; `fall`: simulated time before the measurement [s]."""
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     for i in range(model.nbody):

@@ -1,4 +1,4 @@
-"""The peers' virtual environments: .peers/NAME, made anew where requirements/NAME.txt changed."""
+"""The peers' virtual environments: .peers/NAME, recreated if requirements/NAME.txt changed."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ ROOT = HERE.parents[1]
 FOLDER = ROOT / ".peers"
 PIP = (
     *("-P", "-m", "pip", "install", "--disable-pip-version-check", "-q"),
-    *("--retries", "1", "--timeout", "15"),  # [s] of silence
+    *("--retries", "1", "--timeout", "15"),  # [s] without data
 )
-# What says where something was looked for: addresses and paths, hosts as libraries print them, and
-# what looks like a host's name or number.
+# Patterns of locations in messages: addresses, paths, hosts as libraries print them, and strings
+# that look like host names or numbers.
 PLACES = (
     r"(\w+://|(?<!\w)/)[^\s'\"]+",
     r"\b(?:host|port)=(?:'[^']*'|\"[^\"]*\"|\w+)",
@@ -28,27 +28,27 @@ PLACES = (
     r"\b(?:[\w-]+\.)+(?:org|com|net|io|dev|lan|local|internal|localdomain)\b(?::\d+)?",
     r"\b\d+(?:\.\d+){3}\b(?::\d+)?",
 )
-failed: dict[str, str] = {}  # peers that could not be installed in this run, and why
+failed: dict[str, str] = {}  # peers that could not be installed in this run, with reasons
 
 
 class Skipped(Exception):
-    """A peer that cannot be had here; the text says why."""
+    """A peer that is not available here; the text is the reason."""
 
 
 def workplace() -> pathlib.Path:
-    """Where scripts run, since some libraries leave logs where they do."""
+    """The working folder of scripts, since some libraries leave logs there."""
     FOLDER.mkdir(exist_ok=True)
     return FOLDER
 
 
 def plain(text: str) -> str:
-    """A reason without addresses, hosts and paths, which are this machine's business."""
+    """A reason without addresses, hosts and paths of this machine."""
     return " ".join(re.sub("|".join(PLACES), "...", text).split())[:300]
 
 
 @contextlib.contextmanager
 def alone() -> Iterator[None]:
-    """Waits until no other run works in .peers, and keeps others out."""
+    """Waits until no other run works in .peers, and locks it."""
     with (workplace() / "lock").open("w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -59,10 +59,10 @@ def alone() -> Iterator[None]:
 
 
 def python_of(name: str) -> pathlib.Path:
-    """The peer's Python; installs what it needs first, if it changed since it was installed.
+    """The peer's Python; installs its requirements first, if they changed.
 
     Raises:
-        Skipped: that failed, now or before in this run.
+        Skipped: the installation failed, now or before in this run.
     """
     if name in failed:
         raise Skipped(failed[name])
@@ -85,7 +85,7 @@ def installed(name: str) -> pathlib.Path:
     print(f"  installing {name} into .peers", file=sys.stderr, flush=True)
     shutil.rmtree(folder, ignore_errors=True)
     call([sys.executable, "-P", "-m", "venv", str(folder)])
-    # torch first: another package could draw in its build for graphics cards, gigabytes of it.
+    # torch first: otherwise another package could pull in its build for graphics cards (gigabytes).
     first = [line for line in requirements.read_text().split("\n") if line.startswith("torch==")]
     for wish in ([first] if first else []) + [["-r", str(requirements)]]:
         call([str(python), *PIP, *wish])

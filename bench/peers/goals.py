@@ -1,7 +1,7 @@
-"""What Skybody has to reach: which of our rows has to win over which peer's, by how much.
+"""Goals of Skybody: our rows, the peers' rows to beat, and the required ratios.
 
-Python peers and ours have the same two cores at hand, and each does its best with them; where a
-goal says so, rates are by core. A goal whose peer was not measured here has no ratio.
+Python peers and ours have the same two cores, and each uses its best settings; where a
+goal states it, rates are per core. A goal whose peer was not measured here has no ratio.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from environments import ROOT
 from results import OURS, Row, Test
 
 sys.path.insert(0, str(ROOT / "experiments"))
-# The paper's figures in thousands of steps/s, its computer and our goals, by robots in a world.
+# The paper's figures in thousands of steps/s, its computer and our goals, by robots per world.
 from multi_agent_report import FLAT, WORKSTATION, flatness
 from multi_agent_report import GOALS as FORMATION_GOALS
 from paper_tables import WORKSTATION as COMPUTER
@@ -32,7 +32,7 @@ class Figure:
     goal: float
     ratio: float | None
     sense: str = ">="
-    of: str = ""  # the rows that were taken
+    of: str = ""  # the rows that were used
 
     @property
     def verdict(self) -> str:
@@ -48,8 +48,8 @@ class Goal:
     ours: Test
     theirs: Test
     goal: float
-    by_core: bool = False  # rates over the cores that a row had, or with all cores at hand
-    note: str = ""  # where the goal comes from, if that is not plain
+    by_core: bool = False  # rates over the cores of a row, or with all available cores
+    note: str = ""  # origin of the goal, if it is not obvious
 
     def figure(self, rows: list[Row]) -> Figure:
         best = results.quickest if self.by_core else results.on_all_cores
@@ -76,12 +76,12 @@ def describe(row: Row) -> str:
 
 
 def python(task: str, several: bool, way: str = "Python") -> Test:
-    """Ours from Python, one physics step a call or several."""
+    """Our rows from Python, with one physics step per call or several."""
     return lambda row: row.task == task and row.way == way and (row.substeps > 1) == several
 
 
 def peer(name: str, task: str, several: bool, mode: str = "") -> Test:
-    """A peer's rows of one vehicle a world, on however many cores."""
+    """A peer's rows with one vehicle per world, on any number of cores."""
     return lambda row: (
         row.peer.lower() == name.lower()
         and row.task == task
@@ -94,7 +94,7 @@ def peer(name: str, task: str, several: bool, mode: str = "") -> Test:
 def one_way(
     what: str, name: str, goal: float, task: str = "hover", mode: str = "", several: bool = False
 ) -> Goal:
-    """Each at its best number of environments, with one step a call or several (ours ten)."""
+    """Each at its best number of environments, with one step per call or several (ours ten)."""
     return Goal(
         f"{what}, {task}, {'several steps' if several else 'one step'} a call",
         python(task, several),
@@ -181,7 +181,7 @@ def python_goals() -> list[Goal]:
 
 
 def formation_figure(rows: list[Row], robots: int, way: str) -> Figure:
-    """Against the paper's workstation: whole rates, 32 environments with joint observation."""
+    """Against the paper's workstation: total rates, 32 environments with joint observation."""
     computer = f"the paper's {COMPUTER.name} ({COMPUTER.cores} cores)"
     own = results.on_all_cores(
         rows, lambda row: row.peer == OURS and row.robots == robots and row.way == way
@@ -198,8 +198,9 @@ def formation_figure(rows: list[Row], robots: int, way: str) -> Figure:
 
 
 def flat_figure(rows: list[Row]) -> Figure:
-    """The dearest cost of a robot from 2 to 20 in a world over the least, without the observation
-    of all others."""
+    """The largest cost per robot from 2 to 20 robots per world over the smallest, without the
+    observation of all others.
+    """
     short = [row for row in rows if row.way == "C++, no joint observation"]
     costs = {row.robots: 1.0 / (row.robots * row.per_core) for row in short}
     whole = set(WORKSTATION) <= set(costs)

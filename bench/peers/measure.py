@@ -1,9 +1,9 @@
-"""What every peer's script shares: its command line, best-of trials and its lines of JSON.
+"""Shared code of all peers' scripts: command line, best-of trials and lines of JSON.
 
     python peer_NAME.py --seconds S --trials T [--quick]
 
-A line is one measurement: so many environments, so many robots in each, so many physics steps a
-call, on so many cores. Standard library only: a peer's virtual environment holds nothing of ours.
+A line is one measurement: a number of environments, of robots in each, of physics steps per
+call, and of cores. Standard library only: a peer's virtual environment contains no code of ours.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def effort(arguments: argparse.ArgumentParser, options: argparse.Namespace) -> E
 
 
 def parse(description: str | None) -> Effort:
-    """The command line of a script that has no options of its own."""
+    """Parses the command line of a script without own options."""
     arguments = parser(description)
     return effort(arguments, arguments.parse_args())
 
@@ -65,18 +65,20 @@ def positive(text: str) -> float:
 
 
 def use_cores(count: int) -> int:
-    """Keeps this process, and the threads and processes that it starts from now on, on that many
-    cores; gives how many those are."""
+    """Restricts this process, and all threads and processes started later, to that many
+    cores; returns their number.
+    """
     available = sorted(os.sched_getaffinity(0))
     os.sched_setaffinity(0, available[:count])
     return min(count, len(available))
 
 
 def best_rate(call: Call, steps: int, effort: Effort) -> float:
-    """Physics steps a second of the best trial; `call` takes `steps` of them.
+    """Physics steps per second of the best trial; `call` takes `steps` of them.
 
-    The first call may compile: it is not measured. Between two looks at the clock lie as many
-    calls as take about a hundredth of a trial, so that looking costs nothing."""
+    The first call may compile: it is not measured. The clock is read after as many calls as take
+    about a hundredth of a trial, so that reading it costs nothing.
+    """
     call()
     bunch, taken = 1, 0.0
     while taken < 0.01 * effort.seconds:
@@ -98,7 +100,7 @@ def best_rate(call: Call, steps: int, effort: Effort) -> float:
 
 @dataclass(frozen=True)
 class Peer:
-    """Who is measured; each row adds its own words to `differs` (what it does otherwise)."""
+    """The measured simulator; each row adds its own differences to `differs`."""
 
     name: str
     version: str
@@ -120,8 +122,9 @@ class Peer:
         unit: str = "physics steps/s",
         check: Callable[[], None] | None = None,
     ) -> None:
-        """Measures `call`, which takes `substeps` physics steps in all `envs`; prints it where
-        `check`, called afterwards, does not throw."""
+        """Measures `call`, which takes `substeps` physics steps in all `envs`; prints the row
+        unless `check`, called afterwards, raises.
+        """
         rate = best_rate(call, envs * substeps, effort)
         if check:
             check()
@@ -142,28 +145,30 @@ class Peer:
         print(json.dumps(head | facts), flush=True)
 
     def skipped(self, what: str, why: object) -> None:
-        """A size or a task that does not work here; the others go on."""
+        """Reports a size or a task that does not work here; the others continue."""
         reason = " ".join(str(why).split())[:300] or type(why).__name__
         print(json.dumps({"peer": self.name, "skipped": f"{what}: {reason}"}), flush=True)
 
     def attempt(self, what: str, measurement: Callable[[], None]) -> None:
-        """Runs a measurement; a failure becomes a line that says so."""
+        """Runs a measurement; a failure becomes a line of output."""
         try:
             measurement()
-        except Exception as error:  # whatever a foreign library throws: the run goes on
+        except Exception as error:  # any error of a foreign library: the run continues
             print(f"{self.name}, {what}: {error!r}", file=sys.stderr)
             self.skipped(what, error)
 
 
 def require(fine: bool, what: str) -> None:
-    """A measurement whose vehicles did not do what they should is none."""
+    """Rejects a measurement whose vehicles did not behave as expected."""
     if not fine:
         raise RuntimeError(what)
 
 
 def require_climb(speed: float, seconds: float) -> None:
-    """After so long on a tenth more thrust than hovers, vehicles climb at a tenth of gravity's
-    speed. Commands that do not reach the forces would make any simulator quick."""
+    """Checks that vehicles with a tenth more thrust than at hover climb with a tenth of gravity.
+
+    If commands did not reach the forces, any simulator would be fast.
+    """
     expected = 0.1 * GRAVITY * seconds
     require(
         0.8 * expected < speed < 1.2 * expected,

@@ -1,10 +1,10 @@
 // MuJoCo's mj_step in C, one world with R quadrotors on one core.
 //
-// What makes it quickest here, all by its documented means: no shapes, and the flags that leave out
-// what is not there (contacts, constraints, passive forces, sensors, clamping, warm starts); bodies
-// whose frames lie at their centres of mass, so that MuJoCo knows their mass matrix to be diagonal;
-// the rotors' wrench handed over as qfrc_applied. A second row takes thrusts through MuJoCo's own
-// actuators (motors at sites), which is how most models do it.
+// The fastest documented settings for this work: no shapes, and the flags that disable unused
+// features (contacts, constraints, passive forces, sensors, clamping, warm starts); body frames at
+// the centres of mass, so that MuJoCo uses a diagonal mass matrix; the rotors' wrench passed as
+// qfrc_applied. A second row applies thrusts through MuJoCo's own actuators (motors at sites), as
+// most models do.
 #include <mujoco/mujoco.h>
 
 #include <memory>
@@ -100,7 +100,7 @@ class MujocoWorld {
   }
 
  private:
-  /// A free joint takes forces in the world's axes and moments in the body's.
+  /// A free joint takes forces in world axes and moments in body axes.
   void apply(int robot, const Wrench& wrench) {
     const double* q = data_->qpos + 7 * robot + 3;
     double* force = data_->qfrc_applied + 6 * robot;

@@ -1,9 +1,9 @@
-"""What the scripts of MuJoCo's two Python ways share: models, and rotor thrusts as forces.
+"""Shared code of MuJoCo's two Python ways: models, and rotor thrusts as forces.
 
-Rotor thrusts go in by motors on sites, as models of quadrotors usually have it, or by
-`qfrc_applied`: the caller turns each robot's thrust into the world, here with NumPy for all worlds
-at once. The latter is quicker in MuJoCo, but the forces hold for the whole call: so it is measured
-with one step a call only.
+Rotor thrusts are applied by motors on sites, as usual in models of quadrotors, or by
+`qfrc_applied`: the caller rotates each robot's thrust into world axes, here with NumPy for all
+worlds at once. The latter is faster in MuJoCo, but the forces are constant during a call, so it is
+measured with one step per call only.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MIXER = np.array(vehicle.qdrone2().mixer())
 
 @dataclass(frozen=True)
 class Work:
-    """One row: so many worlds of so many robots, so many steps a call, thrusts by motors or not."""
+    """One row: numbers of worlds, of robots and of steps per call, thrusts by motors or not."""
 
     envs: int
     robots: int = 1
@@ -48,7 +48,7 @@ class Work:
         return f"{self.task}, {self.envs} x {self.robots}, {self.substeps} steps, {self.way}"
 
     def row(self) -> dict[str, Any]:
-        """What a line of results says of it."""
+        """The fields of a line of results."""
         return {
             "envs": self.envs,
             "robots": self.robots,
@@ -60,13 +60,13 @@ class Work:
         return mujoco.MjModel.from_xml_string(vehicle.mjcf(self.robots, self.payload, self.motors))
 
     def thrusts(self) -> Array:
-        """Commands that hold all vehicles where they are, (envs, robots, 4) [N]."""
+        """Commands at which all vehicles hover, (envs, robots, 4) [N]."""
         load = vehicle.payload().mass if self.payload else 0.0
         return np.full((self.envs, self.robots, 4), vehicle.qdrone2().hover_thrust(load))
 
 
 def batch_work(effort: measure.Effort, most: int) -> Iterator[Work]:
-    """All rows of a peer with batches, up to so many worlds."""
+    """All rows of a peer with batches, up to `most` worlds."""
     for payload, envs, motors in itertools.product(
         (False, True), effort.sizes(most), (False, True)
     ):
@@ -78,13 +78,15 @@ def batch_work(effort: measure.Effort, most: int) -> Iterator[Work]:
 
 
 class Wrenches:
-    """Writes generalized forces of free joints: force in the world's axes, moment in the body's.
+    """Writes generalized forces of free joints: force in world axes, moment in body axes.
 
     positions and forces are (envs, robots, ...): views of the generalized positions and forces of
-    the robots' free joints."""
+    the robots' free joints.
+    """
 
     def __init__(self, robots: int, positions: Array, forces: Array) -> None:
-        # A world's robots stand one after the other, each with as many numbers (payload or not).
+        # The robots of a world are consecutive, each with the same number of values (payload or
+        # not).
         self.quaternion = robots_of(positions, robots)[:, :, 3:7]
         self.force = robots_of(forces, robots)
 
@@ -109,5 +111,5 @@ def robots_of(rows: Array, robots: int) -> Array:
 
 
 def check_hover(height: Array | float) -> None:
-    """Vehicles that hover are still where they started."""
+    """Checks that hovering vehicles are still at their initial height."""
     measure.require(bool(np.abs(height - 1.5).max() < 0.5), "a vehicle did not hover")

@@ -1,7 +1,7 @@
 """Skybody's own rows on the peers' work, through its vector environment as a user has it.
 
-Each of our steps also gives observation, reward, ends and resets; peers hand back 13 states. Two
-threads unless a row says one; K = 1 is one physics step a call.
+Each of our steps also gives observation, reward, ends and resets; peers return 13 states. Two
+threads unless a row says one; K = 1 is one physics step per call.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from skybody.program import run_program
 PROGRAMS = pathlib.Path(__file__).resolve().parents[2] / "build" / "release" / "bin"
 DIFFERS = "rotor lag and drag, observation, reward, ends and resets included; float32 rows"
 FORMATIONS = {2: "formation_2", 5: "formation", 10: "formation_10", 20: "formation_20"}
-# The payload without what no peer has: its IMU and constants drawn anew.
+# The payload without features that no peer has: its IMU and drawn constants.
 PLAIN = (
     "sensors=[]",
     "randomization=[{plugin: start, parameters: {robot: quad, position_min: [-5, -5, 1.5], "
@@ -31,10 +31,10 @@ PLAIN = (
 )
 
 
-# Observation and reward of hover for one of the robots, which nothing ends.
+# Observation and reward of hover for one of the robots, without ends.
 ONE_ROBOT = "{plugin: hover, parameters: {robot: quad1, bound: 1000, tilt_max: 3.1}}"
 LIMIT_DIFFERS = "no engine: hand-written loop over arrays, one vehicle, no ground, no checks"
-FLIGHT = 100  # physics steps that a check flies, and again with more thrust
+FLIGHT = 100  # physics steps of a check, and again with more thrust
 Array = NDArray[np.float64]
 SECTION = r"(.+), K=(\d+), (\d) threads?$"
 
@@ -44,13 +44,14 @@ def peer() -> measure.Peer:
 
 
 def action(largest: float, load: float = 0.0) -> float:
-    """What holds a vehicle, for a controller whose action 1 is that speed [rad/s]."""
+    """Hover action, for a controller whose action 1 is the speed `largest` [rad/s]."""
     return 2.0 * vehicle.qdrone2().hover_speed(load) / largest - 1.0
 
 
 def in_flight(robots: int) -> tuple[str, ...]:
     """Overrides with which an action of zero is hover speed, and episodes end before vehicles of
-    drawn mass reach the ground."""
+    drawn mass reach the ground.
+    """
     largest = 2.0 * vehicle.qdrone2().hover_speed()
     motors = (
         f"robots.quad{robot + 1}.controllers.motors.parameters.max_speed={largest:.1f}"
@@ -60,7 +61,7 @@ def in_flight(robots: int) -> tuple[str, ...]:
 
 
 def climbing(compiled: skybody.CompiledScenario) -> list[int]:
-    """Where an environment's observations hold the speeds upwards of its robots."""
+    """Indices of the upward speeds of the robots in an environment's observation."""
     names = ("velocity", *(f"{robot}.velocity" for robot in compiled.robots))
     return [channel.first + 2 for channel in compiled.observation_channels if channel.name in names]
 
@@ -72,11 +73,12 @@ def check(
     substeps: int,
     drawn: bool,
 ) -> None:
-    """As the peers': vehicles hover after the measurement, and climb on a tenth more thrust.
+    """Checks, as for the peers, that vehicles hover and that they climb on a tenth more thrust.
 
-    fly(command, steps): the speeds upwards of all vehicles after that many steps on a command.
-    Vehicles of drawn constants drift and some tip over in their episode of 1 s, where falling ones
-    would be at 5 m/s in the middle: of those the middle one counts, and nine tenths must climb."""
+    fly(command, steps): the upward speeds of all vehicles after that many steps of a command.
+    With drawn constants vehicles drift, and some tip over in their episode of 1 s, while falling
+    ones would be at 5 m/s in the middle. Of those the median counts, and nine tenths must climb.
+    """
     speeds = np.abs(fly(hold, 1))
     speed, most = (np.median(speeds), 4.0) if drawn else (speeds.max(), 0.05)
     measure.require(bool(speed < most), f"hovering vehicles were at {speed:.3g} m/s")
@@ -85,7 +87,7 @@ def check(
     before = fly(hold, steps)
     more = fly((hold + 1.0) * 1.1**0.5 - 1.0, steps)
     seconds = steps * substeps * vehicle.DT
-    # The drift goes on; and where thrust is not weight, its tenth is not a tenth of that.
+    # The drift continues; and if thrust is not weight, its tenth is not a tenth of the weight.
     climb = (more - 2.0 * before) / (1.0 + before / (measure.GRAVITY * seconds))
     for speed in np.quantile(climb, (0.05, 0.95) if drawn else (0.0, 1.0)):
         measure.require_climb(float(speed), seconds - vehicle.qdrone2().tau_up)  # the rotors lag
@@ -143,7 +145,7 @@ def hover(effort: measure.Effort, envs: int, threads: int, task: str = "hover") 
 
 
 def single(effort: measure.Effort) -> None:
-    """One environment without a batch around it."""
+    """One environment without a batch."""
     world = skybody.Simulation("hover")
     world.reset()
     hold = np.full(4, action(2300.0), np.float32)
@@ -172,7 +174,7 @@ def single(effort: measure.Effort) -> None:
 
 
 def several(effort: measure.Effort, envs: int, threads: int) -> None:
-    """Ten physics steps a call, as peers take a hundred: what is handed back is the last state."""
+    """Ten physics steps per call (peers: a hundred); each call returns the last state."""
     row(
         effort,
         "hover",
@@ -212,7 +214,7 @@ def payload(effort: measure.Effort, envs: int, plain: bool, substeps: int = 1) -
         task="payload",
         overrides=(
             f"stepping.action_repeat={substeps}",
-            f"stepping.horizon={1000 // substeps}",  # a second: vehicles stay in the air
+            f"stepping.horizon={1000 // substeps}",  # one second: vehicles stay in the air
             *(PLAIN if plain else ()),
         ),
         differs="" if plain else "noisy IMU; constants drawn in each 10th episode",
@@ -248,7 +250,7 @@ def program(
 ) -> None:
     """`skybody bench`: the same steps from C++; short: without the joint observation."""
     command = [str(PROGRAMS / "skybody"), "bench", scenario, "--envs", str(envs)]
-    seconds = max(0.1, effort.seconds)  # the program takes its time to start: fewer, longer trials
+    seconds = max(0.1, effort.seconds)  # the program starts slowly: fewer, longer trials
     command += ["--threads", str(threads), "--seconds", str(seconds), "--json"]
     overrides = in_flight(robots) if robots > 1 else ()
     if overrides:
@@ -276,7 +278,7 @@ def program(
 
 
 def limit_lines(sections: int) -> list[str]:
-    """The first tables that bench_limit prints; it is ended when they are there."""
+    """The first tables that bench_limit prints; it is stopped after them."""
     command = ["stdbuf", "-oL", str(PROGRAMS / "bench_limit")]
     lines: list[str] = []
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:

@@ -1,9 +1,9 @@
 """Crazyflow on the CPU, by its functional interface: one compiled call sets rotor speeds, steps,
-and gives the 13 states.
+and returns the 13 states.
 
-Besides the usual way there is its sharding: worlds shared out over devices, here over two devices
-that JAX makes of the two cores. Compiling is not measured. The data that a call replaces are given
-to it (donated), so that it need not allocate new ones. Precision is JAX's default, single.
+Besides the usual way it has sharding: worlds are distributed over devices, here over two devices
+that JAX makes of the two cores. Compiling is not measured. The data that a call replaces are
+donated to it, so that it need not allocate new ones. Precision is JAX's default, single.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ import jax.numpy as jnp  # noqa: E402
 import numpy as np  # noqa: E402
 import vehicle  # noqa: E402
 
-with contextlib.redirect_stdout(sys.stderr):  # it says there what it does not find
+with contextlib.redirect_stdout(sys.stderr):  # it prints missing packages there
     import crazyflow.sim.functional as functional
     from crazyflow.control import Control
     from crazyflow.dynamics import Dynamics
@@ -62,7 +62,7 @@ class Work:
 
 
 def all_work(effort: measure.Effort) -> Iterator[Work]:
-    """To compile a row takes seconds: quick runs have only the best of each kind."""
+    """Compiling a row takes seconds: quick runs have only the best of each kind."""
     yield Work(1)
     if effort.quick:
         yield from (Work(1024), Work(65536, sharded=True))
@@ -80,8 +80,9 @@ def all_work(effort: measure.Effort) -> Iterator[Work]:
 
 
 def qdrone2() -> dict[str, jax.Array]:
-    """The QDrone2 as its parameters. Rotor speeds are in rpm there, and the mixing matrix holds
-    the arms themselves, so that the common length of all arms is 1."""
+    """The QDrone2 as parameters of Crazyflow. Rotor speeds are in rpm there, and the mixing matrix
+    contains the arms themselves, so that the common arm length is 1.
+    """
     quad = vehicle.qdrone2()
     inertia = np.diag(quad.base.inertia)
     signs = [-rotor.direction for rotor in quad.rotors]
@@ -102,7 +103,7 @@ def qdrone2() -> dict[str, jax.Array]:
 
 
 def hovering(sim: Sim) -> Any:
-    """Its data with QDrone2s that hover."""
+    """Data of Crazyflow with hovering QDrone2s."""
     data = sim.data
     speed = vehicle.qdrone2().hover_speed() * RPM
     states = data.states.replace(

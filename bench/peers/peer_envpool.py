@@ -1,7 +1,7 @@
 """EnvPool's own overhead: its cheapest environments, Gymnasium's classic control, in C++.
 
-Its rate bounds what its engine could do with a quadrotor. Synchronous (all environments in each
-call) and asynchronous (whichever half is ready first), on two threads.
+Its rate is an upper bound for its engine with a quadrotor. Synchronous (all environments in each
+call) and asynchronous (the half that is ready first), on two threads.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """gym-pybullet-drones: CtrlAviary, PyBullet's physics at 1 kHz, one and two processes.
 
-Takes a checkout, since no registry has it: `--checkout FOLDER`. Its own physics (DYN, explicit, in
-Python) is slower than PyBullet's. Environments are stepped one after the other in each process; the
-`gym` way of many in one loop.
+Needs a checkout, since it is in no registry: `--checkout FOLDER`. Its own physics (DYN, explicit,
+in Python) is slower than PyBullet's. Environments are stepped one after the other in each process,
+the usual way of many `gym` environments in one loop.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def peer(checkout: pathlib.Path) -> measure.Peer:
 
 
 class Aviaries:
-    """So many CtrlAviary of so many drones each, in the caller's process."""
+    """A number of CtrlAviary with a number of drones each, in the caller's process."""
 
     def __init__(self, envs: int, robots: int, substeps: int) -> None:
         from gym_pybullet_drones.envs.CtrlAviary import CtrlAviary
@@ -50,7 +50,7 @@ class Aviaries:
         self.hover = self.aviaries[0].HOVER_RPM
 
     def step(self, commands: processes.Array, states: processes.Array) -> None:
-        """commands: rotor speeds as a share of hover's (envs, robots, 4)."""
+        """commands: rotor speeds relative to hover (envs, robots, 4)."""
         for aviary, speeds, rows in zip(self.aviaries, self.hover * commands, states, strict=True):
             rows[:] = aviary.step(speeds)[0]
 

@@ -1,8 +1,8 @@
-"""L2F (rl-tools) through its Python module: batches whose size is fixed when they are compiled.
+"""L2F (rl-tools) through its Python module: batches whose size is fixed at compile time.
 
-It steps into a second batch of states, so two batches take turns, as the calls of its own example
-allow. Its environments are shared out over OpenMP threads: measured on one and on two. States come
-out as its observation: 82 numbers, the last 16 actions among them; a second row leaves that out.
+It steps into a second batch of states, so two batches alternate, as in its own example.
+Its environments are distributed over OpenMP threads: measured on one and on two. States are
+returned as its observation: 82 numbers, including the last 16 actions; a second row omits that.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def peer() -> measure.Peer:
 
 
 def use_threads(count: int) -> None:
-    """Of OpenMP, for the calls to come: the module itself offers no way to say it."""
+    """Number of OpenMP threads for later calls: the module itself has no such setting."""
     ctypes.CDLL("libgomp.so.1").omp_set_num_threads(count)
 
 
@@ -38,7 +38,7 @@ def diagonal(values: list[float]) -> list[list[float]]:
 
 
 def qdrone2(text: str) -> str:
-    """Its parameters as JSON, with the QDrone2's numbers. Rotor speeds count from 0 to 1 there."""
+    """Its parameters as JSON, with the QDrone2's numbers. Rotor speeds range from 0 to 1 there."""
     quad, parameters = vehicle.qdrone2(), json.loads(text)
     rotors, inertia = range(len(quad.rotors)), quad.base.inertia
     parameters["integration"]["dt"] = vehicle.DT
@@ -61,7 +61,7 @@ def qdrone2(text: str) -> str:
 
 
 class Batch:
-    """So many quadrotors that hover."""
+    """A batch of hovering quadrotors."""
 
     def __init__(self, envs: int, observe: bool) -> None:
         self.kind = getattr(l2f, f"vector{envs}")
@@ -87,7 +87,7 @@ class Batch:
             l2f.parameters_from_json(self.device, compiled, text, own)
 
     def command(self, speed: float) -> None:
-        """Rotor speeds [rad/s]; actions reach from -1 at none to 1 at the fastest."""
+        """Sets rotor speeds [rad/s]; actions range from -1 at zero to 1 at the maximum."""
         self.actions[:] = 2 * speed / vehicle.qdrone2().max_speed - 1
 
     def __call__(self) -> None:

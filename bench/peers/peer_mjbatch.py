@@ -1,7 +1,7 @@
 """mjbatch: many MuJoCo worlds on a pool of C++ threads, their states bound to NumPy arrays.
 
 As in its own example: bind once, write the controls' array, step; states change in place. Several
-steps a call by its `nstep`.
+steps per call by its `nstep`.
 """
 
 from __future__ import annotations

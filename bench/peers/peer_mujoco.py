@@ -1,7 +1,7 @@
 """MuJoCo through its Python package: mj_step on one core and mujoco.rollout on two threads.
 
-rollout runs as fast as its documentation knows: one Rollout object for all calls, outputs that are
-allocated once, no checks; the states that one call returns are the next call's initial states.
+rollout uses the fastest documented settings: one Rollout object for all calls, outputs allocated
+once, no checks; the final states of one call are the initial states of the next.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def peer() -> measure.Peer:
 
 
 def one_world(effort: measure.Effort, substeps: int, motors: bool) -> None:
-    """mj_step called from Python; with several steps a call the loop over them is in C."""
+    """mj_step called from Python; with several steps per call the loop over them is in C."""
     work = worlds.Work(1, substeps=substeps, motors=motors)
     model = work.model()
     data = mujoco.MjData(model)
@@ -34,7 +34,7 @@ def one_world(effort: measure.Effort, substeps: int, motors: bool) -> None:
     mixer, force = worlds.MIXER, data.qfrc_applied
 
     def push() -> None:
-        """As Wrenches.write, in Python's numbers, which is quicker for one world."""
+        """As Wrenches.write, with Python numbers, which are faster for one world."""
         thrust, *moments = (mixer @ command).tolist()
         w, x, y, z = data.qpos[3:].tolist()
         force[:] = (
@@ -66,7 +66,7 @@ def one_world(effort: measure.Effort, substeps: int, motors: bool) -> None:
 
 
 class Rollout:
-    """So many worlds of a model, by mujoco.rollout."""
+    """A number of worlds of a model, by mujoco.rollout."""
 
     def __init__(self, work: worlds.Work, threads: int) -> None:
         self.work = work
@@ -91,7 +91,7 @@ class Rollout:
         ]
 
     def first(self, last: worlds.Array) -> worlds.Array:
-        """The states where the call begins; with one step a call they are the last call's array."""
+        """The initial states of a call; with one step per call they are the last call's array."""
         if self.work.substeps == 1:
             return last[:, 0]
         self.initial[:] = last[:, -1]
@@ -127,7 +127,7 @@ class Rollout:
         measure.require_climb((speed - before).min(), self.work.substeps * vehicle.DT)
 
     def climbing(self, states: worlds.Array) -> worlds.Array:
-        """Speed upwards of each robot, (envs, robots) [m/s]."""
+        """Upward speed of each robot, (envs, robots) [m/s]."""
         velocities = states[:, self.velocities]
         return worlds.robots_of(velocities, self.work.robots)[..., 2]
 

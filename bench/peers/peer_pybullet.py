@@ -1,10 +1,9 @@
 """PyBullet: a direct loop over quadrotors, in one process and in two.
 
-What makes it quickest, found by trying: no shapes, one force and one moment a vehicle (the rotors'
-sum) instead of four forces, arguments by position, no damping; its "maximal coordinates" gain
-nothing. Where environments have one robot, several of them stand in one PyBullet world, which
-spares calls: without shapes they do not feel each other. More than some tens in one world get
-slower, and so do many worlds.
+The fastest settings, found by experiment: no shapes, one force and one moment per vehicle (the
+rotors' sum) instead of four forces, arguments by position, no damping; its "maximal coordinates"
+gain nothing. Environments with one robot share a PyBullet world, which saves calls: without shapes
+they do not interact. More than some tens in one world get slower, and so do many worlds.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ def peer() -> measure.Peer:
 
 
 def together(envs: int) -> int:
-    """Environments in one PyBullet world, where each has one robot; tried: 1 to 1024."""
+    """Number of environments in one PyBullet world, with one robot each; tried: 1 to 1024."""
     return 8 if envs <= 64 else 32
 
 
@@ -64,7 +63,7 @@ def make_vehicle(client: int, robot: int, payload: bool) -> int:
             jointDamping=0,
             physicsClientId=client,
         )
-    for joint in range(len(parts)):  # there is a motor in each by default
+    for joint in range(len(parts)):  # each has a motor by default
         pybullet.setJointMotorControlMultiDof(
             body,
             joint,
@@ -79,7 +78,7 @@ def make_vehicle(client: int, robot: int, payload: bool) -> int:
 
 
 class Quadrotors:
-    """Environments with so many robots each, in PyBullet worlds of the caller's process."""
+    """A number of environments with a number of robots each, in PyBullet worlds of this process."""
 
     def __init__(self, envs: int, robots: int, payload: bool) -> None:
         self.payload = payload

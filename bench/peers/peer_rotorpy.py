@@ -1,7 +1,7 @@
 """RotorPy: its batched vehicle (PyTorch, RK4) and its single one (SciPy), stepped by themselves.
 
-Aerodynamics are off, as here there is no wind. The batched vehicle's numbers are double. PyTorch
-needs no gradients; it is tried with one thread and with two.
+Aerodynamics are off, since there is no wind here. The batched vehicle uses double precision.
+PyTorch needs no gradients; it is tried with one thread and with two.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def peer() -> measure.Peer:
 
 
 def qdrone2() -> dict[str, Any]:
-    """The QDrone2 as its parameters. Its motors have one time constant: that of speeding up."""
+    """The QDrone2 as its parameters. Its motors have one time constant: the one for speeding up."""
     quad = vehicle.qdrone2()
     ixx, iyy, izz = quad.base.inertia
     parameters: dict[str, Any] = {
@@ -67,7 +67,7 @@ def hovering() -> dict[str, np.ndarray]:
 
 
 class Single:
-    """One quadrotor. SciPy's RK45 is adaptive: told to begin with the whole step, it takes one."""
+    """One quadrotor. SciPy's RK45 is adaptive: with the whole step as first step, it takes one."""
 
     def __init__(self) -> None:
         self.state = hovering()
@@ -86,7 +86,7 @@ class Single:
 
 
 class Batch:
-    """So many quadrotors."""
+    """A batch of quadrotors."""
 
     def __init__(self, envs: int) -> None:
         self.state = {
@@ -97,7 +97,7 @@ class Batch:
             parameters, envs, self.state, CPU, aero=False, integrator="rk4"
         )
         self.commands = self.state["rotor_speeds"].numpy().copy()
-        self.everyone = torch.arange(envs)  # the default, a list, costs half of the speed
+        self.everyone = torch.arange(envs)  # the default, a list, halves the speed
 
     @torch.inference_mode()
     def __call__(self) -> np.ndarray:

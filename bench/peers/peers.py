@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Skybody beside the simulators that a drone-learning researcher could pick, on the same work.
+"""Skybody and other simulators for drone learning, on the same work.
 
     .venv/bin/python bench/peers/peers.py [--quick] [--json FILE] [--picture FILE] [--markdown FILE]
         [--only NAMES] [--gym-pybullet-drones CHECKOUT]
 
-Makes each peer's virtual environment below .peers where its requirements changed, runs its script,
-and prints one table with the goals below it. What cannot be installed or run is skipped with a
-word. Every contestant, ours too, has two sittings, the second in reverse order, and the best of
-both counts: the machine may have other things to do. README.md says how the work is made alike.
+Creates each peer's virtual environment below .peers if its requirements changed, runs its script,
+and prints one table with the goals below it. Peers that cannot be installed or run are skipped with
+a message. Every contestant, including ours, runs twice, the second time in reverse order, and the
+best of both counts, because other programs may run on the machine. README.md describes how the
+work is made equal.
 """
 
 from __future__ import annotations
@@ -47,10 +48,10 @@ class Contestant:
     program: bool = False
 
     def command(self, options: argparse.Namespace) -> list[str]:
-        """How it is run.
+        """The command line.
 
         Raises:
-            Skipped: it cannot be, here.
+            Skipped: it cannot run here.
         """
         if self.name == "ours":
             return [sys.executable, str(HERE / "ours.py")]
@@ -86,7 +87,7 @@ PEERS = (
 
 
 class Results:
-    """Rows and skips of a run, as they come."""
+    """Rows and skips of a run, in order of arrival."""
 
     def __init__(self, quick: bool) -> None:
         self.rows: list[Row] = []
@@ -95,7 +96,7 @@ class Results:
         self.effort = ["--seconds", "0.03", "--trials", "8", "--quick"]
         if not quick:
             self.effort = ["--seconds", "0.05", "--trials", "25"]
-        self.most = 240.0 if quick else 3600.0  # [s] of a sitting
+        self.most = 240.0 if quick else 3600.0  # [s] per run of a contestant
 
     def skip(self, name: str, why: str) -> None:
         line = f"skipped: {name}: {environments.plain(why)}"
@@ -126,7 +127,7 @@ class Results:
             self.skip(name, last[0])
 
     def take(self, output: str, name: str) -> None:
-        """Lines that do not begin as a row are a library's chatter."""
+        """Lines that are not rows are output of a library and are ignored."""
         for line in output.splitlines():
             if not line.startswith("{"):
                 continue
@@ -141,8 +142,10 @@ class Results:
 
 
 def run_group(command: list[str], most: float) -> tuple[subprocess.CompletedProcess[str], bool]:
-    """What a command printed, and whether it took more than `most` seconds; then, or when this run
-    is stopped, it ends with all processes that it started."""
+    """Runs a command; returns its output, and whether it took more than `most` seconds.
+
+    In that case, or if this run is stopped, the command ends with all processes that it started.
+    """
     with subprocess.Popen(
         command,
         cwd=environments.workplace(),
@@ -165,7 +168,7 @@ def run_group(command: list[str], most: float) -> tuple[subprocess.CompletedProc
 
 
 def measure(options: argparse.Namespace) -> Results:
-    """Two sittings each, first in this order, then the other way round."""
+    """Runs each contestant twice, first in this order, then in reverse."""
     peers = [peer for peer in PEERS if not options.only or peer.name in options.only]
     found = Results(options.quick)
     for order in ([OURS, *peers], [OURS, *reversed(peers)]):
@@ -177,7 +180,7 @@ def measure(options: argparse.Namespace) -> Results:
 
 
 def machine() -> dict[str, Any]:
-    """Its name and processors, as `skybody bench` has them."""
+    """Name and processors of the machine, as in `skybody bench`."""
     command = [str(SKYBODY), "bench", "hover", "--envs", "1", "--json"]
     done = subprocess.run([*command, "--seconds", "0.05"], check=True, capture_output=True)
     facts = json.loads(done.stdout)
@@ -226,7 +229,7 @@ def main() -> None:
 
 
 def check_outputs(options: argparse.Namespace) -> None:
-    """Refuses files that could not be written, before anything is measured."""
+    """Rejects files that cannot be written, before any measurement."""
     for path in (options.json, options.picture, options.markdown):
         if path is None:
             continue

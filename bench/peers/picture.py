@@ -1,4 +1,4 @@
-"""Bars of a run of the peers: steps a second by core, on a logarithmic axis, task by task."""
+"""Bars of a run of the peers: steps per second per core, on a logarithmic axis, by task."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from report import Report
 from results import Row
 
-# Task, robots, several steps a call, title.
+# Task, robots, several steps per call, title.
 PANELS = (
     ("hover", 1, False, "hover: one quadrotor, one physics step a call"),
     ("hover", 1, True, "hover, several physics steps a call"),
@@ -26,7 +26,7 @@ OURS, PEER, LIMIT = "#0b6e4f", "#b9c4cf", "#e3ded1"
 
 
 def best_rows(rows: list[Row], task: str, robots: int, several: bool) -> list[Row]:
-    """The quickest row by core of each contestant, the quickest last (at the top)."""
+    """The fastest row per core of each contestant, the fastest last (at the top)."""
     best: dict[str, Row] = {}
     for row in rows:
         if (row.task, row.robots, row.substeps > 1) != (task, robots, several):

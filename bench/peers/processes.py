@@ -1,7 +1,7 @@
-"""Worlds of a library that has no batch of its own, shared out over processes.
+"""Worlds of a library without its own batches, distributed over processes.
 
-Commands and states lie in memory that all processes see; a byte through a pipe says "step", a byte
-back "done". So the states of all worlds are a NumPy array after each call, as everywhere here.
+Commands and states are in shared memory; a byte through a pipe requests a step, a byte back
+reports its end. So the states of all worlds are a NumPy array after each call, as for all peers.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def shared(shape: tuple[int, ...]) -> Array:
 
 
 def serve(pipe: Connection, make: Maker, commands: Array, states: Array) -> None:
-    """A process: steps its share whenever it is told to, until it is told to end."""
+    """A process: steps its share at each request, until a request to end."""
     worlds = make(len(commands))
     pipe.send_bytes(b"r")
     while pipe.recv_bytes() == b"s":
@@ -41,13 +41,14 @@ def serve(pipe: Connection, make: Maker, commands: Array, states: Array) -> None
 
 
 class Batch:
-    """So many worlds in so many processes; with one process they are stepped by the caller."""
+    """A number of worlds in several processes; with one process the caller steps them."""
 
     def __init__(
         self, make: Maker, commands: Array, states: tuple[int, ...], processes: int
     ) -> None:
-        """make: makes so many worlds. commands: (envs, ...), the same in every call. states: shape
-        of one world's."""
+        """make: creates a number of worlds. commands: (envs, ...), the same in every call. states:
+        shape of one world's states.
+        """
         envs = len(commands)
         self.commands, self.states = shared(commands.shape), shared((envs, *states))
         self.commands[:] = commands
@@ -81,6 +82,6 @@ class Batch:
 
     def close(self) -> None:
         for pipe, process in zip(self.pipes, self.processes, strict=True):
-            with contextlib.suppress(OSError):  # it ended by itself
+            with contextlib.suppress(OSError):  # it has already ended
                 pipe.send_bytes(b"e")
             process.join()

@@ -1,4 +1,4 @@
-"""What a run of the peers tells: as a table to read, as Markdown for docs, as facts for JSON."""
+"""Report of a run of the peers: a table to read, Markdown for docs, facts for JSON."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GOAL_HEADINGS = ["goal", "ours", "theirs", "ratio", "wanted", ""]
 
 
 def rate(value: float | None) -> str:
-    """Millions a second."""
+    """Millions per second."""
     if value is None:
         return ""
     return f"{value / 1e6:.3g}" if value >= 1e5 else f"{value / 1e6:.2g}"
@@ -85,7 +85,7 @@ class Report:
         )
 
     def text(self) -> str:
-        """What is printed."""
+        """The printed text."""
         parts = [
             self.head(),
             "N environments, K physics steps a call; rates in million physics steps of worlds a "
@@ -98,7 +98,7 @@ class Report:
         return "\n\n".join(part for part in parts if part)
 
     def markdown(self, picture: pathlib.Path | None) -> str:
-        """The page in docs/results; it lies beside the folder `images`."""
+        """The page in docs/results; it is beside the folder `images`."""
         link = "" if picture is None else f"![Steps per second]({linked(picture)})\n\n"
         skipped = "".join(f"- {line}\n" for line in self.skipped) or "Nothing was skipped.\n"
         return (
@@ -119,7 +119,7 @@ class Report:
         )
 
     def facts(self) -> dict[str, Any]:
-        """Everything, for JSON."""
+        """All results, for JSON."""
         figures = [dataclasses.asdict(f) | {"verdict": f.verdict} for f in self.figures]
         return self.machine | {
             "rows": [dataclasses.asdict(row) for row in self.rows],
@@ -129,7 +129,7 @@ class Report:
 
 
 def linked(picture: pathlib.Path) -> str:
-    """As the page names it: beside it, or in the folder `images` there."""
+    """The picture's link in the page: beside it, or in the folder `images`."""
     return f"images/{picture.name}" if picture.parent.name == "images" else picture.name
 
 

@@ -1,4 +1,4 @@
-"""Rows of results: what they hold, which stand for a contestant, who is compared with whom."""
+"""Rows of results: their fields, the rows that represent a contestant, and the comparisons."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ OURS, LIMIT = "Skybody", "limit"
 CPP = {
     "mujoco_cpp": "MuJoCo (C++)",
     "bullet_cpp": "Bullet (C++)",
-}  # programs, as the table has them
+}  # programs, by their names in the table
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Row:
 
     @property
     def contestant(self) -> str:
-        """Who, as the table names it: ours and MuJoCo have several ways."""
+        """The contestant's name in the table: ours and MuJoCo have several ways."""
         if self.peer == OURS:
             return f"{OURS} ({self.way})"
         if self.peer == "MuJoCo":
@@ -47,12 +47,12 @@ class Row:
 
     @property
     def is_rk4(self) -> bool:
-        """Of a peer's: Runge-Kutta of order 4 with steps as they are (an adaptive RK45 is not)."""
+        """Whether a peer uses Runge-Kutta of order 4 with fixed steps (not an adaptive RK45)."""
         return re.search(r"\bRK4\b", f"{self.differs}; {self.mode}") is not None
 
     @property
     def way(self) -> str:
-        """Of ours: what a peer's row is compared with."""
+        """The way of our row that a peer's row is compared with."""
         if "no joint observation" in self.mode:
             return "C++, no joint observation"
         for word in ("C++", "rk4", "as shipped"):
@@ -69,7 +69,7 @@ def read(facts: dict[str, Any]) -> Row:
     """A row from a script's line.
 
     Raises:
-        ValueError: something is missing, or its rate is none.
+        ValueError: a field is missing, or the rate is invalid.
     """
     missing = [name for name in NAMES if name not in facts]
     if missing:
@@ -82,7 +82,7 @@ def read(facts: dict[str, Any]) -> Row:
 
 
 def best_of_sittings(rows: Iterable[Row]) -> list[Row]:
-    """One row of each measurement: the quickest of those that differ in the rate only."""
+    """One row per measurement: the fastest of those that differ only in the rate."""
     best: dict[tuple[Any, ...], Row] = {}
     for row in rows:
         key = tuple(getattr(row, name) for name in NAMES if name != "rate")
@@ -92,20 +92,23 @@ def best_of_sittings(rows: Iterable[Row]) -> list[Row]:
 
 
 def quickest(rows: Iterable[Row], test: Test) -> Row | None:
-    """By core."""
+    """The fastest row per core."""
     found = [row for row in rows if test(row)]
     return max(found, key=lambda row: row.per_core, default=None)
 
 
 def on_all_cores(rows: Iterable[Row], test: Test) -> Row | None:
-    """The quickest whatever cores it takes."""
+    """The fastest row with any number of cores."""
     found = [row for row in rows if test(row)]
     return max(found, key=lambda row: row.rate, default=None)
 
 
 def shown(rows: list[Row]) -> list[Row]:
-    """What the table shows: of each contestant and task the best row with one step a call and with
-    several, the one of 1024 environments and that of one; the quickest contestant first."""
+    """The rows of the table, the fastest contestant first.
+
+    They are, of each contestant and task: the best row with one step per call and with several, the
+    one with 1024 environments and the one with one.
+    """
     groups: dict[tuple[str, int, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.task, row.robots, row.contestant), []).append(row)
@@ -131,10 +134,13 @@ def shown(rows: list[Row]) -> list[Row]:
 
 
 def counterpart(row: Row, rows: list[Row]) -> Row | None:
-    """Our row that a peer's is compared with: the same task and number of robots, C++ with C++, RK4
-    with RK4, one step a call with one and several with several; of one environment with one, else
-    each at its best number; as many cores where there is such a row, and at 1024 the same number.
-    None: there is no such row."""
+    """Our row to compare with a peer's row. None: there is no such row.
+
+    It has the same task and number of robots, and is C++ for C++, RK4 for RK4, one step per call
+    for one and several for several. One environment is compared with one, otherwise each is at its
+    best number. It has the same number of cores if there is such a row, and at 1024 environments
+    the same number of environments.
+    """
     way = "C++" if row.peer in CPP or row.peer == LIMIT else "Python"
     if row.is_rk4:
         way = "rk4"

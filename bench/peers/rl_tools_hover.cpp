@@ -1,14 +1,14 @@
 // Trains rl_tools' published tiny SAC on its own quadrotor (L2F) to hover, and measures its policy
-// by the means of our table of learning speed: how far from the target is it over an episode's last
-// second, and how many episodes end before?
+// as in our table of learning speed: the distance from the target over an episode's last second,
+// and the number of episodes that end before.
 //
 //     rl_tools_hover SEED POINTS      prints POINTS lines of JSON, one for each share of the
 //     training
 //
-// Built by experiments/rl_tools.py against a checkout that the user has made. Algorithm, networks,
-// vehicle, starts, reward and termination are those of the checkout's src/rl/zoo/l2f/sac_tiny.h.
-// Two things differ. The target stays where it is (the zoo's flies a figure of eight), in training
-// and in evaluation. And the clock stops while a policy is evaluated.
+// Built by experiments/rl_tools.py against the user's checkout. Algorithm, networks,
+// vehicle, initial states, reward and termination are those of the checkout's
+// src/rl/zoo/l2f/sac_tiny.h. Two differences: the target does not move (the zoo's flies a figure of
+// eight), in training and in evaluation; and the clock stops while a policy is evaluated.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -55,7 +55,7 @@ constexpr Index kHeldOutSeed = 1000;
 using Flights =
     rlt::rl::utils::evaluation::Specification<Types, Index, Environment, kEpisodes, kLength>;
 
-/// Everything that a run and its evaluations need.
+/// All objects of a run and its evaluations.
 struct Training {
   Device device;
   Loop loop;
@@ -80,7 +80,7 @@ void begin(Training& training, Index seed) {
   }
 }
 
-/// Mean distance from the target over the last second that the episode flew [m].
+/// Mean distance from the target over the last second of the episode [m].
 float error_of(Training& training, Index episode) {
   const Index length = training.result.episode_length[episode];
   const Index first = length > kSecond ? length - kSecond : 0;
@@ -92,7 +92,7 @@ float error_of(Training& training, Index episode) {
   return static_cast<float>(sum / static_cast<double>(length - first));
 }
 
-/// Flies the held-out episodes with the mean of the policy's distribution, and prints them.
+/// Flies the held-out episodes with the mean of the policy's distribution, and prints the results.
 void evaluate(Training& training, double seconds) {
   Environment environment;
   rlt::init(training.device, environment);

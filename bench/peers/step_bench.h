@@ -1,4 +1,4 @@
-// What the C++ programs of bench/peers share: their command line, the work, best-of trials, and a
+// Shared code of the C++ programs of bench/peers: command line, the work, best-of trials, and a
 // line of JSON for each measurement (protocol: README.md).
 #pragma once
 
@@ -17,14 +17,14 @@
 
 namespace skybody::bench {
 
-/// The QDrone2 of scenarios/models/qdrone2, its rotors merged into the base (as vehicle.py merges
-/// them), its origin at the centre of mass: nothing here depends on more. SI units.
+/// The QDrone2 of scenarios/models/qdrone2, its rotors merged into the base (as in vehicle.py), its
+/// origin at the centre of mass, which is sufficient here. SI units.
 struct Quadrotor {
   double dt = 0.001, g = 9.81, height = 1.5, mass = 1.54;
   double inertia[3] = {0.0147298625974, 0.0167867337974, 0.0293337112};
   double hub[4][2] = {{0.1016, 0.127}, {0.1016, -0.127}, {-0.1016, 0.127}, {-0.1016, -0.127}};
   double direction[4] = {1, -1, -1, 1};         ///< +1: counterclockwise seen from above
-  double moment_ratio = 2.8401e-8 / 1.9533e-6;  ///< reaction moment a thrust [m]
+  double moment_ratio = 2.8401e-8 / 1.9533e-6;  ///< reaction moment per thrust [m]
   double spacing = 0.7;                         ///< of robots in a world, along x and y
   int rotors = 4;
 };
@@ -32,7 +32,8 @@ inline constexpr Quadrotor kQuadrotor{};
 
 /// Position, quaternion (w first), velocity, angular velocity.
 inline constexpr int kStates = 13;
-/// Steps of a flight, after which the vehicles are put back to their start: they stay in the air.
+/// Steps of a flight, after which the vehicles return to their initial states: they stay in the
+/// air.
 inline constexpr int kFlight = 1000;
 
 struct Effort {
@@ -44,7 +45,7 @@ struct Effort {
   }
 };
 
-/// A bad command line gives one message and exit code 2.
+/// A bad command line prints one message and exits with code 2.
 inline Effort parse(int count, char** words) {
   const auto refuse = [&](const std::string& why) {
     std::fprintf(stderr, "%s: %s; usage: [--seconds S] [--trials T] [--quick]\n", words[0],
@@ -92,8 +93,8 @@ inline Wrench rotor_wrench(const double thrusts[4]) {
   return sum;
 }
 
-/// Rotor thrusts [N] of all robots for a round of steps: about hover, other ones at each step, that
-/// shake the vehicle about all its axes and come to nothing over the round.
+/// Rotor thrusts [N] of all robots for a round of steps: near hover, different at each step. They
+/// shake the vehicle about all its axes and sum to zero over the round.
 class Commands {
  public:
   explicit Commands(int robots) : width_(4 * robots), thrusts_(kRound * width_) {
@@ -117,7 +118,7 @@ class Commands {
   std::vector<double> thrusts_;
 };
 
-/// Worlds a second of the best trial. A world has start() and step(thrusts, states).
+/// Worlds per second of the best trial. A world has start() and step(thrusts, states).
 template <class World>
 double best_rate(World& world, int robots, const Effort& effort, std::vector<double>& states) {
   using Clock = std::chrono::steady_clock;
@@ -150,9 +151,9 @@ inline bool near(double value, double expected) {
   return std::abs(value - expected) < 0.1 * std::abs(expected);
 }
 
-/// Commands that do not reach the forces would make any simulator quick: whether vehicles climb and
-/// roll as they should on a tenth more thrust, the left rotors' a fifth more and the right ones' as
-/// at hover.
+/// Whether vehicles climb and roll as expected on a tenth more thrust, the left rotors' a fifth
+/// more and the right ones' as at hover. If commands did not reach the forces, any simulator would
+/// be fast.
 template <class World>
 bool obeys(World& world, int robots) {
   const Quadrotor& quad = kQuadrotor;
@@ -174,7 +175,7 @@ bool obeys(World& world, int robots) {
   return true;
 }
 
-/// Whether all vehicles are where they started, about.
+/// Whether all vehicles are near their initial positions.
 inline bool hover(const std::vector<double>& states) {
   for (std::size_t k = 2; k < states.size(); k += kStates) {
     if (!(std::abs(states[k] - kQuadrotor.height) < 0.1)) return false;
@@ -182,7 +183,7 @@ inline bool hover(const std::vector<double>& states) {
   return true;
 }
 
-/// Measures a world and prints its line; one whose vehicles did not fly as they should is none.
+/// Measures a world and prints its line; rejects it if its vehicles did not fly as expected.
 template <class World>
 void print_row(const Peer& peer, const char* mode, World& world, int robots, const Effort& effort) {
   std::vector<double> states;

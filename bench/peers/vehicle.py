@@ -1,7 +1,7 @@
-"""The QDrone2, alone, with its payload and several in a world, as plain numbers and as MJCF.
+"""The QDrone2, by itself, with its payload and several in a world, as plain numbers and as MJCF.
 
-All numbers are read from scenarios/models/, so that every peer flies what Skybody flies. The rotors
-are part of the base here (merged by parallel axes), as Skybody merges them.
+All numbers are read from scenarios/models/, so that every peer flies the same vehicle as Skybody.
+The rotors are merged into the base by the parallel-axis theorem, as in Skybody.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body; its axes are principal ones in these models."""
+    """A rigid body; its axes are principal axes in these models."""
 
     mass: float  # [kg]
     center: Vector  # of mass, from the body's origin [m]
@@ -48,7 +48,7 @@ class Vehicle:
     tau_down: float  # [s]
 
     def mixer(self) -> list[list[float]]:
-        """Gives thrust along z [N] and moments about the base's axes [N m] from thrusts [N]."""
+        """Maps rotor thrusts [N] to thrust along z [N] and moments about the base's axes [N m]."""
         return [
             [1.0 for _ in self.rotors],
             [rotor.position[1] for rotor in self.rotors],
@@ -58,15 +58,15 @@ class Vehicle:
 
     @property
     def moment_ratio(self) -> float:
-        """Reaction moment a thrust [m]."""
+        """Reaction moment per thrust [m]."""
         return self.moment_constant / self.thrust_constant
 
     def hover_thrust(self, load: float = 0.0) -> float:
-        """Of each rotor, with that much more mass below [N]."""
+        """Thrust of each rotor at hover, with a mass `load` below [N]."""
         return (self.base.mass + load) * GRAVITY / len(self.rotors)
 
     def hover_speed(self, load: float = 0.0) -> float:
-        """[rad/s]"""
+        """Rotor speed at hover [rad/s]."""
         return math.sqrt(self.hover_thrust(load) / self.thrust_constant)
 
 
@@ -113,7 +113,7 @@ def moved(body: Body, origin: Vector) -> Body:
 
 
 def merged(bodies: list[Body]) -> Body:
-    """One rigid body. Products of inertia must cancel, as they do where rotors lie in pairs."""
+    """One rigid body. Products of inertia must cancel, as for rotors in pairs."""
     mass = sum(body.mass for body in bodies)
     center = [sum(body.mass * body.center[k] for body in bodies) / mass for k in range(3)]
     inertia = [0.0, 0.0, 0.0]
@@ -164,14 +164,14 @@ def payload() -> Payload:
 
 
 def place(robot: int) -> Vector:
-    """Where a robot of several starts: as in scenarios/formation.yaml [m]."""
+    """Initial position of a robot in a team: as in scenarios/formation.yaml [m]."""
     return 0.7 * robot, 0.7 * robot, 1.5
 
 
 # --- MJCF ---------------------------------------------------------------------------------------
 
 
-# Stages of MuJoCo's step that have nothing to do in these worlds (its names, from 3.4 on).
+# Stages of MuJoCo's step that are not needed in these worlds (its names, from 3.4 on).
 MJCF_UNUSED = (
     *("contact", "constraint", "equality", "frictionloss", "limit", "spring", "damper"),
     *("clampctrl", "warmstart", "sensor", "eulerdamp", "autoreset", "midphase"),
@@ -219,12 +219,15 @@ def mjcf_rotors(vehicle: Vehicle, robot: int) -> str:
 
 
 def mjcf(robots: int = 1, with_payload: bool = False, motors: bool = True) -> str:
-    """A world of so many quadrotors, the form of it in which MuJoCo is quickest: no shapes, so
-    nothing can touch; no limits, no springs; its Euler integrator, which is semi-implicit and here
-    has no damping to treat implicitly; all stages off that such a world does not need.
+    """A world of several quadrotors, in the form that is fastest in MuJoCo.
 
-    With motors, controls are thrusts [N], four a robot, on sites at the hubs. Without, the caller
-    writes each robot's wrench into `qfrc_applied`, which MuJoCo handles quicker."""
+    It has no shapes, so no contacts; no limits, no springs. MuJoCo's Euler integrator is
+    semi-implicit and has no damping to treat implicitly here. All stages that such a world does not
+    need are off.
+
+    With motors, controls are thrusts [N], four per robot, on sites at the hubs. Without, the caller
+    writes each robot's wrench into `qfrc_applied`, which is faster in MuJoCo.
+    """
     vehicle, load = qdrone2(), payload() if with_payload else None
     bodies = "".join(mjcf_robot(vehicle, k, load, motors) for k in range(robots))
     actuators = "".join(mjcf_rotors(vehicle, k) for k in range(robots)) if motors else ""

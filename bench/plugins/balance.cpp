@@ -1,5 +1,5 @@
-// Takes a command as a law does and gives what balances the weight, level and at rest: a law
-// without any computing, so that a benchmark can take the rest of a step away.
+// Takes a command like a law and returns the output that balances the weight, level and at rest: a
+// law without computation, so that a benchmark can subtract the rest of a step.
 #include <vector>
 
 #include "controllers/common/trajectory.h"

@@ -1,5 +1,5 @@
-// Passes rotor speeds on; in one chosen environment it takes its time: what a benchmark of batches
-// with a slow environment needs. Not a plugin to fly with: it computes for nothing, or sleeps.
+// Passes rotor speeds on; in one chosen environment it is slow, for a benchmark of batches with a
+// slow environment. Not for flying: it wastes computations, or sleeps.
 #include <skybody/plugin.h>
 
 #include <ctime>
@@ -25,7 +25,7 @@ class SlowController : public Controller {
   }
 
  private:
-  /// @returns 0, after a while
+  /// @returns 0, after a delay
   double delay() const {
     if (sleep_.value() > 0.0) {
       const timespec time{0, static_cast<long>(sleep_.value() * 1e9 / rotors_)};

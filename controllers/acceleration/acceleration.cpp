@@ -1,4 +1,5 @@
-// An acceleration in world axes and a heading: the force that it takes. Chain `force` next.
+// Acceleration controller: a desired acceleration in world axes and a heading to a force. Chain
+// `force` next.
 #include "controllers/common/guidance.h"
 
 namespace skybody {

@@ -1,5 +1,5 @@
-// The place of an arm's end to positions of its joints, by damped least squares. Chain `joint` with
-// position drives, or `joint_pd`.
+// Inverse kinematics of an arm: pose of its end to joint positions, by damped least squares. Chain
+// `joint` with position drives, or `joint_pd`.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -49,7 +49,7 @@ class Arm : public Controller {
       Real next = q[k] + clamp(change[k], Real(-step_), Real(step_));
       if (joint.low < joint.high) next = clamp(next, Real(joint.low), Real(joint.high));
       output.set(k, next);
-      buffer.set(k, select(is_nan(next), q[k], next));  // no trace of a NaN command
+      buffer.set(k, select(is_nan(next), q[k], next));  // a NaN command does not enter the state
     }
   }
 
@@ -64,9 +64,9 @@ class Arm : public Controller {
   /// A joint and the body that it moves.
   struct Segment {
     control::DrivenJoint joint;
-    Frame<double> in_parent, back;  ///< joint's frame in the body before it; body's in the joint's
+    Frame<double> in_parent, back;  ///< joint's frame in the preceding body; body's in the joint's
   };
-  /// Axes and places in the frame of the base.
+  /// Axes and positions in the frame of the base.
   template <class Real>
   struct Posture {
     Vec3<Real> axis[kMost], at[kMost];
@@ -76,7 +76,7 @@ class Arm : public Controller {
   int count() const { return static_cast<int>(segments_.size()); }
   const Segment& segment(int k) const { return segments_[static_cast<std::size_t>(k)]; }
 
-  /// The joints from the base to the end, which must be those that the scenario names.
+  /// The joints from the base to the end, which must equal those of the scenario.
   void set_joints(const Setup& setup, int robot, int body) {
     std::vector<std::string> way;
     for (int b = body; b != base_; b = setup.bodies()[b].parent) {
@@ -107,7 +107,7 @@ class Arm : public Controller {
     }
   }
 
-  /// b's frame, which is given in a's.
+  /// Frame b in the parent of a, from b in a.
   template <class Real>
   static SKYBODY_INLINE Frame<Real> compose(const Frame<Real>& a, const Frame<double>& b) {
     const Quat<Real> turn{Real(b.rotation.w), Real(b.rotation.x), Real(b.rotation.y),
@@ -139,7 +139,7 @@ class Arm : public Controller {
     return now;
   }
 
-  /// Where the end is to be, in the frame of the base.
+  /// Target pose of the end, in the frame of the base.
   template <class Real>
   SKYBODY_INLINE Frame<Real> target(const EnvView<Real>& env, ConstValues<Real> input) const {
     const Quat<Real> setpoint = input.quat(3);
@@ -155,8 +155,8 @@ class Arm : public Controller {
             conjugate(base.rotation) * target.rotation};
   }
 
-  /// One step of damped least squares: (J^T J + damping^2 + |e|^2 / 2) change = J^T e. Without the
-  /// last term a stretched arm would quiver before a target that is out of reach.
+  /// One step of damped least squares: (J^T J + damping^2 + |e|^2 / 2) change = J^T e. The last
+  /// term prevents a stretched arm from oscillating at a target out of reach.
   template <class Real>
   SKYBODY_INLINE void towards(const Posture<Real>& now, const Frame<Real>& target,
                               Real (&change)[kMost]) const {
@@ -173,7 +173,7 @@ class Arm : public Controller {
       spin[k] = slides ? now.axis[k] * Real(0.0) : now.axis[k] * weight;
     }
     Real factor[kMost][kMost];
-    for (int r = 0; r < count(); ++r) {  // Cholesky, and the first substitution with it
+    for (int r = 0; r < count(); ++r) {  // Cholesky, with the forward substitution
       change[r] = dot(move[r], away) + dot(spin[r], turn);
       for (int c = 0; c <= r; ++c) {
         Real sum = dot(move[r], move[c]) + dot(spin[r], spin[c]);

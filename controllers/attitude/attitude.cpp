@@ -1,5 +1,5 @@
-// Collective thrust and attitude: body rates in proportion to the attitude error, and those of the
-// desired attitude fed forward. Chain `ctbr` next.
+// Attitude controller: body rates proportional to the attitude error, plus feed-forward of the
+// desired attitude's rates. Chain `ctbr` next.
 #include <vector>
 
 #include "controllers/common/allocation.h"

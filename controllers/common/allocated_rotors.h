@@ -1,7 +1,7 @@
-// The rotors that allocate: rows of the pseudo-inverse, and limits of thrust.
+// Selection of the rotors that allocation uses: their pseudo-inverse rows and thrust limits.
 //
-// A rotor that pushes downwards and cannot turn backwards takes no part: the pseudo-inverse would
-// ask a thrust below 0 of it to hover, and what is cut off there is missing elsewhere.
+// A rotor that pushes downwards and cannot reverse is left out. The pseudo-inverse would give it a
+// negative thrust in hover; clamping that to 0 loses lift from the other rotors.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@
 
 namespace skybody::control {
 
-/// Which rotors take part.
+/// Selection of rotors for allocation.
 enum class RotorSelection {
-  kUseful,  ///< all but those that push downwards
+  kUseful,  ///< all rotors except those that push downwards
   kAll
 };
 
-/// Rows of A^T (pseudo_inverse.h): what one newton of each rotor gives.
+/// Rows of A^T (pseudo_inverse.h): thrust and torque per newton of each rotor.
 inline std::vector<double> effect_rows(const View<RotorInfo>& rotors, const BodyInfo& base) {
   std::vector<double> rows;
   for (const RotorInfo& rotor : rotors) {
@@ -29,14 +29,14 @@ inline std::vector<double> effect_rows(const View<RotorInfo>& rotors, const Body
   return rows;
 }
 
-/// All rotors in their order; those that take no part have rows of 0.
+/// All rotors in their order. Rotors that are left out have rows of 0.
 /// @param robot, mode  names, for messages
-/// @throws std::runtime_error where thrust and torques are not all reachable
+/// @throws std::runtime_error if thrust and torques are not all reachable
 inline std::vector<AllocatedRotor> allocated_rotors(const View<RotorInfo>& rotors,
                                                     const BodyInfo& base, const std::string& robot,
                                                     const std::string& mode,
                                                     RotorSelection taking) {
-  constexpr double kRounding = 1e-6;  // of an axis that lies level
+  constexpr double kRounding = 1e-6;  // tolerance for an axis in the base's xy plane
   std::vector<double> rows;
   std::vector<bool> takes_part;
   for (const RotorInfo& rotor : rotors) {

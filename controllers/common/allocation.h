@@ -1,16 +1,16 @@
-// Collective thrust and body torque to rotor thrusts, for any robot whose rotors are fixed to its
-// base.
+// Allocation of a collective thrust and a body torque to rotor thrusts, for any robot whose rotors
+// are fixed to its base.
 //
-// f = P u with u = (F_z, tau) and P the pseudo-inverse (pseudo_inverse.h) of the rotors that take
-// part (allocated_rotors.h); sideways forces of tilted rotors are not controlled. A command that
-// the rotors can meet is met, by all three forms with the same bits where all rotors take part.
-// They differ in what they do with others, so that least_i <= f_i <= full_i, least 0 but for
+// f = P u, with u = (F_z, tau) and P the pseudo-inverse (pseudo_inverse.h) of the selected rotors
+// (allocated_rotors.h). Sideways forces of tilted rotors are not controlled. If all rotors are
+// selected, the three methods give bitwise equal thrusts for a command within the rotors' limits.
+// Otherwise they differ in how they satisfy least_i <= f_i <= full_i, where least_i is 0 except for
 // reversible rotors:
 //
-// - priority: yaw torque gives way first, then thrust, then roll and pitch torque (priority.h);
-// - pseudo_inverse: each rotor is cut at its own limits, and all four values suffer;
-// - qp: what comes nearest, by weights; the least one gives way first (bounded_least_squares.h);
-//   all rotors take part.
+// - priority: reduces yaw torque first, then thrust, then roll and pitch torque (priority.h);
+// - pseudo_inverse: clamps each rotor at its own limits, which changes all four values;
+// - qp: minimises the weighted error, so the lowest weight gives way first
+//   (bounded_least_squares.h); uses all rotors.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,7 @@
 
 namespace skybody::control {
 
-/// Parameters of controllers that allocate.
+/// Parameters of controllers with allocation.
 class AllocationChoice {
  public:
   explicit AllocationChoice(Plugin* owner)
@@ -39,12 +39,12 @@ class AllocationChoice {
                          .doc = "qp: of errors of thrust, roll, pitch, yaw as shares of their "
                                 "largest values"}) {}
 
-  /// Whether it is not the default.
+  /// Whether the method differs from the default.
   bool is_chosen() const { return form() != "priority" || weights_.is_given(); }
   const std::string& form() const { return form_.value(); }
 
-  /// @throws std::runtime_error where weights are given to a form that has none, or are too far
-  /// apart for double precision
+  /// @throws std::runtime_error if weights are given to a method without weights, or are too far
+  ///     apart for double precision
   std::vector<double> weights() const {
     if (form() != "qp" && weights_.is_given()) {
       throw std::runtime_error("`allocation_weights` are given, but `allocation` is `" + form() +
@@ -72,8 +72,8 @@ class AllocationChoice {
 /// The allocation of one robot. Immutable after configure().
 class Allocation {
  public:
-  /// By `choice`.
-  /// @throws std::runtime_error where thrust and torques are not all reachable
+  /// Allocation by the method of `choice`.
+  /// @throws std::runtime_error if thrust and torques are not all reachable
   void configure(const Setup& setup, int robot, const std::string& mode,
                  const AllocationChoice& choice) {
     const std::vector<double> weights = choice.weights();
@@ -83,8 +83,8 @@ class Allocation {
     if (is_qp) set_least_squares(setup, robot, weights);
   }
 
-  /// By priority.
-  /// @throws std::runtime_error likewise
+  /// Allocation by priority.
+  /// @throws std::runtime_error if thrust and torques are not all reachable
   void configure(const Setup& setup, int robot, const std::string& mode,
                  RotorSelection taking = RotorSelection::kUseful) {
     const View<RotorInfo> rotors = working_rotors(setup, robot, mode);
@@ -126,7 +126,7 @@ class Allocation {
     }
   }
 
-  /// The same as rotor speeds [rad/s].
+  /// Writes rotor speeds [rad/s] instead of thrusts.
   template <class Real>
   SKYBODY_INLINE void speeds(const Real& thrust, const Vec3<Real>& torque,
                              Values<Real> output) const {
@@ -136,7 +136,8 @@ class Allocation {
     }
   }
 
-  /// Turns thrusts [N] in `output` into speeds. @returns the torque about z of the thrusts [N m]
+  /// Converts the thrusts [N] in `output` to speeds. @returns the torque about z of the thrusts [N
+  /// m]
   template <class Real>
   SKYBODY_INLINE Real speeds_and_yaw(Values<Real> output) const {
     Real yaw(0.0);
@@ -152,7 +153,7 @@ class Allocation {
   static constexpr int kMost = BoundedLeastSquares::kMostRotors;
 
   const AllocatedRotor& rotor(int i) const { return rotors_[static_cast<std::size_t>(i)]; }
-  /// Of a rotor's thrust [N].
+  /// Range of a rotor's thrust [N].
   double range(int i) const { return rotor(i).full - rotor(i).least; }
 
   void set_least_squares(const Setup& setup, int robot, const std::vector<double>& weights) {
@@ -176,8 +177,8 @@ class Allocation {
     least_squares_->configure(n, weighted.data());
   }
 
-  /// Thrusts of the pseudo-inverse where they are within limits, and by least squares in the other
-  /// lanes, one after another.
+  /// Uses the thrusts of the pseudo-inverse in lanes where they are within limits. Solves the least
+  /// squares in the other lanes, one at a time.
   template <class Real>
   SKYBODY_INLINE void nearest(const Priority::Shares<Real>& use, const Vec3<Real>& torque,
                               Values<Real> output) const {
@@ -200,7 +201,7 @@ class Allocation {
     for (int i = 0; i < rotor_count(); ++i) output.set(i, best[i]);
   }
 
-  /// Replaces lane l of the thrusts of the pseudo-inverse.
+  /// Replaces lane l of the thrusts with the least-squares solution.
   template <class Real>
   SKYBODY_INLINE void solve_lane(Real (&push)[kMost], int l) const {
     double setpoint[kMost], share[kMost];
@@ -236,7 +237,7 @@ class Allocation {
   std::vector<AllocatedRotor> rotors_;
   std::vector<double> rows_;  ///< N x 4: thrust and torque [m] per thrust of each rotor
   bool is_priority_ = true;
-  std::unique_ptr<BoundedLeastSquares> least_squares_;  ///< of qp
+  std::unique_ptr<BoundedLeastSquares> least_squares_;  ///< solver of `qp`
 };
 
 }  // namespace skybody::control

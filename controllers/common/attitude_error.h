@@ -1,14 +1,14 @@
-// The turn from a body's attitude to the desired one as a vector about its axes [rad]: three forms
-// that agree while it is small.
+// Attitude error: the rotation from a body's attitude to the desired one, as a vector in body axes
+// [rad]. Three forms, equal for small angles.
 //
-// With q_e = conj(q) q_d, of parts w and v, the turn that is left, in axes of B:
-//   quaternion     2 sgn(w) v        strongest at half a turn; the shorter way round
-//   se3            2 w v = vee(R^T R_d - R_d^T R) / 2, so minus Lee's e_R: weak near half a turn
-//   tilt_priority  q_e = q_tilt q_yaw: first the shortest turn of z of B to where it belongs, then
-//                  the turn about it. With n = sqrt(w^2 + z^2):
+// With q_e = conj(q) q_d = (w, v) the remaining rotation, in axes of B:
+//   quaternion     2 sgn(w) v        largest at half a turn; takes the shorter way round
+//   se3            2 w v = vee(R^T R_d - R_d^T R) / 2 = -e_R of Lee: weak near half a turn
+//   tilt_priority  q_e = q_tilt q_yaw: first the shortest rotation of z of B to its desired
+//                  direction, then the rotation about it. With n = sqrt(w^2 + z^2):
 //                  2 ((w x - y z) / n, (w y + x z) / n, sgn(w) z / n)
-// Limits: at half a turn `se3` gives nothing, so that only what disturbs it brings a body that lies
-// on its back away from there. `tilt_priority` has no tilt axis of its own there: it takes v's.
+// Limits: at half a turn, `se3` is zero; a body on its back leaves this point only by a
+// disturbance. There `tilt_priority` has no tilt axis of its own and uses v's.
 //
 // Sources: `se3`: T. Lee, M. Leok and N. H. McClamroch, Geometric tracking control of a quadrotor
 // UAV on SE(3), CDC 2010, eq. 10. `quaternion`: D. Brescianini, M. Hehn and R. D'Andrea, Nonlinear
@@ -26,7 +26,7 @@ namespace skybody::control {
 
 enum class AttitudeError { kQuaternion, kSe3, kTiltPriority };
 
-/// Of a parameter with the choices quaternion, se3, tilt_priority.
+/// Form selected by a parameter with the choices quaternion, se3, tilt_priority.
 inline AttitudeError attitude_error_of(const std::string& word) {
   if (word == "se3") return AttitudeError::kSe3;
   return word == "tilt_priority" ? AttitudeError::kTiltPriority : AttitudeError::kQuaternion;

@@ -5,9 +5,9 @@
 namespace skybody::control {
 namespace {
 
-/// g: small beside the least weight, large beside rounding.
+/// g: small against the smallest weight, large against rounding errors.
 constexpr double kTieBreak = 1e-8;
-/// Slopes below this are rounding, where rows of B are of the order of 1.
+/// Slopes below this are rounding errors, for rows of B of order 1.
 constexpr double kFlat = 1e-13;
 
 }  // namespace
@@ -47,7 +47,7 @@ void BoundedLeastSquares::fill_free(const double* setpoint, const Place* at, dou
     if (at[i] == kFree) free[frees++] = i;
   }
   double factor[kMostRotors][kMostRotors], y[kMostRotors];
-  for (int r = 0; r < frees; ++r) {  // Cholesky, row by row, and the first substitution with it
+  for (int r = 0; r < frees; ++r) {  // Cholesky row by row, with the forward substitution
     const double* const row = hessian_[free[r]];
     double right = 0.0;
     for (int j = 0; j < count_; ++j) {

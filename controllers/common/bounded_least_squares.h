@@ -1,17 +1,19 @@
-// Thrusts of rotors within their limits that come nearest to a command: weighted least squares with
-// bounds.
+// Weighted least squares with bounds: rotor thrusts within their limits with the smallest weighted
+// error of a command.
 //
-// With x_i = f_i / full_i the rotors' shares, x0 = P u / full those of the pseudo-inverse, which
-// may lie beyond [0, 1], and B_ki = w_k A_ki full_i / scale_k,
-//   minimise  |B (x - x0)|^2 + g |x - x0|^2   over 0 <= x_i <= 1,
-// which is |w (A f - u) / scale|^2 since A P u = u; g decides between thrusts that do the same. It
-// is solved by a primal active set from the clipped x0: rotors at a limit are held there, the
-// others go to the minimum by a Cholesky factor, or to the first limit on the way; where all are
-// within limits, the held rotor that wants away from its limit most is let go.
+// Shares x_i = f_i / full_i. x0 = P u / full is the pseudo-inverse's solution, possibly outside [0,
+// 1]. With B_ki = w_k A_ki full_i / scale_k, minimise
+//   |B (x - x0)|^2 + g |x - x0|^2   over 0 <= x_i <= 1.
+// Since A P u = u, the first term is |w (A f - u) / scale|^2. g selects one of several thrusts with
+// equal error.
 //
-// Fixed sizes, no memory, at most kMostRounds rounds: what it has then is within limits and no
-// worse than where it began. Compiled once, for the baseline instruction set, and run lane by lane,
-// so that bits are the same on every processor.
+// Algorithm: primal active set, started from the clipped x0. Rotors at a limit are held. The others
+// move to the minimum (Cholesky factor) or stop at the first limit on the way. When all are within
+// limits, the held rotor with the largest gradient away from its limit is released.
+//
+// Sizes are fixed; nothing is allocated. There are at most kMostRounds rounds; the result is always
+// within limits and no worse than the start. Compiled once for the baseline instruction set and run
+// lane by lane, so that results are bitwise equal on every processor.
 //
 // Sources: O. Harkegard, Efficient active set algorithms for solving constrained least squares
 // problems in aircraft control allocation, CDC 2002, section III; E. Smeur, D. Hoppener, C. De
@@ -28,28 +30,30 @@ class BoundedLeastSquares {
   static constexpr int kMostRounds = 4 * kMostRotors;
   static constexpr int kRows = 4;  ///< thrust, roll, pitch, yaw
 
-  /// Where a rotor is.
+  /// State of a rotor in the active set.
   enum Place : std::int8_t { kAtNothing = -1, kFree = 0, kAtFull = 1 };
 
-  /// @param count    of rotors, up to kMostRotors
+  /// @param count    number of rotors, up to kMostRotors
   /// @param weighted  B, row by row: kRows x count values
   void configure(int count, const double* weighted);
 
   /// @param setpoint    x0, finite
   /// @param[out] x  shares within [0, 1]
-  /// @param[out] at  where each of them is
+  /// @param[out] at  state of each rotor
   void solve(const double* setpoint, double* x, Place* at) const;
 
-  /// How the solution moves while x0 moves at `setpoint` and no rotor changes its place.
+  /// Derivative of the solution for a derivative `setpoint` of x0, while no rotor changes its
+  /// state.
   void move(const double* setpoint, const Place* at, double* x) const;
 
  private:
-  /// Free entries of x from those that are held: H_ff (x - x0)_f = -H_fb (x - x0)_b.
+  /// Computes the free entries of x from the held ones: H_ff (x - x0)_f = -H_fb (x - x0)_b.
   void fill_free(const double* setpoint, const Place* at, double* x) const;
-  /// Moves the free entries to `goal` or to the first limit on the way, where it holds that rotor.
-  /// @returns whether they reached it
+  /// Moves the free entries to `goal`, or to the first limit on the way; that rotor is then held.
+  /// @returns whether the goal was reached
   bool go(const double* goal, double* x, Place* at) const;
-  /// Lets the rotor go that wants away from its limit most. @returns false if none does
+  /// Releases the held rotor with the largest gradient away from its limit. @returns false if there
+  /// is none
   bool release(const double* setpoint, const double* x, Place* at) const;
 
   int count_ = 0;

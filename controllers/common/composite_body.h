@@ -1,5 +1,5 @@
-// A robot put together with its joints as at a reset, by nominal constants: where its bodies are,
-// and its mass, centre of mass and inertia as one rigid body. In the frame of its base.
+// Composite body: a robot with its joints at their initial coordinates, as one rigid body. Places
+// of its bodies, mass, centre of mass and inertia, from nominal constants, in the base's frame.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace skybody::control {
 
-/// A frame in another one.
+/// Pose of a frame in another one.
 struct Placed {
   Vec3<double> position{0.0, 0.0, 0.0};
   Quat<double> rotation{1.0, 0.0, 0.0, 0.0};
@@ -20,8 +20,8 @@ struct Placed {
 
 inline Placed placed(const double (&pose)[7]) { return {position_of(pose), rotation_of(pose)}; }
 
-/// A body in its parent, with its inboard joint at `coordinate`. Joints without or with more than
-/// one coordinate are at rest.
+/// Pose of a body in its parent for the inboard joint's `coordinate`. Joints with no or several
+/// coordinates are at rest.
 inline Placed placed_in_parent(const BodyInfo& body, double coordinate) {
   Placed moved;
   if (body.joint == SKYBODY_PIN) {
@@ -32,13 +32,13 @@ inline Placed placed_in_parent(const BodyInfo& body, double coordinate) {
 }
 
 struct CompositeBody {
-  std::vector<Placed> bodies;  ///< of the robot, in its order, the base first
+  std::vector<Placed> bodies;  ///< poses of the robot's bodies in their order, base first
   double mass = 0.0;           ///< [kg]
   Vec3<double> com{0.0, 0.0, 0.0};
   SymMat3<double> inertia{};  ///< about com [kg m^2]
 };
 
-/// Adds a body's inertia, moved and turned. @param arm  of its centre of mass
+/// Adds a body's inertia, moved and rotated. @param arm  from com to the body's centre of mass
 inline void add_inertia(SymMat3<double>& sum, double mass, const Vec3<double>& arm,
                         const Quat<double>& turn, const SymMat3<double>& inertia) {
   const auto column = [&](const Vec3<double>& e) {

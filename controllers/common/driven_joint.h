@@ -1,4 +1,4 @@
-// Revolute and prismatic joints of a robot as controllers of joints see them.
+// Revolute and prismatic joints of a robot, for controllers of joints.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -15,9 +15,9 @@ struct DrivenJoint {
   int body = 0;      ///< world body index
   int q = 0, u = 0;  ///< its coordinate and rate, EnvView::q() and u()
   bool slides = false;
-  Vec3<double> point;            ///< of its axis, in the body's frame [m]
+  Vec3<double> point;            ///< a point on the axis, in the body's frame [m]
   Vec3<double> axis;             ///< in the body's frame, unit
-  double low = 0.0, high = 0.0;  ///< its limits [rad] or [m]; both 0: none
+  double low = 0.0, high = 0.0;  ///< limits [rad] or [m]; both 0: no limits
 };
 
 inline Vec3<double> position_of(const double (&pose)[7]) { return vec3(pose); }
@@ -25,7 +25,7 @@ inline Quat<double> rotation_of(const double (&pose)[7]) {
   return {pose[3], pose[4], pose[5], pose[6]};
 }
 
-/// @throws std::runtime_error where there is no such joint, or it has not one coordinate
+/// @throws std::runtime_error if the joint does not exist or does not have exactly one coordinate
 inline DrivenJoint driven_joint(const Setup& setup, int robot, const std::string& name) {
   const BodyInfo& body = setup.joint(robot, name);
   DrivenJoint joint;
@@ -48,7 +48,7 @@ inline DrivenJoint driven_joint(const Setup& setup, int robot, const std::string
   return joint;
 }
 
-/// Whether world body `body` hangs on `ancestor`, or is it.
+/// Whether world body `body` is `ancestor` or one of its descendants.
 inline bool hangs_on(const Setup& setup, int body, int ancestor) {
   while (body > ancestor) body = setup.bodies()[body].parent;
   return body == ancestor;

@@ -1,15 +1,15 @@
-// Whether a vehicle can fly a reference, and how much slower it could.
+// Feasibility check: whether a vehicle can fly a reference, and the fastest feasible time scale.
 //
-// A reference is sampled over time. Each sample asks for a thrust, an attitude, body rates and a
-// torque (flatness.h), and these are held against the vehicle:
-//   thrust   m |a + g e_z|           at most what the rotors give together
-//   fall     |a + g e_z|             at least kLeastShare of g: below it there is no attitude
+// A reference is sampled over time. Each sample needs a thrust, an attitude, body rates and a
+// torque (flatness.h), which must be within the vehicle's limits:
+//   thrust   m |a + g e_z|           at most the total thrust of the rotors
+//   fall     |a + g e_z|             at least kLeastShare of g: below it the attitude is undefined
 //   tilt     angle of z of B to e_z  at most max_tilt
 //   rates    of B, by axis           at most max_rate
-//   torque   I dw/dt + w x I w       what the rotors give beside the thrust, each within its limits
-//   jumps    of the velocity, where the reference begins and ends: none
-// Nominal constants, the base's inertia, the whole robot's mass, still air. Robots whose rotors do
-// not reach all four of thrust and torques are held against thrust, fall, tilt and rates.
+//   torque   I dw/dt + w x I w       within the rotors' limits, in addition to the thrust
+//   jumps    of the velocity at the reference's beginning and end: none
+// The check uses nominal constants, the base's inertia, the whole robot's mass and still air. For
+// robots whose rotors do not reach thrust and all torques, it covers thrust, fall, tilt and rates.
 #pragma once
 
 #include <cmath>
@@ -27,24 +27,24 @@
 
 namespace skybody::control {
 
-/// A limit that a reference breaks.
+/// A violated limit.
 struct LimitViolation {
-  std::string limit;        ///< what breaks, such as "thrust"
-  std::string unit;         ///< of the two values
+  std::string limit;        ///< name of the limit, such as "thrust"
+  std::string unit;         ///< unit of the two values
   double time = 0.0;        ///< since the reset [s]
-  double value = 0.0;       ///< that the reference takes
-  double allowed = 0.0;     ///< that the vehicle has
-  double excess = 0.0;      ///< by which share it breaks
-  std::string remedy = {};  ///< empty: a slower pace
-  bool is_least = false;    ///< `allowed` is the least value and not the greatest
+  double value = 0.0;       ///< value of the reference
+  double allowed = 0.0;     ///< limit of the vehicle
+  double excess = 0.0;      ///< relative excess over the limit
+  std::string remedy = {};  ///< empty: fly slower
+  bool is_least = false;    ///< `allowed` is a lower limit
 };
 
-/// What a vehicle can do. Immutable after configure().
+/// Limits of a vehicle. Immutable after configure().
 class FlightEnvelope {
  public:
-  static constexpr double kLeastShare = 0.05;  ///< of g, that the thrust must keep
-  static constexpr double kTolerance = 1e-6;   ///< share by which values may miss for rounding
-  static constexpr double kLeastJump = 0.05;   ///< [m/s] that counts as a jump
+  static constexpr double kLeastShare = 0.05;  ///< least thrust, as a share of g
+  static constexpr double kTolerance = 1e-6;   ///< relative tolerance for rounding
+  static constexpr double kLeastJump = 0.05;   ///< smallest velocity jump that counts [m/s]
 
   /// @param max_tilt  [rad]
   /// @param max_rate  [rad/s]
@@ -60,7 +60,7 @@ class FlightEnvelope {
     allocate(setup, robot, rotors, base);
   }
 
-  /// The worst limit that one moment breaks. Of an upside-down or falling moment the fall.
+  /// The worst violation at one moment. For an upside-down or falling moment, the violation `fall`.
   std::optional<LimitViolation> breach(const ReferencePoint<double>& point, double time) const {
     Worst worst{time, {}};
     const SpecificThrust<double> u{point.acceleration + Vec3<double>{0.0, 0.0, gravity_},
@@ -82,7 +82,7 @@ class FlightEnvelope {
     return worst.breach;
   }
 
-  /// A jump of the velocity, which no vehicle follows. @param where  "start" or "end"
+  /// Velocity jump, which no vehicle can follow. @param where  "start" or "end"
   static std::optional<LimitViolation> jump(const Vec3<double>& velocity, const std::string& where,
                                             double time) {
     const double speed = norm(velocity);
@@ -111,8 +111,8 @@ class FlightEnvelope {
     }
   };
 
-  /// Rotors on joints, fewer than four, and rotors that do not reach all of thrust and torques are
-  /// not allocated: their torques are not looked at.
+  /// Allocation needs at least four rotors, fixed to the base, that reach thrust and all torques.
+  /// For other robots, torques are not checked.
   void allocate(const Setup& setup, int robot, const View<RotorInfo>& rotors,
                 const BodyInfo& base) {
     for (const RotorInfo& rotor : rotors) {
@@ -126,15 +126,15 @@ class FlightEnvelope {
     }
   }
 
-  /// Takes the shares of thrust and torques that the rotors cannot give within their limits, where
-  /// they allocate by priority.
+  /// Records the shares of thrust and torques that the rotors cannot give within their limits with
+  /// allocation by priority.
   void check_rotors(const FlatMotion<double>& flat, Worst& worst) const {
     const Vec3<double> torque =
         inertia_ * flat.angular_acceleration + cross(flat.rates, inertia_ * flat.rates);
     const double thrust = mass_ * flat.thrust;
     const Priority::Shares<double> use = Priority(rotors_).fitting(thrust, torque);
     const double tilting = norm(torque.x, torque.y), turning = abs(torque.z);
-    // Shares of what the vehicle has, so that what is lost to rounding is nothing.
+    // Relative to the vehicle's limits, so that rounding errors are negligible.
     worst.take("torque about x and y beside the thrust", "N m", tilting, use.tilt * tilting,
                (1.0 - use.tilt) * tilting / min(limits_.torque.x, limits_.torque.y));
     worst.take("torque about z beside the thrust", "N m", turning, use.yaw * turning,
@@ -149,17 +149,15 @@ class FlightEnvelope {
   std::vector<AllocatedRotor> rotors_;
 };
 
-/// A reference at a pace: the point at a time, and when it is over, both at a time scale.
-/// @tparam Point     ReferencePoint<double>(double time, double scale)
-/// @tparam Duration  double(double scale)
+/// Reference with adjustable pace: its points and its duration as functions of a time scale.
 template <class Point, class Duration>
 struct PacedReference {
   Point point;
   Duration duration;
-  bool ends = false;  ///< it rests at the end of its duration, so that it must not move there
+  bool ends = false;  ///< it must end at rest
 };
 
-/// The worst breach at a time scale, by 2000 samples.
+/// The worst violation at a time scale, of 2000 samples.
 template <class Reference>
 std::optional<LimitViolation> worst_breach(const FlightEnvelope& envelope,
                                            const Reference& reference, double scale) {
@@ -167,11 +165,11 @@ std::optional<LimitViolation> worst_breach(const FlightEnvelope& envelope,
   const double duration = reference.duration(scale);
   std::optional<LimitViolation> worst;
   const auto take = [&](const std::optional<LimitViolation>& breach) {
-    // Of moments that differ by rounding, as on a circle, the first.
+    // Of moments that differ by rounding, as on a circle, take the first.
     const double known = worst ? worst->excess * (1.0 + 1e-6) : 0.0;
     if (breach && (!worst || breach->excess > known)) worst = breach;
   };
-  // The end itself may be on either side of the jump to rest.
+  // At the end itself, rounding decides whether the velocity is before or after the jump to rest.
   const double last = duration * (1.0 - 1e-9);
   for (int k = 0; k <= kSamples; ++k) {
     const double time = last / kSamples * k;
@@ -184,8 +182,8 @@ std::optional<LimitViolation> worst_breach(const FlightEnvelope& envelope,
   return worst;
 }
 
-/// The largest time scale below `scale`, which breaks a limit, that breaks none: by bisection, to
-/// 0.1 %; 0 where none above a thousandth does.
+/// The largest feasible time scale below `scale`, which is infeasible. Bisection to 0.1 %. Returns
+/// 0 if no scale above a thousandth of `scale` is feasible.
 template <class Reference>
 double fastest_scale(const FlightEnvelope& envelope, const Reference& reference, double scale) {
   double low = 0.0, high = scale;
@@ -203,20 +201,20 @@ double fastest_scale(const FlightEnvelope& envelope, const Reference& reference,
   return low;
 }
 
-/// A time scale in four digits, rounded down: nearest could print one that breaks the limit again.
+/// A time scale with four digits, rounded down: rounding to nearest could print an infeasible one.
 inline std::string scale_text(double scale) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.4g", scale);
   if (std::strtod(digits, nullptr) > scale) {
-    // Four digits of a scale that is smaller by a unit of the fourth are those below.
+    // Subtract one unit of the fourth digit.
     const double unit = std::pow(10.0, std::floor(std::log10(scale)) - 3.0);
     std::snprintf(digits, sizeof digits, "%.4g", std::strtod(digits, nullptr) - unit);
   }
   return digits;
 }
 
-/// Fails with the limit that breaks, when, by how much, and the fastest time scale that breaks
-/// none. @throws std::runtime_error
+/// Throws if the reference is infeasible. The message names the limit, time, excess and the fastest
+/// feasible time scale. @throws std::runtime_error
 template <class Reference>
 void require_feasible(const FlightEnvelope& envelope, const Reference& reference, double scale) {
   const std::optional<LimitViolation> worst = worst_breach(envelope, reference, scale);

@@ -1,18 +1,18 @@
-// What a multirotor must do to have a given acceleration: its attitude, thrust, body rates and
-// angular acceleration follow from acceleration, jerk, snap and heading (differential flatness).
+// Differential flatness: a multirotor's attitude, thrust, body rates and angular acceleration from
+// acceleration, jerk, snap and heading.
 //
-// With u = a + g e_z the specific thrust, the body's z axis lies along u, and the thrust per mass
-// is |u|. Heading first, then the shortest turn of e_z to s = u / |u|:
+// With the specific thrust u = a + g e_z, the body's z axis lies along u, and the thrust per mass
+// is |u|. The attitude is the heading, followed by the shortest rotation of e_z to s = u / |u|:
 //   q = t(s) * (cos(yaw/2), 0, 0, sin(yaw/2)),  t = (1 + s_z, -s_y, s_x, 0) / norm
-// With k = 1 / (1 + s_z) and r = k ds_z/dt, the turn t has these rates in its own axes:
+// With k = 1 / (1 + s_z) and r = k ds_z/dt, the rates of t in its own axes are:
 //   w_t = (r s_y - ds_y, ds_x - r s_x, k (s_y ds_x - s_x ds_y))
-// Rates and angular acceleration of the body are w_t and its derivative, turned back by the
-// heading, and the heading's own rate about z.
-// Limits: u must not vanish (free fall) nor point straight down; there, the attitude is level and
-// only the heading turns. The yaw rate is taken as constant.
+// The body's rates are w_t, rotated back by the heading, plus the heading's rate about z. Its
+// angular acceleration is their derivative.
+// Limits: if u vanishes (free fall) or points straight down, the attitude is level and only the
+// heading turns. The yaw rate is taken as constant.
 //
 // Source: D. Mellinger and V. Kumar, Minimum snap trajectory generation and control for quadrotors,
-// ICRA 2011, section III; the turn and its rates as in M. Watterson and V. Kumar, Control of
+// ICRA 2011, section III; the rotation t and its rates as in M. Watterson and V. Kumar, Control of
 // quadrotors using the Hopf fibration on SO(3), ISRR 2017, section 4. tests/unit/controllers
 // compares them with derivatives of q by jets.
 #pragma once
@@ -23,10 +23,10 @@
 
 namespace skybody::control {
 
-/// Below this [m/s^2], and this close to straight down [share], a thrust has no attitude.
+/// Least thrust [m/s^2] and least relative distance from straight down with a defined attitude.
 inline constexpr double kLeastThrust = 1e-6;
 
-/// Thrust of all rotors per mass, W axes, with its derivatives by time.
+/// Thrust of all rotors per mass, W axes, with its time derivatives.
 template <class Real>
 struct SpecificThrust {
   Vec3<Real> value;   ///< acceleration less gravity [m/s^2]
@@ -34,7 +34,7 @@ struct SpecificThrust {
   Vec3<Real> second;  ///< [m/s^4]
 };
 
-/// The thrust, attitude and turning that a body must have for a given acceleration.
+/// A body's thrust, attitude, rates and angular acceleration for a given acceleration.
 template <class Real>
 struct FlatMotion {
   Real thrust;                      ///< per mass, along z of B [m/s^2]
@@ -43,8 +43,8 @@ struct FlatMotion {
   Vec3<Real> angular_acceleration;  ///< B axes [rad/s^2]
 };
 
-/// Heading first, then the shortest turn of e_z to `up`, a unit vector that does not point straight
-/// down.
+/// Attitude: the heading, followed by the shortest rotation of e_z to `up`, a unit vector that does
+/// not point straight down.
 /// @tparam Number  a Real, or a Jet
 /// @param half     sine and cosine of half the heading
 template <class Number>
@@ -53,31 +53,31 @@ SKYBODY_INLINE Quat<Number> tilted(const Vec3<Number>& up, const SinCos<Number>&
   return tilt * Quat<Number>{half.cos, Number(0.0), Number(0.0), half.sin};
 }
 
-/// The attitude that belongs to a specific thrust and a heading.
+/// The attitude for a specific thrust and a heading.
 template <class Real>
 struct FlatAttitude {
   Real thrust;          ///< per mass, along z of B [m/s^2]
   Quat<Real> rotation;  ///< W from B
   Vec3<Real> up;        ///< s: z of B in W axes
-  Real inverse;         ///< 1 / thrust; 0 where the thrust has no attitude [s^2/m]
+  Real inverse;         ///< 1 / thrust; 0 if the attitude is undefined [s^2/m]
   Real fold;            ///< k = 1 / (1 + s_z)
   SinCos<Real> half;    ///< of half the heading
 
-  /// From axes before the heading to axes of B.
+  /// Rotates v from axes before the heading to axes of B.
   SKYBODY_INLINE Vec3<Real> by_heading(const Vec3<Real>& v) const {
     const Real sine = 2.0 * (half.sin * half.cos), cosine = 1.0 - 2.0 * (half.sin * half.sin);
     return {cosine * v.x + sine * v.y, cosine * v.y - sine * v.x, v.z};
   }
 };
 
-/// The body rates that belong to a specific thrust that changes.
+/// The body rates for a changing specific thrust.
 template <class Real>
 struct FlatRates {
   Vec3<Real> value;  ///< B axes [rad/s]
   Vec3<Real> turn;   ///< ds/dt, W axes [1/s]
-  Real growth;       ///< of the thrust's size: s . du/dt [m/s^3]
+  Real growth;       ///< derivative of the thrust's magnitude: s . du/dt [m/s^3]
   Real lean;         ///< r = k ds_z/dt [rad/s]
-  Real twist;        ///< rate of the turn t about its own z [rad/s]
+  Real twist;        ///< rate of the rotation t about its own z [rad/s]
 };
 
 /// @param thrust  per mass, W axes [m/s^2]
@@ -93,7 +93,7 @@ SKYBODY_INLINE FlatAttitude<Real> flat_attitude(const Vec3<Real>& thrust, const 
   const Real one_up = 1.0 + flat.up.z;
   const Real scale = 1.0 / sqrt(2.0 * one_up);  // 1 / norm of (1 + s_z, -s_y, s_x, 0)
   flat.fold = 2.0 * (scale * scale);
-  flat.half = sincos(0.5 * yaw);  // a turn more gives -q, the same rotation
+  flat.half = sincos(0.5 * yaw);  // a full turn gives -q, the same rotation
   const Real w = one_up * scale, x = -(flat.up.y * scale), y = flat.up.x * scale;
   const SinCos<Real>& h = flat.half;
   flat.rotation = {w * h.cos, x * h.cos + y * h.sin, y * h.cos - x * h.sin, w * h.sin};
@@ -132,7 +132,7 @@ SKYBODY_INLINE Vec3<Real> flat_acceleration(const FlatAttitude<Real>& flat,
   return {turned.x + yaw_rate * rates.value.y, turned.y - yaw_rate * rates.value.x, turned.z};
 }
 
-/// The motion that belongs to a specific thrust and a heading.
+/// The motion for a specific thrust and a heading.
 template <class Real>
 SKYBODY_INLINE FlatMotion<Real> flat_motion(const SpecificThrust<Real>& u, const Real& yaw,
                                             const Real& yaw_rate) {

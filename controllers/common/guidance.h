@@ -1,11 +1,11 @@
-// From errors of position and velocity to a desired acceleration, with limits: what the controllers
-// that follow positions, velocities and trajectories have in common. Parameters stand here once.
+// Guidance: position and velocity errors to a desired acceleration, with limits. Shared by the
+// controllers that follow positions, velocities and trajectories, with one set of parameters.
 //
 //   a = kp o (p_ref - p) - kd o (v - v_ref) + i,   di/dt = ki o e
-// The horizontal part is limited in length and the vertical one up and down. The specific thrust is
-// the limited acceleration less gravity; max_acceleration_down keeps its z above 0.
-// The integral i has limits of its own and stands still in directions in which the acceleration
-// that was asked for is beyond its limits, so that it does not wind up.
+// The horizontal part of a is limited in length, the vertical part up and down. The specific thrust
+// is the limited acceleration minus gravity; max_acceleration_down keeps its z above 0.
+// The integral i has its own limits. Anti-windup: it is held in directions in which the desired
+// acceleration exceeds its limits.
 #pragma once
 
 #include <stdexcept>
@@ -20,13 +20,13 @@ namespace skybody::control {
 /// Default limits [m/s^2].
 struct AccelerationDefaults {
   double side = 4.0, up = 5.0, down = 4.0;
-  bool by_thrust = false;  ///< no more than 0.9 of the rotors' full thrust can hold up
+  bool by_thrust = false;  ///< limit defaults to those that 0.9 of full thrust can give
 };
 
-/// Of laws that follow trajectories, whose own accelerations count, too.
+/// Defaults of trajectory-following controllers, which also add the reference's acceleration.
 inline constexpr AccelerationDefaults kTrajectoryLimits{20.0, 12.0, 6.0, true};
 
-/// Specific thrust that the rotors give at 0.9 of full thrust [m/s^2]; infinite without rotors.
+/// Specific thrust at 0.9 of the rotors' full thrust [m/s^2]; infinite without rotors.
 inline double usable_thrust(const Setup& setup, int robot) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   double sum = 0.0;
@@ -36,7 +36,7 @@ inline double usable_thrust(const Setup& setup, int robot) {
   return rotors.size() > 0 ? 0.9 * sum / total_mass(setup, robot) : kInfinity;
 }
 
-/// The largest accelerations that are asked for.
+/// Limits of the desired acceleration.
 class AccelerationLimits {
  public:
   AccelerationLimits(Plugin* owner, const AccelerationDefaults& defaults)
@@ -59,7 +59,7 @@ class AccelerationLimits {
                       "default is lowered"}),
         by_thrust_(defaults.by_thrust) {}
 
-  /// @throws std::runtime_error where no thrust would be left to steer with
+  /// @throws std::runtime_error if the downward limit leaves no thrust for steering
   void configure(const Setup& setup) {
     gravity_ = gravity_of(setup);
     most_down_ = down_.is_given() ? down_.value() : min(down_.value(), 0.9 * gravity_);
@@ -71,7 +71,7 @@ class AccelerationLimits {
     most_side_ = side_.value();
     most_up_ = up_.value();
     if (by_thrust_) keep_within_thrust(usable_thrust(setup, setup.robot()));
-    // Below this square no horizontal acceleration reaches the limit, whatever its rounding.
+    // Below this square, the horizontal acceleration is within the limit in spite of rounding.
     surely_within_ = most_side_ * most_side_ * (1.0 - 1e-12);
   }
 
@@ -94,19 +94,19 @@ class AccelerationLimits {
     return out;
   }
 
-  /// Specific thrust [m/s^2]: that acceleration less gravity. Its z stays positive.
+  /// Specific thrust [m/s^2]: the limited acceleration minus gravity. Its z stays positive.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
     return thrust_for(held(a));
   }
-  /// Of an acceleration that is within the limits.
+  /// Specific thrust for an acceleration within the limits.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> thrust_for(const Vec3<Real>& a) const {
     return {a.x, a.y, a.z + gravity_};
   }
 
-  /// The integral's next value: what it would be, but held where the acceleration that was asked
-  /// for is beyond its limits in the integral's own direction.
+  /// The integral's next value. It is held where the desired acceleration exceeds its limits and
+  /// the change would increase the excess.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> unwound(const Vec3<Real>& now, const Vec3<Real>& next,
                                     const Vec3<Real>& asked) const {
@@ -121,14 +121,14 @@ class AccelerationLimits {
   }
 
  private:
-  /// Lowers defaults, but not what the scenario gives, so that thrust still holds the height.
+  /// Lowers limits that the scenario does not give, so that thrust still holds the height.
   void keep_within_thrust(double thrust) {
     const double level = sqrt(max(0.0, thrust * thrust - gravity_ * gravity_));
     if (!side_.is_given()) most_side_ = max(kLeast, min(most_side_, level));
     if (!up_.is_given()) most_up_ = max(kLeast, min(most_up_, thrust - gravity_));
   }
 
-  static constexpr double kLeast = 0.5;  ///< [m/s^2], of vehicles that can hardly fly
+  static constexpr double kLeast = 0.5;  ///< [m/s^2], for vehicles that can barely fly
 
   RealParameter side_, up_, down_;
   bool by_thrust_;
@@ -136,10 +136,10 @@ class AccelerationLimits {
   double gravity_ = 0.0, surely_within_ = 0.0;
 };
 
-/// The integral part of a law. It takes state words only where one of its gains is above 0.
+/// Integral part of a controller. It uses state words only if one of its gains is above 0.
 class Integral {
  public:
-  /// @param unit, doc  of `ki`
+  /// @param unit, doc  of the parameter `ki`
   Integral(Plugin* owner, const char* unit, const char* doc)
       : ki_(owner, {.name = "ki", .unit = unit, .values = {0.0, 0.0, 0.0}, .min = 0.0, .doc = doc}),
         most_(owner, {.name = "max_integral",
@@ -153,14 +153,14 @@ class Integral {
     is_on_ = k.x > 0.0 || k.y > 0.0 || k.z > 0.0;
     per_step_ = k * setup.dt();
   }
-  /// That it takes of the buffer, from 0 on.
+  /// Number of buffer words, from 0 on.
   int words() const { return is_on_ ? 3 : 0; }
 
   bool is_on() const { return is_on_; }
 
-  /// Adds the integral to an acceleration and takes this step's error into it.
+  /// Adds the integral to an acceleration, then integrates this step's error.
   /// @param setpoint    acceleration without the integral, W axes [m/s^2]
-  /// @param error   what is integrated, W axes
+  /// @param error   the integrand, W axes
   /// @param buffer  of words()
   template <class Real>
   SKYBODY_INLINE Vec3<Real> added(const Vec3<Real>& setpoint, const Vec3<Real>& error,
@@ -200,7 +200,7 @@ class Guidance {
         integral_(owner, "1/s^3", "acceleration per integral of position error, W axes; 0: none"),
         limits_(owner, limits) {}
 
-  /// @param share  what default gains are multiplied by, once for each order (lag_share)
+  /// @param share  factor on default gains, applied once per order (lag_share)
   void configure(const Setup& setup, double share = 1.0) {
     kp_share_ = kp_.is_given() ? 1.0 : share * share;
     kd_share_ = kd_.is_given() ? 1.0 : share;
@@ -219,16 +219,16 @@ class Guidance {
     report_.note(differs(out, setpoint), buffer);
     return out;
   }
-  /// The specific thrust for it [m/s^2]; its z stays positive.
+  /// The specific thrust for the limited acceleration [m/s^2]; its z stays positive.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> thrust(const Vec3<Real>& setpoint, Values<Real> buffer) const {
     return limits_.thrust_for(held(setpoint, buffer));
   }
 
-  /// Desired acceleration of feedback and `forward`, before limits [m/s^2].
+  /// Desired acceleration: feedback plus `forward`, before limits [m/s^2].
   /// @param offset   p_ref - p [m]
   /// @param excess   v - v_ref [m/s]
-  /// @param forward  fed forward, W axes [m/s^2]
+  /// @param forward  feed-forward, W axes [m/s^2]
   /// @param buffer   of the integral
   template <class Real>
   SKYBODY_INLINE Vec3<Real> setpoint(const EnvView<Real>& env, const Vec3<Real>& offset,
@@ -237,7 +237,7 @@ class Guidance {
     return integral_.added(feedback(env, offset, excess) + forward, offset, limits_, buffer);
   }
 
-  /// The same with nothing fed forward.
+  /// The same without feed-forward.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> setpoint(const EnvView<Real>& env, const Vec3<Real>& offset,
                                      const Vec3<Real>& excess, Values<Real> buffer) const {

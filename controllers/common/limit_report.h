@@ -1,5 +1,5 @@
-// Whether a law asks for less than it wants, since a limit of its own cuts it: the info `limited`,
-// 1 where it does and 0 where not, of the last evaluation. `skybody run` and `check` count it.
+// Info `limited`: 1 if the controller's own limits reduced its command at the last evaluation, else
+// 0. `skybody run` and `check` count it.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -8,7 +8,7 @@ namespace skybody::control {
 
 class LimitReport {
  public:
-  /// @param word  of the controller's buffer that holds it
+  /// @param word  index of the value in the controller's buffer
   void configure(const Setup& setup, int word) {
     setup.report("limited", "", 1, word);
     word_ = word;

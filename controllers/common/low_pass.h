@@ -1,10 +1,10 @@
-// A second-order Butterworth low-pass filter for values that are sampled at a fixed interval.
+// A second-order Butterworth low-pass filter for values sampled at a fixed interval.
 //
-// The continuous filter w^2 / (s^2 + sqrt(2) w s + w^2) by the bilinear transform, with its cutoff
-// kept in place (prewarping): with K = tan(pi f T), f the cutoff and T the interval,
+// The continuous filter w^2 / (s^2 + sqrt(2) w s + w^2), discretised by the bilinear transform with
+// prewarping, which keeps the cutoff. With K = tan(pi f T), f the cutoff and T the interval:
 //   n = 1 + sqrt(2) K + K^2,  b0 = K^2 / n,  b1 = 2 b0,  b2 = b0,
 //   a1 = 2 (K^2 - 1) / n,     a2 = (1 - sqrt(2) K + K^2) / n
-// run as the transposed direct form II:
+// in transposed direct form II:
 //   y = b0 x + s1,  s1' = b1 x - a1 y + s2,  s2' = b2 x - a2 y
 // Source: A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, 2010, sections 6.3
 // and 7.2. tests/oracle compares it with SciPy's butter and lfilter.
@@ -17,7 +17,7 @@
 
 namespace skybody::control {
 
-/// What the filter remembers of its past. Zero: the input has always been zero.
+/// State of the filter. Zero: the input has always been zero.
 /// @tparam T  a Real or a Vec3 of them
 template <class T>
 struct LowPassState {
@@ -27,12 +27,12 @@ struct LowPassState {
 /// Coefficients of the filter; the same for all environments. Immutable after configure().
 class LowPass {
  public:
-  /// @param name      of the parameter that gives `cutoff`, for messages
-  /// @param cutoff    where the gain has fallen by 3 dB [Hz], above 0
-  /// @param interval  between two samples [s]
-  /// @throws std::runtime_error where the samples are too far apart for the cutoff
+  /// @param name      name of the parameter `cutoff`, for messages
+  /// @param cutoff    frequency of -3 dB gain [Hz], above 0
+  /// @param interval  time between two samples [s]
+  /// @throws std::runtime_error if the interval is too long for the cutoff
   void configure(const std::string& name, double cutoff, double interval) {
-    const double most = 0.45 / interval;  // a little below half the rate of the samples
+    const double most = 0.45 / interval;  // a little below half the sampling rate
     if (cutoff > most) {
       throw std::runtime_error("`" + name + "` " + to_text(cutoff) + " Hz is too high for " +
                                to_text(interval) + " s between two samples: at most " +
@@ -45,7 +45,7 @@ class LowPass {
     a2_ = (1.0 - kRootOfTwo * k + square) * scale;
   }
 
-  /// Takes the next sample. @returns the filtered value
+  /// Filters the next sample. @returns the filtered value
   template <class T>
   SKYBODY_INLINE T filtered(const T& sample, LowPassState<T>& state) const {
     const T share = sample * b0_;

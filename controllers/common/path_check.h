@@ -1,4 +1,4 @@
-// Whether a robot can fly a path, with the parameters of that check, for plugins that have a path.
+// Feasibility check of a path by a robot, with its parameters, for plugins that have a path.
 #pragma once
 
 #include <stdexcept>
@@ -13,8 +13,8 @@ class PathCheck {
  public:
   explicit PathCheck(Plugin* owner) : owner_(owner) {}
 
-  /// Refuses a path that stays where it begins: that is `hold`. Waypoints are held apart where they
-  /// are read.
+  /// Rejects a path that never leaves its start; use `hold` instead. The distance between waypoints
+  /// is checked when they are read.
   /// @throws std::runtime_error with the remedy
   static void require_length(const reference::PathParameters& parameters,
                              const reference::Path& path) {
@@ -35,9 +35,9 @@ class PathCheck {
     }
   }
 
-  /// Holds the nominal path, from its beginning on, against what the robot can do. Robots without
-  /// rotors are driven, and a step is no path that anything flies exactly.
-  /// @throws std::runtime_error with the limit that breaks, when, by how much, and the remedy
+  /// Checks the nominal path, from its beginning on, against the robot's limits. Robots without
+  /// rotors are driven and are not checked; neither is a step, which no vehicle can follow exactly.
+  /// @throws std::runtime_error with the violated limit, its time, its excess and the remedy
   void require_flyable_path(const Setup& setup, int robot,
                             const reference::PathParameters& parameters,
                             reference::Path path) const {
@@ -46,7 +46,7 @@ class PathCheck {
     FlightEnvelope envelope;
     envelope.configure(setup, robot, max_tilt_.value(), max_rate_.value());
     const reference::PathNumbers<double> numbers = nominal_numbers(parameters, path);
-    path.approach = 0.0;  // where from is drawn
+    path.approach = 0.0;  // the approach's start is random
     const auto at_scale = [&](double scale) {
       reference::PathNumbers<double> paced = numbers;
       paced.time_scale = scale;

@@ -1,13 +1,13 @@
-// Saturation of thrust and torques by rank.
+// Saturation of thrust and torques by priority.
 //
-// With P the pseudo-inverse (pseudo_inverse.h), rotor i is to push f_i = P_i u out of least_i to
-// full_i; least_i is 0, but below 0 for reversible rotors.
-// A command u that the rotors can meet is met. Others are reduced in this order:
-//   1. roll and pitch torque, both scaled by the largest s <= 1 for which some thrust fits;
-//   2. thrust, moved as little as needed to fit on top of it;
-//   3. yaw torque, scaled by the largest t <= 1 that moves thrust no further; where it lets thrust
-//      come nearer to what is asked for, thrust does.
-// A rotor that does not serve thrust (P_i0 <= 0) takes no part in this and is cut at its limits.
+// With P the pseudo-inverse (pseudo_inverse.h), rotor i gives f_i = P_i u within [least_i, full_i];
+// least_i is 0, or negative for reversible rotors. A command u within the rotors' limits is
+// unchanged. Other commands are reduced in this order:
+//   1. roll and pitch torque, both scaled by the largest s <= 1 for which a feasible thrust exists;
+//   2. thrust, changed as little as needed to be feasible with these torques;
+//   3. yaw torque, scaled by the largest t <= 1 that does not change the thrust further. If the yaw
+//      torque allows a thrust nearer to the command, the thrust is moved there.
+// A rotor with P_i0 <= 0, which gives no lift, is left out and clamped at its limits.
 #pragma once
 
 #include <vector>
@@ -19,27 +19,27 @@ namespace skybody::control {
 /// A rotor in the allocation.
 struct AllocatedRotor {
   double thrust, roll, pitch, yaw;  ///< row of P
-  double per_thrust;                ///< 1 / thrust where it lifts
+  double per_thrust;                ///< 1 / thrust if it lifts
   double least, full;               ///< [N]
   double per_constant;              ///< 1 / kf
   bool lifts;
 };
 
-/// Cuts commands down to what a robot's rotors can meet.
+/// Reduces commands to the rotors' limits.
 class Priority {
  public:
   using Row = AllocatedRotor;
 
-  /// What is left of a command.
+  /// The reduced command.
   template <class Real>
   struct Shares {
     Real thrust;     ///< [N]
-    Real tilt, yaw;  ///< shares of the torques
+    Real tilt, yaw;  ///< factors on the torques
   };
 
   explicit Priority(const std::vector<Row>& rotors) : rotors_(rotors) {}
 
-  /// Of a command, all that fits.
+  /// The feasible part of a command.
   template <class Real>
   SKYBODY_INLINE Shares<Real> fitting(const Real& thrust, const Vec3<Real>& torque) const {
     Shares<Real> use{thrust, Real(1.0), Real(1.0)};
@@ -57,7 +57,7 @@ class Priority {
   static SKYBODY_INLINE Real tilt_part(const Row& r, const Vec3<Real>& torque) {
     return r.roll * torque.x + r.pitch * torque.y;
   }
-  /// Of one rotor [N].
+  /// Thrust of one rotor [N].
   template <class Real>
   static SKYBODY_INLINE Real push(const Row& r, const Shares<Real>& use, const Vec3<Real>& torque) {
     const Real base = r.thrust * use.thrust + use.tilt * tilt_part(r, torque);
@@ -65,7 +65,7 @@ class Priority {
   }
 
  private:
-  /// By how much the rotors would leave their limits at most [N]; 0 or less where all is met.
+  /// The largest violation of the rotors' limits [N]; at most 0 if the command is feasible.
   template <class Real>
   SKYBODY_INLINE Real excess_of(const Shares<Real>& use, const Vec3<Real>& torque) const {
     Real excess(0.0);
@@ -77,8 +77,8 @@ class Priority {
     return excess;
   }
 
-  /// Steps 1 to 3. All is per unit of the thrust column here: rotor i pushes L + o_i out of b_i to
-  /// c_i, with L the thrust and o_i what the torques ask for.
+  /// Steps 1 to 3. Here all values are per unit of the thrust column: rotor i gives L + o_i within
+  /// [b_i, c_i], with L the thrust and o_i the part of the torques.
   template <class Real>
   SKYBODY_INLINE Shares<Real> cut(const Real& thrust, const Vec3<Real>& torque) const {
     Shares<Real> use{thrust, tilt_share(torque), Real(0.0)};
@@ -94,7 +94,7 @@ class Priority {
     return (use.tilt * tilt_part(r, torque) + use.yaw * (r.yaw * torque.z)) * r.per_thrust;
   }
 
-  /// The thrust nearest to `wanted` on which the torques fit.
+  /// The thrust nearest to `wanted` that is feasible with these torques.
   template <class Real>
   SKYBODY_INLINE Real nearest_lift(const Shares<Real>& use, const Real& wanted,
                                    const Vec3<Real>& torque) const {
@@ -108,13 +108,13 @@ class Priority {
     return clamp(wanted, low, max(low, high));
   }
 
-  /// Step 3: the largest t <= 1 for which some thrust within `moved` of the one that is asked for
-  /// fits. @param use  with yaw 0, which fits
+  /// Step 3: the largest t <= 1 for which a feasible thrust within `moved` of the desired one
+  /// exists. @param use  with yaw 0, which is feasible
   template <class Real>
   SKYBODY_INLINE Real yaw_share(const Shares<Real>& use, const Real& moved,
                                 const Vec3<Real>& torque) const {
     Real share(1.0);
-    // Lowers the share t to what keeps violation + t growth at 0 or below, as it is at t = 0.
+    // Lowers the factor t so that violation + t growth <= 0, which holds at t = 0.
     const auto limit = [&](const Real& violation, const Real& growth) SKYBODY_INLINE_LAMBDA {
       const Real room = max(-violation, 0.0);
       share = min(share,
@@ -138,8 +138,8 @@ class Priority {
     return share;
   }
 
-  /// Between the full thrust of one rotor and the least one of another, per unit of the thrust
-  /// column.
+  /// Difference between the full thrust of one rotor and the least thrust of another, per unit of
+  /// the thrust column.
   static double room(const Row& high, const Row& low) {
     return high.full * high.per_thrust - low.least * low.per_thrust;
   }
@@ -148,7 +148,7 @@ class Priority {
   /// part, b the least and c the full thrust, all per unit of the thrust column.
   template <class Real>
   SKYBODY_INLINE Real tilt_share(const Vec3<Real>& torque) const {
-    Real lowest(kLargest);  // of rotors that are not reversible
+    Real lowest(kLargest);  // of the rotors that are not reversible
     for (const Row& r : rotors_) {
       if (r.lifts && r.least == 0.0) lowest = min(lowest, tilt_part(r, torque) * r.per_thrust);
     }

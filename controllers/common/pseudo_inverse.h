@@ -1,5 +1,5 @@
-// The pseudo-inverse of what rotors do: P = A^T (A A^T)^-1, of least norm, where column i of A is
-// the thrust and the torque of one newton of rotor i (rotor_effects.h).
+// The pseudo-inverse P = A^T (A A^T)^-1 of the rotors' effects, of least norm. Column i of A is the
+// thrust and the torque of one newton of rotor i (rotor_effects.h).
 #pragma once
 
 #include <skybody/plugin.h>
@@ -12,9 +12,9 @@ namespace skybody::control {
 
 class PseudoInverse {
  public:
-  /// P, N x 4, from the rows of A^T, those of the rotors. Each of the four directions is scaled to
-  /// length 1 first.
-  /// @param more  put behind the message of an error
+  /// P, N x 4, from the rows of A^T, one per rotor. Each of the four directions is scaled to length
+  /// 1 first.
+  /// @param more  text appended to error messages
   static std::vector<double> of(const std::vector<double>& rows, const std::string& robot,
                                 const std::string& mode, const std::string& more = "") {
     static const char* const kNames[4] = {"thrust along z", "roll torque", "pitch torque",
@@ -50,7 +50,7 @@ class PseudoInverse {
   }
 
  private:
-  /// One column of Gauss-Jordan with partial pivoting; false where the pivot vanishes.
+  /// One column of Gauss-Jordan elimination with partial pivoting; false if the pivot vanishes.
   static bool eliminate(double (&m)[4][8], int k) {
     int best = k;
     for (int r = k + 1; r < 4; ++r) {

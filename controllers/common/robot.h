@@ -1,5 +1,5 @@
-// Constants of one robot as configure() sees them: masses, limits, texts for messages. Nominal
-// values throughout; what randomizers draw is not known here.
+// Constants of one robot at configure(): masses, limits, texts for messages. All values are
+// nominal; randomization is not included.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -57,19 +57,19 @@ inline double full_thrust(const RotorInfo& rotor) {
   return rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed * speed;
 }
 
-/// Whether a rotor pushes upwards while the base is level. Below 1e-6 an axis is level but for
-/// rounding.
+/// Whether a rotor pushes upwards while the base is level. An axis within 1e-6 of level counts as
+/// level.
 inline bool lifts(const RotorInfo& rotor) { return rotor.axis_in_base[2] > 1e-6; }
 
 inline bool is_reversible(const RotorInfo& rotor) { return rotor.min_speed < 0.0; }
 
-/// A rotor's thrust at its most negative speed [N]: 0, or below 0 of a reversible one.
+/// A rotor's thrust at its most negative speed [N]: 0, or negative for a reversible rotor.
 inline double least_thrust(const RotorInfo& rotor) {
   const double speed = rotor.min_speed;
   return speed < 0.0 ? -(rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed * speed) : 0.0;
 }
 
-/// The speed [rad/s] for a thrust [N] that lies within a rotor's limits.
+/// The speed [rad/s] for a thrust [N] within a rotor's limits.
 /// @param least         least_thrust()
 /// @param per_constant  1 / k_f
 template <class Real>
@@ -78,7 +78,7 @@ SKYBODY_INLINE Real speed_for(const Real& thrust, double least, double per_const
   return copysign(sqrt(abs(thrust) * per_constant), thrust);
 }
 
-/// The robot's rotors; each must be able to push. @throws std::runtime_error
+/// The robot's rotors. @throws std::runtime_error if there are none or one of them has no thrust
 inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::string& mode) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   if (rotors.size() == 0) {
@@ -97,7 +97,7 @@ inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::
   return rotors;
 }
 
-/// Fails where action -1 would mean less than a rotor can do. @throws std::runtime_error
+/// Throws if action -1 would be below a rotor's least value. @throws std::runtime_error
 inline void require_reachable(const std::string& name, double low, double least,
                               const RotorInfo& rotor) {
   if (low >= least) return;
@@ -107,7 +107,7 @@ inline void require_reachable(const std::string& name, double low, double least,
                            "file if it turns backwards");
 }
 
-/// Fails where a controller of joints is told to drive none. @throws std::runtime_error
+/// Throws if a joint controller has no joints to drive. @throws std::runtime_error
 inline void require_joints(const Setup& setup, int robot, const std::vector<std::string>& names) {
   if (!names.empty()) return;
   std::string known;
@@ -122,7 +122,7 @@ inline void require_joints(const Setup& setup, int robot, const std::vector<std:
                      : "the joints " + known));
 }
 
-/// Fails unless low < high, with both values in the message. @throws std::runtime_error
+/// Throws unless low < high, with both values in the message. @throws std::runtime_error
 inline void require_order(const std::string& low_name, double low, const std::string& high_name,
                           double high) {
   if (low < high) return;

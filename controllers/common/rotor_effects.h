@@ -1,10 +1,10 @@
-// The force and torque that a rotor's thrust exerts on the base, per newton, and the largest force
-// and torque of all rotors together.
+// Rotor effects: force and torque on the base per newton of rotor thrust, and the largest force and
+// torque of all rotors together.
 //
-// Rotor i at r_i pushes f_i along a_i and gives
+// Rotor i at r_i pushes with f_i along a_i and gives
 //   F_z = a_iz f_i,   tau = ((r_i - c) x a_i - d_i (km_i / kf_i) a_i) f_i,
-// c the base's centre of mass, d_i its sense of rotation. Nominal values, in the frame of the base;
-// of rotors behind joints with these as at a reset.
+// with c the base's centre of mass and d_i its direction of rotation. Nominal values, in the frame
+// of the base; rotors behind joints are at their initial places.
 #pragma once
 
 #include "controllers/common/robot.h"
@@ -17,7 +17,7 @@ struct RotorEffect {
   Vec3<double> torque;
 };
 
-/// @param centre  about which the torque acts, frame of the base [m]
+/// @param centre  reference point of the torque, frame of the base [m]
 inline RotorEffect effect_about(const RotorInfo& rotor, const Vec3<double>& centre) {
   const Vec3<double> axis = vec3(rotor.axis_in_base);
   const Vec3<double> arm = vec3(rotor.position_in_base) - centre;
@@ -30,8 +30,8 @@ inline RotorEffect effect_of(const RotorInfo& rotor, const BodyInfo& base) {
   return effect_about(rotor, vec3(base.com));
 }
 
-/// What the rotors can do together: sum of full thrusts along z, and per axis the torque that is
-/// reachable in both senses.
+/// Limits of the rotors together: sum of full thrusts along z, and per axis the torque that is
+/// reachable in both directions.
 struct ThrustTorqueLimits {
   double thrust = 0.0;                 ///< [N]
   Vec3<double> torque{0.0, 0.0, 0.0};  ///< [N m]

@@ -1,5 +1,5 @@
-// Position drives of joints that turn rotors, with stiffness and damping by the inertia that they
-// move. Parameters stand here once.
+// Position drives of joints that tilt rotors. Stiffness and damping follow from the driven inertia.
+// The parameters are declared here once.
 #pragma once
 
 #include <limits>
@@ -8,7 +8,8 @@
 
 namespace skybody::control {
 
-/// Inertia of a joint's body about its axis, nominal [kg m^2]; of a prismatic joint its mass [kg].
+/// Nominal inertia of a joint's body about the joint's axis [kg m^2]; for a prismatic joint its
+/// mass [kg].
 inline double carried_inertia(const BodyInfo& body, const DrivenJoint& joint) {
   if (joint.slides) return body.mass;
   const Vec3<double> lever = vec3(body.com) - joint.point;
@@ -43,7 +44,7 @@ class Servo {
                      .doc = "lag of the joints' commands; 0: none"}) {}
 
   /// Declares the drive of a joint.
-  /// @param inertia  that it moves (carried_inertia)
+  /// @param inertia  the driven inertia (carried_inertia)
   void declare(const Setup& setup, const DrivenJoint& joint, double inertia) const {
     const double infinity = std::numeric_limits<double>::infinity();
     const double limit = effort_limit_.value() > 0.0 ? effort_limit_.value() : infinity;

@@ -1,5 +1,5 @@
-// Pushes for a wrench, of least norm: f = A^T (A A^T)^-1 w, column i of A being the force and the
-// moment of one newton of push i about the robot's centre of mass, axes of the base.
+// Pseudo-inverse for a wrench, of least norm: f = A^T (A A^T)^-1 w. Column i of A is the force and
+// the moment of one newton of push i about the robot's centre of mass, axes of the base.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -14,14 +14,15 @@ class SixAxisInverse {
  public:
   static constexpr int kSize = 6;  ///< force [N], then moment [N m]
 
-  /// Adds a push. @param force, moment  of one newton of it
+  /// Adds a push. @param force, moment  of one newton of the push
   void add(const Vec3<double>& force, const Vec3<double>& moment) {
     columns_.push_back({{force.x, force.y, force.z, moment.x, moment.y, moment.z}});
   }
 
   /// Rows of the pseudo-inverse by a Cholesky factor of A A^T, each direction scaled to length 1.
-  /// @param whose, need  of the message: "WHOSE cannot give yaw torque independently, which NEED"
-  /// @throws std::runtime_error where the pushes do not reach all six directions
+  /// @param whose, need  parts of the message: "WHOSE cannot give yaw torque independently, which
+  ///     NEED"
+  /// @throws std::runtime_error if the pushes do not reach all six directions
   void invert(const std::string& whose, const std::string& need) {
     static const char* const kNames[kSize] = {"force along x", "force along y", "force along z",
                                               "roll torque",   "pitch torque",  "yaw torque"};

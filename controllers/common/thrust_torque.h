@@ -1,5 +1,5 @@
-// From a collective thrust and a body torque to actuators: through the rotors, or as a wrench at
-// the base's centre of mass behind a first-order lag (paper eq. 1 and 2). Shared by ctbt and ctbr.
+// Actuation of a collective thrust and a body torque: through the rotors, or as a wrench at the
+// base's centre of mass behind a first-order lag (paper eq. 1 and 2). Shared by ctbt and ctbr.
 #pragma once
 
 #include <string>
@@ -9,22 +9,22 @@
 
 namespace skybody::control {
 
-/// The thrust [N] and torque [N m, base axes] that act at the centre of mass now, behind the lag: u
-/// of eq. 2.
+/// The present thrust [N] and torque [N m, base axes] at the centre of mass, behind the lag: u of
+/// eq. 2.
 template <class Real>
 struct ThrustTorqueState {
   Real thrust;
   Vec3<Real> torque;
 };
 
-/// How a controller wants its thrust and torque to reach the body.
+/// Settings of the actuation.
 struct ThrustTorqueChoice {
-  bool rotors = true;       ///< else: wrench on the body
-  bool lag = true;          ///< body only: eq. 2, or immediately
-  double time_up = -1.0;    ///< [s]; below 0: mean tau_up of the environment's rotors
-  double time_down = -1.0;  ///< [s]; likewise
-  double max_thrust = 0.0;  ///< [N]; 0: what the rotors can do
-  Vec3<double> max_torque{0.0, 0.0, 0.0};  ///< [N m]; 0: what the rotors can do
+  bool rotors = true;       ///< false: wrench on the body
+  bool lag = true;          ///< body only: lag of eq. 2, or immediate
+  double time_up = -1.0;    ///< [s]; negative: mean tau_up of the environment's rotors
+  double time_down = -1.0;  ///< [s]; negative: mean tau_down of the environment's rotors
+  double max_thrust = 0.0;  ///< [N]; 0: the rotors' limit
+  Vec3<double> max_torque{0.0, 0.0, 0.0};  ///< [N m]; 0: the rotors' limit
 };
 
 class ThrustTorque {
@@ -60,7 +60,8 @@ class ThrustTorque {
 
   const ThrustTorqueLimits& limits() const { return limits_; }
 
-  /// The lag starts from what the rotors do at the reset, so that a hovering start is one here too.
+  /// Initialises the lag from the rotors' speeds at the reset, so that an episode can start in
+  /// hover.
   template <class Real>
   SKYBODY_INLINE void reset(const EnvView<Real>& env, ThrustTorqueState<Real>& state) const {
     Real thrust(0.0);
@@ -147,7 +148,7 @@ class ThrustTorque {
     return select(slow, exp(-dt_ / select(slow, mean, Real(1.0))), Real(0.0));
   }
 
-  /// Eq. 2 for one channel. It rises where its magnitude does, so that both senses are alike.
+  /// Eq. 2 for one channel. A growing magnitude is "rising", so that both signs behave alike.
   template <class Real>
   static SKYBODY_INLINE Real approach(const Real& u, const Real& reference, const Real& keep_up,
                                       const Real& keep_down) {

@@ -1,13 +1,11 @@
-// Errors and feed-forward for the attitude loop of a law that follows a trajectory: the turn from
-// the body's attitude to the desired one, and the rates and angular acceleration that the body
-// should have now.
+// Attitude error and feed-forward for the attitude loop of a trajectory-following controller: the
+// rotation to the desired attitude, and the desired rates and angular acceleration.
 //
-// The desired attitude R_d follows from the specific thrust that the law asks for, its rates w_d
-// and their derivative from the reference's jerk and snap (flatness.h). In axes of B, with R_e =
-// R^T R_d:
+// The desired attitude R_d follows from the desired specific thrust; its rates w_d and their
+// derivative from the reference's jerk and snap (flatness.h). In axes of B, with R_e = R^T R_d:
 //   rates         R_e w_d
 //   acceleration  R_e dw_d/dt - w x (R_e w_d)        the derivative of the above
-// The part of w_d that is due to the law's own feedback is left out: it would take the body's
+// The part of w_d due to the controller's own feedback is left out: it would need the body's
 // acceleration, which is not measured.
 //
 // Source: T. Lee, M. Leok and N. H. McClamroch, Geometric tracking control of a quadrotor UAV on
@@ -21,13 +19,13 @@ namespace skybody::control {
 
 template <class Real>
 struct Tracking {
-  Vec3<Real> error;         ///< the turn that is left, axes of B [rad]
-  Vec3<Real> rates;         ///< that the body should have, B axes [rad/s]
-  Vec3<Real> acceleration;  ///< that it should have, B axes [rad/s^2]; only where asked for
+  Vec3<Real> error;         ///< remaining rotation, axes of B [rad]
+  Vec3<Real> rates;         ///< desired rates, B axes [rad/s]
+  Vec3<Real> acceleration;  ///< desired acceleration, B axes [rad/s^2]; only if requested
 };
 
-/// @param thrust             specific thrust asked for, W axes [m/s^2]
-/// @param with_acceleration  else that is 0
+/// @param thrust             desired specific thrust, W axes [m/s^2]
+/// @param with_acceleration  false: leave the acceleration at 0
 template <class Real>
 SKYBODY_INLINE Tracking<Real> tracking(AttitudeError form, const BodyMotion<Real>& base,
                                        const Vec3<Real>& thrust,
@@ -48,7 +46,7 @@ SKYBODY_INLINE Tracking<Real> tracking(AttitudeError form, const BodyMotion<Real
   return out;
 }
 
-/// The torque that gives a body of nominal inertia an angular acceleration.
+/// Torque for an angular acceleration of a body of nominal inertia.
 class AngularAccelerationToTorque {
  public:
   void configure(const BodyInfo& base) {
@@ -66,7 +64,7 @@ class AngularAccelerationToTorque {
   template <class Real>
   SKYBODY_INLINE Vec3<Real> times(const Vec3<Real>& v) const {
     const SymMat3<double>& j = inertia_;
-    if (is_diagonal_) return {v.x * j.xx, v.y * j.yy, v.z * j.zz};  // of most vehicles
+    if (is_diagonal_) return {v.x * j.xx, v.y * j.yy, v.z * j.zz};  // most vehicles
     return lift<Real>(j) * v;
   }
 

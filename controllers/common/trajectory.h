@@ -7,7 +7,7 @@
 
 namespace skybody::control {
 
-/// Where actions lie if a policy gives the trajectory.
+/// Ranges of the actions if a policy gives the trajectory.
 struct TrajectoryRange {
   Vec3<double> low, high;     ///< position, W [m]
   double velocity = 2.0;      ///< each axis [m/s]
@@ -28,7 +28,7 @@ inline void declare_trajectory(const Setup& setup, int points, const TrajectoryR
   setup.input(Signal::kTrajectory, low, high);
 }
 
-/// What holds the rotors' drag at the reference's velocity, nominal values.
+/// Feed-forward of the rotors' drag at the reference's velocity, nominal values.
 class DragFeedforward {
  public:
   explicit DragFeedforward(Plugin* owner)
@@ -42,8 +42,8 @@ class DragFeedforward {
     moment_ = total_mass(setup, robot) * drag_.per_mass * drag_.height;
   }
 
-  /// The reference's acceleration and what holds the drag's force [m/s^2].
-  /// @param z  of B in W axes: rotors drag across it
+  /// The reference's acceleration plus the compensation of the drag force [m/s^2].
+  /// @param z  z axis of B in W axes: rotors drag across it
   template <class Real>
   SKYBODY_INLINE Vec3<Real> acceleration(const ReferencePoint<Real>& reference,
                                          const Vec3<Real>& z) const {
@@ -51,7 +51,8 @@ class DragFeedforward {
     return reference.acceleration + (v - z * dot(z, v)) * Real(drag_.per_mass);
   }
 
-  /// What holds the drag's moment: it acts at the hubs, above the centre of mass [N m], B axes.
+  /// Compensation of the drag's moment [N m], B axes. Drag acts at the hubs, above the centre of
+  /// mass.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> moment(const ReferencePoint<Real>& reference,
                                    const Quat<Real>& rotation) const {
@@ -65,7 +66,7 @@ class DragFeedforward {
   double moment_ = 0.0;  ///< per velocity [N s]
 };
 
-/// Parameters of a controller that takes nothing but trajectories.
+/// Parameters of a controller that follows only trajectories.
 class TrajectoryInput {
  public:
   explicit TrajectoryInput(Plugin* owner)
@@ -83,7 +84,7 @@ class TrajectoryInput {
                       .values = {5.0, 5.0, 3.0},
                       .doc = "position that action +1 means (W)"}) {}
 
-  /// @throws std::runtime_error where the box is upside down
+  /// @throws std::runtime_error if the box's minimum is not below its maximum
   void configure(const Setup& setup) const {
     const Vec3<double> low = low_.vec3(), high = high_.vec3();
     require_order("position_min[0]", low.x, "position_max[0]", high.x);

@@ -1,12 +1,12 @@
-// How quickly a vehicle's rotors answer and how the air holds it back: what default gains and
-// feed-forward take from it. Nominal values.
+// Response time of a vehicle's rotors and drag of its rotors, nominal values, for default gains and
+// feed-forward.
 #pragma once
 
 #include "controllers/common/robot.h"
 
 namespace skybody::control {
 
-/// Mean time constant of a robot's rotors, rising and falling alike [s]; 0 without rotors.
+/// Mean time constant of a robot's rotors, over rise and fall [s]; 0 without rotors.
 inline double mean_lag(const Setup& setup, int robot) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   double sum = 0.0;
@@ -16,13 +16,13 @@ inline double mean_lag(const Setup& setup, int robot) {
   return rotors.size() > 0 ? sum / rotors.size() : 0.0;
 }
 
-/// Drag of the rotors that lift across their axes, while they carry the robot in equal parts.
+/// Drag of the lifting rotors across their axes, while they carry the robot in equal parts.
 struct HoverDrag {
   double per_mass = 0.0;  ///< force per velocity and mass [1/s]
-  double height = 0.0;    ///< of where it acts above the base's centre of mass [m]
+  double height = 0.0;    ///< height of its point of attack above the base's centre of mass [m]
 };
 
-/// A rotor's drag is its constant times its speed times the velocity across its axis, at its hub.
+/// A rotor's drag force is drag constant * speed * velocity across its axis, at its hub.
 inline HoverDrag hover_drag(const Setup& setup, int robot) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   const double mass = total_mass(setup, robot), push = mass * gravity_of(setup);
@@ -41,17 +41,17 @@ inline HoverDrag hover_drag(const Setup& setup, int robot) {
   return {sum / mass, sum > 0.0 ? moment / sum : 0.0};
 }
 
-/// The factor on default gains that keeps a loop of rate `bandwidth` clear of the rotors' lag: 1
-/// where the rotors are quick enough, else less.
-/// @param bandwidth  of the quickest loop with its default gains [rad/s]
+/// Factor on default gains that keeps a loop of rate `bandwidth` stable with the rotors' lag: 1 for
+/// quick rotors, else less.
+/// @param bandwidth  of the fastest loop with its default gains [rad/s]
 inline double lag_share(const Setup& setup, int robot, double bandwidth) {
-  // A rate loop of gain k behind a lag tau has the poles of tau s^2 + s + k: k = 0.5 / tau damps
-  // them by 0.71.
+  // A rate loop of gain k behind a lag tau has the poles of tau s^2 + s + k: k = 0.5 / tau gives a
+  // damping ratio of 0.71.
   const double lag = mean_lag(setup, robot);
   return lag > 0.0 ? min(1.0, 0.5 / (lag * bandwidth)) : 1.0;
 }
 
-/// A gain times a share of lag_share(). A share of 1 leaves the multiplication out.
+/// A gain times lag_share(). A share of 1 skips the multiplication.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> shared(const Vec3<Real>& gain, double share) {
   return share == 1.0 ? gain : gain * Real(share);

@@ -1,4 +1,4 @@
-// Collective thrust and body torque, through the rotors or straight on the body.
+// Collective thrust and body torque, through the rotors or directly on the body.
 #include "controllers/common/thrust_torque.h"
 
 namespace skybody {

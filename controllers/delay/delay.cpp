@@ -1,4 +1,4 @@
-// Delay: gives the command that it took some physics steps ago, by a ring of the latest ones.
+// Delay: outputs the command of some physics steps ago, from a ring of the latest ones.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -6,17 +6,17 @@
 namespace skybody {
 namespace {
 
-/// Places of the ring at most: memory of each environment.
+/// Largest size of the ring, which is memory of each environment.
 constexpr int kMostSteps = 4096;
 
-/// A signal's word, and how many values it has; 0: one for each rotor; -1: `values` says.
+/// A signal's word and its number of values; 0: one per rotor; -1: given by the parameter `values`.
 struct SignalSize {
   const char* word;
   Signal signal;
   int count;
 };
 
-/// @param least  number of values by the list of signals; 0: by the robot
+/// @param least  number of values from the list of signals; 0: from the robot
 constexpr int count_of(Signal signal, int least) {
   if (signal == Signal::kWrench) return 6;
   if (signal == Signal::kJoint) return -1;
@@ -30,7 +30,7 @@ constexpr SignalSize kSignals[] = {
 #undef SKYBODY_ROW
 };
 
-/// Of all signals that have values.
+/// All signals that have values.
 std::vector<const char*> signal_words() {
   std::vector<const char*> words;
   for (const SignalSize& size : kSignals) {
@@ -46,10 +46,10 @@ class Delay : public Controller {
   template <class Real>
   struct State {
     Word<Real> begun;   ///< 1 after the first command of the episode
-    Word<Real> action;  ///< for which the latency was drawn
-    Word<Real> steps;   ///< the latency drawn [physics steps]
-    Word<Real> place;   ///< of the latest command in the ring
-    Word<Real> age;     ///< of the command that is given [physics steps]
+    Word<Real> action;  ///< index of the action for which the latency was drawn
+    Word<Real> steps;   ///< the random latency [physics steps]
+    Word<Real> place;   ///< the ring's newest index
+    Word<Real> age;     ///< age of the present output [physics steps]
   };
 
   void configure(const Setup& setup) override {
@@ -84,11 +84,11 @@ class Delay : public Controller {
     buffer.set(ring_ * count_, to_real(state.steps) * seconds_per_step_);
     state.begun = Word<Real>(1);
     state.place = next(state.place, is_first);
-    // What has arrived does not become older: a command that is overtaken is left out. Before the
-    // first one has arrived, it is given all the same: there is none before it.
+    // The output's age never grows by more than one step; overtaken commands are skipped. Until the
+    // first command has arrived, it is the output all the same, because there is none before it.
     const Word<Real> aged = select(is_first, Word<Real>(0), state.age + Word<Real>(1));
     state.age = select(aged < state.steps, aged, state.steps);
-    // A state that is given from outside may hold any words: none leads out of the ring.
+    // A state loaded from outside may hold any words; keep the index within the ring.
     state.age = select(state.age < Word<Real>(ring_), state.age, Word<Real>(0));
     const auto wraps = state.age > state.place;
     const Word<Real> from =
@@ -107,7 +107,7 @@ class Delay : public Controller {
   }
 
  private:
-  /// A latency of the episode, or of each action.
+  /// Draws a latency per episode or per action.
   template <class Real>
   SKYBODY_INLINE void draw_latency(const EnvView<Real>& env, State<Real>& state,
                                    const MaskOf<Real>& is_first) const {
@@ -121,7 +121,7 @@ class Delay : public Controller {
     state.action = select(is_due, env.step(), state.action);
   }
 
-  /// Where the ring goes on.
+  /// The next index of the ring.
   template <class Words, class Mask>
   SKYBODY_INLINE Words next(const Words& place, const Mask& is_first) const {
     const Words after = place + Words(1);
@@ -129,8 +129,8 @@ class Delay : public Controller {
     return select(logical_and(goes_on, logical_not(is_first)), after, Words(0));
   }
 
-  /// Calls `use(place, lanes)` once for each place that lanes stand at. Lanes whose episodes began
-  /// together, with one latency, stand at one; so it is rarely more than a few.
+  /// Calls `use(place, lanes)` once for each distinct index among the lanes. Lanes whose episodes
+  /// began together with the same latency share an index, so there are rarely more than a few.
   template <class Real, class Use>
   SKYBODY_INLINE void each_place(const EnvView<Real>& env, const Word<Real>& places,
                                  const Use& use) const {
@@ -197,10 +197,10 @@ class Delay : public Controller {
                        .choices = {"episode", "action"},
                        .doc = "how long a drawn latency holds"}};
 
-  double per_second_ = 0.0;        ///< physics steps a second
+  double per_second_ = 0.0;        ///< physics steps per second
   double seconds_per_step_ = 0.0;  ///< the physics step [s]
   bool draws_per_action_ = false;
-  int ring_ = 1;   ///< places: the longest latency and the present step
+  int ring_ = 1;   ///< size: the longest latency plus the present step
   int count_ = 0;  ///< values of the signal
 };
 

@@ -1,5 +1,5 @@
-// What a trajectory takes of the vehicle, by differential flatness, as a command of a lower level:
-// feed-forward, with feedback of position and velocity where its gains are above 0.
+// Converts a trajectory to a lower-level command by differential flatness: feed-forward, plus
+// feedback of position and velocity if the gains are above 0.
 #include "controllers/common/flatness.h"
 
 #include "controllers/common/guidance.h"

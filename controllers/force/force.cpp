@@ -1,5 +1,5 @@
-// A force of the rotors in world axes and a heading: the attitude whose z axis lies along the
-// force, and the thrust. Chain `attitude`, then `ctbr`.
+// Rotor force in world axes and heading: the attitude with its z axis along the force, and the
+// thrust. Chain `attitude`, then `ctbr`.
 #include <vector>
 
 #include "controllers/common/flatness.h"
@@ -36,7 +36,7 @@ class Force : public Controller {
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
-    // Rotors push one way only: a force that points down would turn the body over.
+    // Thrust is non-negative: a force that points down would turn the body over.
     const Vec3<Real> force{input[0], input[1], clamp(input[2] + added_, 0.0, kLargest)};
     const Real yaw = takes_yaw_ ? input[3] : Real(yaw_.value());
     output.set(0, max(Real(0.0), dot(force, body_z(env.body(base_).rotation))));

@@ -1,5 +1,5 @@
-// Position and attitude at once, for vehicles that push to all sides: force and torque of the whole
-// robot. Chain `tilt_allocation`, or `mixer` with `signal: wrench`.
+// Independent position and attitude control for vehicles that can push in all directions: force and
+// torque of the whole robot. Chain `tilt_allocation`, or `mixer` with `signal: wrench`.
 #include "controllers/common/attitude_error.h"
 #include "controllers/common/composite_body.h"
 
@@ -33,8 +33,8 @@ class FullPose : public Controller {
     const BodyMotion<Real> base = env.body(base_);
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> com = control::lift<Real>(com_);
-    // The force acts at the centre of mass, so its velocity is damped, without a part of the turn.
-    // The place that is asked for is the origin's.
+    // The force acts at the centre of mass, so damping uses that point's velocity, which excludes
+    // rotation. The reference position is the origin's.
     const Vec3<Real> velocity = base.velocity + rotate(base.rotation, cross(w, com));
     Vec3<Real> push = multiply_elements(kp_.vec3(env), limited(input.vec3(0) - base.position)) -
                       multiply_elements(kd_.vec3(env), velocity);
@@ -52,7 +52,7 @@ class FullPose : public Controller {
   }
 
  private:
-  /// The error of position that is made good at once.
+  /// Position error, limited for the feedback.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& error) const {
     const Real size = norm(error), most(max_error_.value());

@@ -1,5 +1,5 @@
 // Follows a trajectory on SE(3): thrust along the body's z axis, torque or rates by the attitude
-// error, with acceleration, jerk and snap of the trajectory fed forward. Chain `ctbt` or `ctbr`.
+// error, with feed-forward of the trajectory's acceleration, jerk and snap. Chain `ctbt` or `ctbr`.
 #include "controllers/common/guidance.h"
 #include "controllers/common/tracking.h"
 #include "controllers/common/trajectory.h"
@@ -7,7 +7,7 @@
 namespace skybody {
 namespace {
 
-/// Of the rate loop with its default gain, the quickest one [rad/s].
+/// Default gain of the rate loop, the fastest loop [rad/s].
 constexpr double kRateGain = 22.0;
 
 class Geometric : public Controller {
@@ -55,8 +55,8 @@ class Geometric : public Controller {
   }
 
  private:
-  /// What the rotors must give per mass, W axes [m/s^2].
-  /// @param z  of B in W axes
+  /// Specific thrust of the rotors, W axes [m/s^2].
+  /// @param z  z axis of B in W axes
   template <class Real>
   SKYBODY_INLINE Vec3<Real> specific_thrust(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                             const ReferencePoint<Real>& reference,

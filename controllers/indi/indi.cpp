@@ -1,5 +1,5 @@
-// Incremental nonlinear dynamic inversion: a trajectory, an attitude or body rates by what the
-// vehicle has just done. README.md has the equations.
+// Incremental nonlinear dynamic inversion: follows a trajectory, an attitude or body rates, and
+// compensates disturbances from measured accelerations. Equations: README.md.
 #include <string>
 #include <vector>
 
@@ -13,9 +13,9 @@
 namespace skybody {
 namespace {
 
-/// Of the rate loop with its default gain, the quickest one [rad/s].
+/// Default gain of the rate loop, the fastest loop [rad/s].
 constexpr double kRateGain = 24.0;
-/// Between two evaluations unless the scenario says otherwise [s].
+/// Default interval between two evaluations [s].
 constexpr double kDefaultInterval = 0.002;
 
 class Indi : public Controller {
@@ -25,8 +25,9 @@ class Indi : public Controller {
   template <class Real>
   struct State {
     Vec3<Real> rate;                           ///< at the last call, B axes [rad/s]
-    control::LowPassState<Vec3<Real>> moment;  ///< of the moment that is not the rotors' [N m]
-    Real reaction;                             ///< asked of the rotors' drag about z [N m]
+    control::LowPassState<Vec3<Real>> moment;  ///< filter of the disturbance torque [N m]
+    Real reaction;                             ///< torque commanded from the rotors' drag about z
+                                               ///< [N m]
   };
 
   void configure(const Setup& setup) override {
@@ -86,7 +87,7 @@ class Indi : public Controller {
     setup.period(static_cast<int>(steps));
   }
 
-  /// Reactions of the rotors: what is asked of them about z, and how quickly it follows.
+  /// Torque about z from the rotors' reactions, and its rate of response.
   void set_rotors(const Setup& setup, int robot) {
     const BodyInfo& base = setup.bodies()[base_];
     const View<RotorInfo> rotors = control::working_rotors(setup, robot, "indi");
@@ -142,8 +143,8 @@ class Indi : public Controller {
     return {env.sensor(first), env.sensor(first + 1), env.sensor(first + 2)};
   }
 
-  /// The moment that neither the rotors nor the body's spin explain, from the change of rates since
-  /// the last call; filtered. B axes [N m].
+  /// Disturbance torque: the torque not explained by the rotors or the body's spin, from the change
+  /// of rates since the last call; filtered. B axes [N m].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> other_moment(const EnvView<Real>& env, State<Real>& state,
                                          const BodyMotion<Real>& base,
@@ -156,8 +157,8 @@ class Indi : public Controller {
     return filter_.filtered(moment * begun(env), state.moment);
   }
 
-  /// The force per mass that neither the rotors nor gravity explain, since the last call; filtered.
-  /// W axes [m/s^2].
+  /// Disturbance force per mass: not explained by the rotors or gravity, since the last call;
+  /// filtered. W axes [m/s^2].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> other_force(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                         const Vec3<Real>& z, const RotorEffort<Real>& effort,
@@ -182,14 +183,14 @@ class Indi : public Controller {
     return filtered;
   }
 
-  /// 0 before an episode's first physics step, when nothing has been measured, then 1. A factor,
-  /// since g++ 12 takes selections by words apart (docs/architecture.md).
+  /// 0 before an episode's first physics step, when there is no measurement yet, then 1. A factor
+  /// instead of a selection: g++ 12 splits selections into single words (docs/architecture.md).
   template <class Real>
   static SKYBODY_INLINE Real begun(const EnvView<Real>& env) {
     return min(Real(to_real(env.physics_step())), Real(1.0));
   }
 
-  /// Angular acceleration that the command asks for, B axes [rad/s^2].
+  /// Angular acceleration for the command, B axes [rad/s^2].
   /// @param[out] thrust  along z of B [N]
   template <class Real>
   SKYBODY_INLINE Vec3<Real> desired(const EnvView<Real>& env, const BodyMotion<Real>& base,
@@ -248,7 +249,7 @@ class Indi : public Controller {
     return select(usable, unit, Quat<Real>::identity());
   }
 
-  /// Rate at which the turn that is left is made, B axes [rad/s].
+  /// Rate that removes the remaining rotation, B axes [rad/s].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> turn_rate(const EnvView<Real>& env, const Quat<Real>& left) const {
     const Vec3<Real> rate = multiply_elements(attitude_gain_.vec3(env) * Real(attitude_share_),
@@ -256,8 +257,8 @@ class Indi : public Controller {
     return control::clamp_symmetric(rate, max_rate_.vec3());
   }
 
-  /// Rotor speeds that give thrust [N] and torque [N m], B axes. About z most of the torque comes
-  /// from the rotors' speeding up, so that their drag is asked to follow behind.
+  /// Rotor speeds for thrust [N] and torque [N m], B axes. About z, most of the torque comes from
+  /// the rotors' acceleration; the torque of their drag follows later.
   template <class Real>
   SKYBODY_INLINE void drive(State<Real>& state, const Real& thrust, const Vec3<Real>& torque,
                             Values<Real> output) const {
@@ -265,13 +266,14 @@ class Indi : public Controller {
     allocation_.thrusts(clamp(thrust, Real(0.0), Real(limits_.thrust)),
                         Vec3<Real>{torque.x, torque.y, reaction}, output);
     const Real given = allocation_.speeds_and_yaw(output);
-    state.reaction = select(is_nan(given), state.reaction, given);  // no trace of a NaN command
+    // a NaN command does not enter the state
+    state.reaction = select(is_nan(given), state.reaction, given);
   }
 
   int velocity_place() const { return rotors_.count(); }
 
-  /// In the buffer behind the rotors' speeds: velocity at the last call, past of the force's
-  /// filter.
+  /// Index in the buffer, after the rotors' speeds: velocity at the last call, then the force
+  /// filter's state.
   static constexpr int kLinearWords = 9;
 
   TextParameter signal_{this,

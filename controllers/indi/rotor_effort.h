@@ -1,11 +1,11 @@
-// Force and torque that the rotors have given since the last call, from their measured speeds.
+// Force and torque of the rotors since the last call, from their measured speeds.
 //
-// A rotor whose speed went from a to b gave, with its speed taken as a straight line between them,
-//   thrust  k_f (a^2 + a b + b^2) / 3 along its axis              the mean of k_f w^2; of
-//           reversible rotors k_f (a |a| + 4 m |m| + b |b|) / 6, m = (a + b) / 2, of k_f w |w|
+// For a rotor whose speed changed linearly from a to b:
+//   thrust  k_f (a^2 + a b + b^2) / 3 along its axis, the mean of k_f w^2; for reversible rotors
+//           k_f (a |a| + 4 m |m| + b |b|) / 6, m = (a + b) / 2, the mean of k_f w |w|
 //   torque  the thrust's arm and reaction (allocation.h), and -d J (b - a) / T about its axis
-// with d its sense of rotation, J its inertia and T the time between the calls. The first two are
-// the effectiveness G1 of E. Smeur, Q. Chu, G. de Croon, Adaptive incremental nonlinear dynamic
+// with d its direction of rotation, J its inertia and T the time between the calls. The first two
+// are the effectiveness G1 of E. Smeur, Q. Chu, G. de Croon, Adaptive incremental nonlinear dynamic
 // inversion for attitude control of micro air vehicles, JGCD 39(3), 2016, the last one is G2.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace skybody {
 
-/// What all rotors together did to the base. B axes.
+/// Effect of all rotors on the base, B axes.
 template <class Real>
 struct RotorEffort {
   Vec3<Real> force;   ///< mean [N]
@@ -24,7 +24,7 @@ struct RotorEffort {
 
 class RotorEfforts {
  public:
-  /// @param interval  between two calls [s]
+  /// @param interval  time between two calls [s]
   void configure(const Setup& setup, int robot, double interval) {
     const BodyInfo& base = setup.bodies()[control::base_of(setup, robot)];
     first_ = setup.robots()[robot].first_rotor;
@@ -41,10 +41,10 @@ class RotorEfforts {
   }
 
   int count() const { return static_cast<int>(rows_.size()); }
-  /// Whether all axes are z of the base, so that the force is.
+  /// Whether all axes, and so the force, are along z of the base.
   bool is_level() const { return is_level_; }
 
-  /// @param last  speeds at the last call [rad/s], from value 0 on; becomes those of now
+  /// @param last  speeds at the last call [rad/s], from value 0 on; updated to the present speeds
   template <class Real>
   SKYBODY_INLINE RotorEffort<Real> since(const EnvView<Real>& env, Values<Real> last) const {
     const Real zero(0.0);
@@ -70,7 +70,7 @@ class RotorEfforts {
     return sum;
   }
 
-  /// Takes the speeds of now as those of the last call.
+  /// Stores the present speeds as those of the last call.
   template <class Real>
   SKYBODY_INLINE void start(const EnvView<Real>& env, Values<Real> last) const {
     for (int i = 0; i < count(); ++i) last.set(i, env.rotor_speed(first_ + i));

@@ -1,4 +1,4 @@
-// Commands of joints to their drives, as position, velocity or effort.
+// Joint controller: sends commands to joint drives, as position, velocity or effort.
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -64,7 +64,7 @@ class Joint : public Controller {
     return drive;
   }
 
-  /// Positions: the joint's own limits. Efforts: the drive's.
+  /// Range of position commands: the joint's limits. Of efforts: the drive's limit.
   void take_bounds(const BodyInfo& body, SkybodyJointDrive& drive) const {
     if (mode() == SKYBODY_JOINT_POSITION && body.joint_is_limited != 0) {
       drive.low = body.joint_lower;
@@ -116,7 +116,7 @@ class Joint : public Controller {
   RealParameter high_bound_{
       this, {.name = "high", .min = -1e6, .max = 1e6, .doc = "command that action +1 means"}};
 
-  int count_ = 0;  ///< of joints; their drives hold commands to the bounds
+  int count_ = 0;  ///< number of joints; their drives clamp commands to the bounds
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Positions of joints to their torques: a PD whose gains are a bandwidth and a damping ratio times
-// the inertia that each joint moves as it is now, and the weight that it carries.
+// Joint positions to joint efforts: a PD with gravity compensation. Its gains are a bandwidth and a
+// damping ratio times the inertia that each joint moves in the present pose.
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -77,7 +77,7 @@ class JointPd : public Controller {
     return bandwidth_.value(bandwidth_.count() == 1 ? 0 : static_cast<int>(k));
   }
 
-  /// `low` and `high`, else the joint's own limits.
+  /// `low` and `high`, or the joint's own limits.
   void set_range(const std::string& name, control::DrivenJoint& joint) const {
     if (low_.value() != high_.value()) {
       control::require_order("low", low_.value(), "high", high_.value());

@@ -1,13 +1,14 @@
-// Follows a trajectory by a linear-quadratic regulator about hover, whose gains come from weights
-// when the scenario is loaded. Chain `ctbt` or `ctbr` next.
+// Follows a trajectory by a linear-quadratic regulator about hover. Its gains are computed from
+// weights when the scenario is loaded. Chain `ctbt` or `ctbr` next.
 //
-// With x to the front, pitch turns thrust g to x: the errors of x, its velocity, pitch and pitch
-// rate are a chain of four integrators behind the pitch acceleration; y and roll likewise. Height
-// behind the thrust and heading behind the yaw acceleration are chains of two. With the rates as
-// commands (ctbr) the chains end one earlier.
-// The gain (k1, k2, k3, k4) of such a chain, -k3 (pitch - pitch_c) - k4 rate with
-// pitch_c = -(k1 x + k2 v) / k3, is guidance and an attitude loop: the law acts in that form, which
-// is the linear one to first order about hover and holds for any attitude and heading.
+// With x to the front, pitch turns thrust g towards x: the errors of x, its velocity, pitch and
+// pitch rate are a chain of four integrators driven by the pitch acceleration. y and roll form the
+// same chain. Height (driven by thrust) and heading (driven by yaw acceleration) are chains of two.
+// With rates as commands (ctbr), the chains are one integrator shorter.
+//
+// The feedback (k1, k2, k3, k4) of such a chain is split into guidance, pitch_c = -(k1 x + k2 v) /
+// k3, and an attitude loop, -k3 (pitch - pitch_c) - k4 rate. To first order about hover this equals
+// the linear law, and it is valid for any attitude and heading.
 #include "controllers/common/guidance.h"
 #include "controllers/common/tracking.h"
 #include "controllers/common/trajectory.h"
@@ -16,7 +17,7 @@
 namespace skybody {
 namespace {
 
-/// Of the rate loop with default weights [rad/s].
+/// Bandwidth of the rate loop with default weights [rad/s].
 constexpr double kRateGain = 25.0;
 
 class Lqr : public Controller {
@@ -76,7 +77,7 @@ class Lqr : public Controller {
   }
 
   void solve(double gravity) {
-    // Pitch, about y, moves x; roll, about x, moves y.
+    // Pitch (about y) moves x; roll (about x) moves y.
     const Lateral x = lateral(gravity, 0, 1), y = lateral(gravity, 1, 0);
     const Eigen::VectorXd height = control::chain_gain(
         {1.0}, {position_weight_.value(2), velocity_weight_.value(2)}, thrust_weight_.value());
@@ -100,7 +101,7 @@ class Lqr : public Controller {
   };
 
   /// @param along  axis of the motion in W
-  /// @param about  axis of B about which the body tilts for it
+  /// @param about  axis of B of the corresponding tilt
   Lateral lateral(double gravity, int along, int about) const {
     std::vector<double> steps = {1.0, gravity};
     std::vector<double> weights = {position_weight_.value(along), velocity_weight_.value(along),
@@ -116,7 +117,7 @@ class Lqr : public Controller {
             gives_torque_ ? k(3) : 0.0};
   }
 
-  /// Where all weights are defaults and the rotors are slow: the same motion, but slower.
+  /// Slows the motion down if the rotors are slow and all weights are defaults.
   void slow_down(const Setup& setup, int robot) {
     const bool is_own = position_weight_.is_given() || velocity_weight_.is_given() ||
                         attitude_weight_.is_given() || rate_weight_.is_given() ||

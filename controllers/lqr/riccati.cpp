@@ -9,12 +9,12 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// E, G, H of the doubling: H tends to the solution.
+/// E, G, H of the doubling algorithm: H converges to the solution.
 struct Doubling {
   Matrix e, g, h;
 
-  /// Cayley's transform takes stable eigenvalues into the unit circle. Any `shift` above 0 will do;
-  /// one near the eigenvalues' size needs the fewest steps.
+  /// Cayley transform: maps stable eigenvalues into the unit circle. Any `shift` above 0 is valid;
+  /// a value near the eigenvalues' magnitude needs the fewest steps.
   Doubling(const Matrix& a, const Matrix& input, const Matrix& q, double shift) {
     const Matrix one = Matrix::Identity(a.rows(), a.cols());
     const Matrix shifted = a - shift * one, inverse = shifted.inverse();
@@ -25,7 +25,7 @@ struct Doubling {
     h = 2.0 * shift * v * q * inverse;
   }
 
-  /// @returns by how much h changes, as a share of it
+  /// @returns the relative change of h
   double step() {
     const Matrix one = Matrix::Identity(e.rows(), e.cols());
     const Matrix middle = (one + g * h).inverse();
@@ -37,8 +37,8 @@ struct Doubling {
   }
 };
 
-constexpr int kMostSteps = 60;  // each squares the spectral radius
-constexpr double kShift = 3.0;  // 1/s: of the size of a vehicle's eigenvalues
+constexpr int kMostSteps = 60;  // each step squares the spectral radius
+constexpr double kShift = 3.0;  // 1/s: magnitude of a vehicle's eigenvalues
 
 }  // namespace
 

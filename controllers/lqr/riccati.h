@@ -1,4 +1,4 @@
-// Linear-quadratic regulators: the gain that is best for x' = A x + B u and the cost's weights.
+// Linear-quadratic regulators: the optimal gain for x' = A x + B u and the cost's weights.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,16 +12,16 @@ namespace skybody::control {
 /// Source: E. K.-W. Chu, H.-Y. Fan and W.-W. Lin, A structure-preserving doubling algorithm for
 /// continuous-time algebraic Riccati equations, Linear Algebra and its Applications 396, 2005,
 /// algorithm 3.1.
-/// @throws std::runtime_error where it does not settle, which says that no gain makes x stable
+/// @throws std::runtime_error if it does not converge, because no gain makes x stable
 Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                               const Eigen::MatrixXd& q, const Eigen::MatrixXd& r);
 
-/// K of u = -K x with the least integral of x'Q x + u'R u. @throws as solve_riccati()
+/// K of u = -K x that minimises the integral of x'Q x + u'R u. @throws as solve_riccati()
 Eigen::MatrixXd regulator_gain(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                                const Eigen::MatrixXd& q, const Eigen::MatrixXd& r);
 
 /// The same for a chain of integrators with one input at its end: x_i' = step_i x_(i+1).
-/// @param steps    of all but the last; the input is the last one's derivative
+/// @param steps    factors of all integrators but the last, whose derivative is the input
 /// @param weights  of the states, one more than steps
 Eigen::VectorXd chain_gain(const std::vector<double>& steps, const std::vector<double>& weights,
                            double input_weight);

@@ -1,5 +1,5 @@
-// Thrust and torque, or a wrench, to rotors and servos by a matrix: tricopters, bicopters, rotors
-// that are tilted for good.
+// Mixer: thrust and torque, or a wrench, to rotors and servos by a matrix. For tricopters,
+// bicopters and permanently tilted rotors.
 #include <string>
 #include <vector>
 
@@ -54,7 +54,7 @@ class Mixer : public Controller {
   };
   struct ServoRow {
     control::DrivenJoint joint;
-    std::vector<double> row;  ///< place [rad] or [m] per value of the input
+    std::vector<double> row;  ///< position [rad] or [m] per value of the input
     double neutral;           ///< [rad] or [m]
   };
 
@@ -107,7 +107,7 @@ class Mixer : public Controller {
     if (!is_given) require_hover(setup, robot, rotors);
   }
 
-  /// Of what rotors on the base give about the robot's centre of mass.
+  /// Pseudo-inverse for rotors on the base, about the robot's centre of mass.
   static control::SixAxisInverse inverse_of(const Setup& setup, int robot,
                                             const View<RotorInfo>& rotors) {
     const Vec3<double> com = control::assembly_of(setup, robot).com;
@@ -126,7 +126,7 @@ class Mixer : public Controller {
     return inverse;
   }
 
-  /// Fails where the pseudo-inverse hovers by thrusts that a rotor cannot give.
+  /// Throws if a rotor cannot give its hover thrust of the pseudo-inverse.
   void require_hover(const Setup& setup, int robot, const View<RotorInfo>& rotors) const {
     const double weight = control::total_mass(setup, robot) * control::gravity_of(setup);
     for (int i = 0; i < rotors.size(); ++i) {
@@ -162,8 +162,8 @@ class Mixer : public Controller {
     }
   }
 
-  /// Of forces twice the weight, of torques what takes a rotor or a joint to its limit, unless
-  /// given.
+  /// Ranges of actions unless given: twice the weight for forces; for torques, the value at which a
+  /// rotor or a joint reaches its limit.
   void declare_input(const Setup& setup, int robot) const {
     const double most = 2.0 * control::total_mass(setup, robot) * control::gravity_of(setup);
     std::vector<double> high;
@@ -182,7 +182,8 @@ class Mixer : public Controller {
     setup.input(takes_wrench_ ? Signal::kWrench : Signal::kCtbt, low, high);
   }
 
-  /// The value k of the input that takes a rotor, or a servo from its neutral place, to its limit.
+  /// The value k of the input at which a rotor, or a servo from its neutral position, reaches its
+  /// limit.
   double reach(int k) const {
     const auto place = static_cast<std::size_t>(k);
     double least = kInfinity;

@@ -3,10 +3,10 @@
 namespace skybody::nmpc {
 namespace {
 
-constexpr int kTangents = 12;  ///< position 0, velocity 3, turn 6, rates 9; the rotors' follow
+constexpr int kTangents = 12;  ///< position 0, velocity 3, rotation 6, rates 9; then the rotors'
 constexpr int kMostRows = kTangents + kMostRotors;
 
-/// Rows of numbers, one behind the other.
+/// Contiguous rows of numbers.
 struct Rows {
   double* data;
   int stride;
@@ -40,8 +40,8 @@ void add_transposed(const Mat3<double>& m, const Rows& x, int first, const Rows&
   }
 }
 
-/// Adds what shares of rotors do: share of rotor r by an input of the same rotor alone, in
-/// `shares`, one number for each input so far.
+/// Adds the effect of rotor shares. The share of rotor r depends on inputs of the same rotor only;
+/// `shares` has one number per input so far.
 void add_shares(const double (&by_share)[3][kMostRotors], const double* shares, int rotors,
                 const Rows& out, int to, int columns) {
   for (int i = 0; i < 3; ++i) {
@@ -52,8 +52,8 @@ void add_shares(const double (&by_share)[3][kMostRotors], const double* shares, 
   }
 }
 
-/// Tangents after a step by all inputs, from those before it.
-/// @param columns  inputs before this step's
+/// Tangents after a step by all inputs, from the tangents before it.
+/// @param columns  number of inputs before this step
 void propagate(const Stage& stage, const Horizon& horizon, int columns, const Rows& from,
                double* shares, const Rows& to) {
   const StepJacobian& j = stage.step;
@@ -108,7 +108,7 @@ void fold_position(double half, const Rows& adjoint, int columns) {
   for (int i = 0; i < 3; ++i) add(adjoint[3 + i], half, adjoint[i], columns);
 }
 
-/// out = B' adjoint, a row for each rotor. @param adjoint  folded
+/// out = B' adjoint, one row per rotor. @param adjoint  folded
 void by_inputs(const StepJacobian& j, int rotors, const Rows& adjoint, const Rows& out,
                int columns) {
   for (int r = 0; r < rotors; ++r) {
@@ -144,13 +144,13 @@ void pull_back(const StepJacobian& j, const Horizon& horizon, const Rows& adjoin
   }
 }
 
-/// Where the tangents of node k begin: those of nodes 1 to k - 1 lie before, 12 x inputs each.
+/// Offset of the tangents of node k, after those of nodes 1 to k - 1, 12 x inputs each.
 int place_of(int node, int rotors) { return kTangents * rotors * node * (node - 1) / 2; }
 
-/// Numbers of a horizon of kMostInputs inputs over kMostNodes nodes.
+/// Size for a horizon of kMostInputs inputs over kMostNodes nodes.
 constexpr int kMostTangents = kTangents * kMostInputs * (kMostNodes + 1) / 2;
 
-/// Lower triangle of the Hessian, block row after block row from the last one.
+/// Lower triangle of the Hessian, one block row after another, from the last one.
 void fill_hessian(const Horizon& horizon, const Stage* stages, double* tangents, double* hessian) {
   const int rotors = horizon.rotors, n = horizon.nodes * rotors;
   double memory[2][kMostRows * kMostInputs];

@@ -1,13 +1,13 @@
-// From a linearised horizon to a program in its inputs alone: states are eliminated by the
-// dynamics, so that horizon x rotors variables are left.
+// Condensing: eliminates the states of a linearised horizon by the dynamics. The resulting program
+// has horizon x rotors variables, the inputs.
 //
-// With e_k the tangents of the state at node k and B_k, A_k a step's derivatives,
+// With e_k the tangents of the state at node k and A_k, B_k a step's derivatives,
 //   e_0 = 0,  e_(k+1) = A_k e_k + B_k d_k,
 //   minimise  sum_k (1/2 e_k' Q_k e_k + q_k' e_k) + sum_k (r/2 |d_k|^2 + g_k' d_k)
-// is 1/2 d' H d + h' d. The Hessian takes O(horizon^2) products of matrices of a stage (G. Frison,
-// Algorithms and methods for high-performance model predictive control, 2015, section 6.2): the
-// columns of e_k by d forward, the adjoint of each backward. All sums run over rows in memory, one
-// element at a time, so that no order of summation depends on the width of vectors.
+// becomes 1/2 d' H d + h' d. The Hessian takes O(horizon^2) products of a stage's matrices (G.
+// Frison, Algorithms and methods for high-performance model predictive control, 2015, section 6.2):
+// the columns of e_k by d forwards, the adjoint of each backwards. All sums run over rows in
+// memory, one element at a time, so the order of summation does not depend on the vector width.
 #pragma once
 
 #include "controllers/nmpc/model.h"
@@ -15,14 +15,14 @@
 
 namespace skybody::nmpc {
 
-inline constexpr int kMostNodes = 40;  ///< of a horizon
+inline constexpr int kMostNodes = 40;  ///< largest number of nodes of a horizon
 
-/// One step of the horizon and the cost of the node that it leads to, about a trajectory.
+/// One step of the horizon and the cost of the node at its end, about a trajectory.
 struct Stage {
   StepJacobian step;
   Vec3<double> position, velocity, rates;  ///< diagonals of Q
-  Mat3<double> attitude;                   ///< its block of turns
-  double gradient[12];                     ///< q: position, velocity, turn, rates
+  Mat3<double> attitude;                   ///< block of the rotations
+  double gradient[12];                     ///< q: position, velocity, rotation, rates
   double input_gradient[kMostRotors];      ///< g of the step's inputs
 };
 

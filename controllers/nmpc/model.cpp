@@ -3,7 +3,7 @@
 namespace skybody::nmpc {
 namespace {
 
-/// Quantities within a step that motion and derivatives share.
+/// Quantities of a step, shared by motion and derivatives.
 struct Within {
   const Lag* lag[kMostRotors];
   Vec3<double> mean_rates;  ///< w_m
@@ -58,7 +58,7 @@ void differentiate(const Model& model, const StepLength& step, const Motion& fro
                    StepJacobian& j) {
   const double h = step.h;
   const Mat3<double> one = Mat3<double>::identity(), r = to_mat3(s.middle);
-  // The mean rates and those in the middle, by the rates.
+  // Derivatives of the mean rates and of the rates in the middle, by the rates.
   const Mat3<double> mean_by_w =
       one - (model.inverse_inertia * gyro_jacobian(model, from.rates)) * (0.5 * h);
   const Mat3<double> gyro_by_mean =
@@ -68,7 +68,7 @@ void differentiate(const Model& model, const StepLength& step, const Motion& fro
       right_jacobian((from.rates + s.mean_rates) * (0.25 * h)) * (0.25 * h);
   const Mat3<double> middle_by_turn = transpose(to_mat3(s.half_turn));
   const Mat3<double> drag = diagonal(step.drag);
-  // R_m push, whose drag turns with R_m, by a turn of R_m.
+  // Derivative of R_m push by a rotation of R_m; push includes drag, which rotates with R_m.
   const Mat3<double> v_by_middle = (r * (skew(s.push) + drag * skew(s.fall))) * -h;
   j.v_v = one - (r * drag * transpose(r)) * h;
   j.v_t = v_by_middle * middle_by_turn;

@@ -1,27 +1,29 @@
-// The vehicle as the guide predicts it: one rigid body with any number of rotors fixed to it, each
-// thrust behind a first-order lag; and its motion over one step with all derivatives.
+// Prediction model of the vehicle: one rigid body with rotors fixed to it, each thrust with a
+// first-order lag; and its motion over one step with all derivatives.
 //
-// With p, v position and velocity (W), R attitude (W from B), w rates (B), f_i the share of rotor
-// i's full thrust, u_i the share that is commanded, a_i and b_i its acceleration and angular
-// acceleration at full thrust (B), J the inertia, D drag per mass (B axes), d and e what disturbs:
-//   f_i' = (u_i - f_i) / tau_i           tau_i the rotor's tau_up where u_i > f_i, else tau_down
+// Symbols: p, v position and velocity (W), R attitude (W from B), w rates (B), f_i rotor i's thrust
+// as a share of its full thrust, u_i the commanded share, a_i and b_i the acceleration and angular
+// acceleration at full thrust (B), J inertia, D drag per mass (B axes), d and e the linear and
+// angular disturbance:
+//   f_i' = (u_i - f_i) / tau_i           tau_i the rotor's tau_up if u_i > f_i, else tau_down
 //   w'   = sum_i b_i f_i - J^-1 (w x J w) + e
 //   R'   = R skew(w)
 //   v'   = g + R (sum_i a_i f_i - D R^T v) + d
 //   p'   = v
 //
 // A step of length h is the explicit midpoint rule on SO(3) x R^n (E. Hairer, C. Lubich, G. Wanner,
-// Geometric Numerical Integration, 2006, section IV.8), with what the lag gives in closed form in
-// place of the midpoint's: its mean over the step, mean(f) = u + (f - u) m, makes the forces, and
-// its second mean, 2/h^2 int int f = u + (f - u) n, the mean rates:
+// Geometric Numerical Integration, 2006, section IV.8). In place of the midpoint's shares it uses
+// closed forms of the lag: the mean over the step, mean(f) = u + (f - u) m, for the forces, and the
+// second mean, 2/h^2 int int f = u + (f - u) n, for the mean rates:
 //   m = (1 - e^(-h/tau)) tau/h,   n = (1 - m) 2 tau/h
 //   w_m = w + h/2 (sum b_i secondmean(f_i) - J^-1 (w x J w) + e)
 //   R_m = R Exp(h/4 (w + w_m)),   R(h) = R Exp(h w_m)
 //   w(h) = w + h (sum b_i mean(f_i) - J^-1 (w_m x J w_m) + e)
-//   v_m = v + h/2 (g + R_m (sum a_i mean(f_i) - D R_m^T v_m) + d)           implicit, in closed
-//   form v(h) = v + h (g + R_m (sum a_i mean(f_i) - D R_m^T v_m) + d),   p(h) = p + h/2 (v + v(h))
+//   v_m = v + h/2 (g + R_m (sum a_i mean(f_i) - D R_m^T v_m) + d)     implicit, in closed form
+//   v(h) = v + h (g + R_m (sum a_i mean(f_i) - D R_m^T v_m) + d)
+//   p(h) = p + h/2 (v + v(h))
 //
-// Attitudes change by R Exp(t), t a turn in B axes [rad], so that a state has 12 + N tangents.
+// Attitudes change by R Exp(t), t a rotation in B axes [rad], so that a state has 12 + N tangents.
 #pragma once
 
 #include "core/base/math.h"
@@ -31,7 +33,7 @@ namespace skybody::nmpc {
 
 inline constexpr int kMostRotors = 16;
 
-/// The state that is predicted. W: world, B: base.
+/// The predicted state. W: world, B: base.
 struct Motion {
   Vec3<double> position;      ///< of the base, W [m]
   Vec3<double> velocity;      ///< W [m/s]
@@ -40,7 +42,7 @@ struct Motion {
   double share[kMostRotors];  ///< of each rotor's full thrust, 0 to 1
 };
 
-/// Accelerations that weight, rotors and drag do not explain; constant over the horizon.
+/// Disturbances: accelerations not explained by weight, rotors and drag. Constant over the horizon.
 struct Disturbance {
   Vec3<double> acceleration{0.0, 0.0, 0.0};          ///< W [m/s^2]
   Vec3<double> angular_acceleration{0.0, 0.0, 0.0};  ///< B [rad/s^2]
@@ -48,8 +50,9 @@ struct Disturbance {
 
 /// One rotor's effect on the vehicle at full thrust, and its lag.
 struct Rotor {
-  Vec3<double> acceleration;          ///< of the vehicle at full thrust, B [m/s^2]
-  Vec3<double> angular_acceleration;  ///< likewise [rad/s^2]
+  Vec3<double> acceleration;          ///< the vehicle's acceleration at full thrust, B [m/s^2]
+  Vec3<double> angular_acceleration;  ///< the vehicle's angular acceleration at full thrust, B
+                                      ///< [rad/s^2]
   double tau_up, tau_down;            ///< [s], may be 0
 };
 
@@ -70,10 +73,10 @@ struct Lag {
   double second;  ///< n of the second mean, see above
 };
 
-/// A step's length, and the constants that follow from it.
+/// A step's length and the constants derived from it.
 struct StepLength {
   double h = 0.0;                    ///< [s]
-  Vec3<double> drag{0.0, 0.0, 0.0};  ///< D / (1 + h/2 D), which acts on v_m's part without drag
+  Vec3<double> drag{0.0, 0.0, 0.0};  ///< D / (1 + h/2 D), factor on the part of v_m without drag
   Lag up[kMostRotors], down[kMostRotors];
 };
 
@@ -96,10 +99,10 @@ inline StepLength step_length(const Model& model, double h) {
   return step;
 }
 
-/// Derivatives of the motion after a step by that before it: of the velocity's change `v_`, of the
-/// turn `t_`, of the rates `w_`, by v, t, w, each rotor's share f and its command u. What is not
-/// listed is 0, or the identity of the position by itself; the position's follow from
-/// p(h) = p + h/2 (v + v(h)).
+/// Derivatives of the motion after a step by the motion before it: of the velocity's change `v_`,
+/// of the rotation `t_`, of the rates `w_`, by v, t, w, each rotor's share f and its command u.
+/// Derivatives not listed are 0, or the identity for the position by itself; the position's follow
+/// from p(h) = p + h/2 (v + v(h)).
 struct StepJacobian {
   Mat3<double> v_v, v_t, v_w, t_t, t_w, w_w;
   double v_f[3][kMostRotors], t_f[3][kMostRotors], w_f[3][kMostRotors];
@@ -126,7 +129,7 @@ inline Mat3<double> gyro_jacobian(const Model& model, const Vec3<double>& w) {
   return skew(w) * model.inertia - skew(model.inertia * w);
 }
 
-/// Moves `motion` by one step. @param jacobian  filled unless null
+/// Advances `motion` by one step. @param jacobian  filled unless null
 void advance(const Model& model, const StepLength& step, const double* command,
              const Disturbance& disturbance, Motion& motion, StepJacobian* jacobian);
 

@@ -13,19 +13,19 @@ namespace {
 using nmpc::kMostInputs;
 using nmpc::kMostNodes;
 
-/// What is kept of a flight: the words of the buffer, in this order, then the inputs.
+/// Layout of the buffer: these words in this order, then the inputs.
 enum Word : int {
   kSolves = 0,        ///< iterations since the reset
-  kFailures = 1,      ///< of them, those that kept the last inputs
-  kFailed = 2,        ///< 1: the latest one did
-  kIterations = 3,    ///< changes of the active set in the latest one
-  kSaturated = 4,     ///< rotors at a limit in the latest one
-  kAcceleration = 5,  ///< that disturbs, W [m/s^2]
-  kAngular = 8,       ///< likewise, B [rad/s^2]
-  kVelocity = 11,     ///< when it was called last, W [m/s]
-  kRotation = 14,     ///< likewise
-  kRates = 18,        ///< likewise, B [rad/s]
-  kShares = 21,       ///< likewise, one for each rotor
+  kFailures = 1,      ///< number of iterations that kept the last inputs
+  kFailed = 2,        ///< 1: the latest iteration kept the last inputs
+  kIterations = 3,    ///< active-set changes in the latest iteration
+  kSaturated = 4,     ///< rotors at a limit in the latest iteration
+  kAcceleration = 5,  ///< disturbance, W [m/s^2]
+  kAngular = 8,       ///< disturbance, B [rad/s^2]
+  kVelocity = 11,     ///< at the last call, W [m/s]
+  kRotation = 14,     ///< at the last call
+  kRates = 18,        ///< at the last call, B [rad/s]
+  kShares = 21,       ///< at the last call, one per rotor
 };
 
 class Nmpc : public Controller {
@@ -67,7 +67,7 @@ class Nmpc : public Controller {
     double constant;  ///< k_f [N s^2]
   };
 
-  /// Not inlined into the kernels, so that it is compiled once, for the baseline, as the solver is.
+  /// Not inlined into the kernels, so that it is compiled once for the baseline, like the solver.
   [[gnu::noinline]] void iterate(const EnvView<double>& env, const ConstValues<double>& input,
                                  const Values<double>& output, const Values<double>& buffer) const {
     const nmpc::Motion now = measured(env);
@@ -152,7 +152,7 @@ class Nmpc : public Controller {
     return motion;
   }
 
-  /// The motion at the last call. Positions play no part in what follows from it.
+  /// The motion at the last call. Its positions are not used.
   nmpc::Motion remembered(const Values<double>& buffer) const {
     nmpc::Motion motion{
         {0.0, 0.0, 0.0}, buffer.vec3(kVelocity), buffer.quat(kRotation), buffer.vec3(kRates), {}};
@@ -171,7 +171,8 @@ class Nmpc : public Controller {
     }
   }
 
-  /// A guess without a past: what the reference takes. Where that is no number inputs stay.
+  /// Initial guess without a past: the inputs of the reference. Non-finite values leave the inputs
+  /// unchanged.
   void begin(const nmpc::Target* targets, double* inputs) const {
     const int rotors = guide_.model.rotors;
     for (int k = 0; k < guide_.nodes; ++k) {
@@ -346,7 +347,7 @@ class Nmpc : public Controller {
   std::vector<RotorScale> rotors_;
   int base_ = 0;
   int first_rotor_ = 0;
-  int force_sensor_ = -1, rate_sensor_ = -1;  ///< -1: by the state
+  int force_sensor_ = -1, rate_sensor_ = -1;  ///< -1: from the state
   int points_ = 1;                            ///< of the reference
 };
 

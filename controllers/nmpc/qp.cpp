@@ -1,7 +1,7 @@
 // DAQP turns the program into a least-distance problem by H = R' R and adds and removes bounds one
-// at a time. Only its core is used; api.c, which allocates, is not built. The workspace that api.c
-// would allocate is filled in by hand here: sizes as in allocate_daqp_workspace and
-// allocate_daqp_ldp, for n variables with n simple bounds and no other constraints.
+// at a time. Only its core is used; api.c, which allocates, is not built. This file sets up the
+// workspace instead: sizes as in allocate_daqp_workspace and allocate_daqp_ldp, for n variables
+// with n simple bounds and no other constraints.
 #include "controllers/nmpc/qp.h"
 
 extern "C" {
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kN = kMostInputs;
 
-/// Numbers that DAQP needs for a program of kMostInputs variables.
+/// Size of DAQP's workspace for a program of kMostInputs variables.
 struct Memory {
   DAQPSettings settings;
   int sense[kN], working_set[kN + 1], start[kN];
@@ -31,7 +31,7 @@ DAQPSettings settings_of(const QpProblem& problem) {
   s.pivot_tol = DEFAULT_PIVOT_TOL;
   s.progress_tol = DEFAULT_PROG_TOL;
   s.cycle_tol = DEFAULT_CYCLE_TOL;
-  s.iter_limit = problem.most_iterations + 1;  // it counts from 1 to below the limit
+  s.iter_limit = problem.most_iterations + 1;  // DAQP counts from 1 to below the limit
   s.fval_bound = DAQP_INF;
   s.eps_prox = 0.0;
   s.eta_prox = DEFAULT_ETA;
@@ -80,7 +80,7 @@ DAQPWorkspace workspace_of(int size, Memory& memory) {
   work.WS = memory.working_set;
   work.settings = &memory.settings;
   work.sing_ind = EMPTY_IND;
-  for (int i = 0; i < size; ++i) memory.scaling[i] = 1.0;  // as allocate_daqp_ldp leaves them
+  for (int i = 0; i < size; ++i) memory.scaling[i] = 1.0;  // as in allocate_daqp_ldp
   return work;
 }
 

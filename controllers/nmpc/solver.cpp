@@ -5,7 +5,7 @@ namespace {
 
 constexpr double kLeastUprightShare = 0.01;
 
-/// A vector no longer than `most`.
+/// A vector limited to length `most`.
 Vec3<double> shortened(const Vec3<double>& v, double most) {
   const double length = norm(v);
   return length > most ? v * (most / length) : v;
@@ -38,16 +38,16 @@ void put(double* out, const Vec3<double>& v) {
   out[2] = v.z;
 }
 
-/// Share of the weights of position and velocity that counts while the thrust points elsewhere than
-/// it should: with the vehicle upside down no thrust is what keeps these errors least, to first
-/// order, and without thrust it would never turn.
+/// Factor on the weights of position and velocity while the thrust points away from its desired
+/// direction. Upside down, zero thrust minimises these errors to first order, and without thrust
+/// the vehicle would never turn over.
 double upright_share(const Motion& now, const Target& target) {
   const double cosine = dot(body_z(now.rotation), body_z(target.rotation));
   return max(kLeastUprightShare, square(0.5 + 0.5 * cosine));
 }
 
-/// Cost of the node that a step leads to, about `motion`. @param factor  on all weights of states
-/// @param upright  further factor, on those of position and velocity
+/// Cost of the node after a step, about `motion`. @param factor  on all weights of states
+/// @param upright  further factor, on the weights of position and velocity
 void set_cost(const NmpcProblem& guide, const Motion& motion, const Target& target, double factor,
               double upright, Stage& stage) {
   const Weights& w = guide.weights;
@@ -70,7 +70,7 @@ void set_cost(const NmpcProblem& guide, const Motion& motion, const Target& targ
   put(stage.gradient + 9, multiply_elements(stage.rates, motion.rates - target.rates));
 }
 
-/// The motion that the inputs lead to, and the program's terms about it.
+/// The motion under the inputs, and the program's terms about it.
 void linearise(const NmpcProblem& guide, const Motion& now, const Disturbance& disturbance,
                const Target* targets, const double* inputs, Stage* stages) {
   Motion motion = now;
@@ -87,15 +87,15 @@ void linearise(const NmpcProblem& guide, const Motion& now, const Disturbance& d
   }
 }
 
-/// Moves all targets so that the first is no further from the vehicle than allowed: about what is
-/// far away no linearisation holds.
+/// Moves all targets so that the first is within the allowed distance of the vehicle: the
+/// linearisation is not valid far away.
 void bring_near(const NmpcProblem& guide, const Vec3<double>& position, Target* targets) {
   const Vec3<double> ahead = targets[0].position - position;
   const Vec3<double> back = shortened(ahead, guide.most_position_error) - ahead;
   for (int k = 0; k <= guide.nodes; ++k) targets[k].position += back;
 }
 
-/// Inputs that lie on a bound begin in the active set.
+/// Inputs on a bound start in the active set.
 QpResult solve_program(const NmpcProblem& guide, Condensed& program, const double* inputs,
                        double* change) {
   double low[kMostInputs], high[kMostInputs];

@@ -18,8 +18,8 @@ ReferencePoint<double> extrapolated(const ReferencePoint<double>& point, double 
 
 Target target_of(const Model& model, const ShareRow* rows, double least,
                  const Disturbance& disturbance, const ReferencePoint<double>& point) {
-  // Thrust makes up for drag, whose axes follow from the thrust without it: their difference is of
-  // second order.
+  // Thrust compensates drag. The drag's axes follow from the thrust without it; the difference is
+  // of second order.
   Vec3<double> thrust = point.acceleration - model.gravity - disturbance.acceleration;
   const double size = norm(thrust);
   if (size > control::kLeastThrust) {

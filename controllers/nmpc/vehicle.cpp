@@ -9,7 +9,8 @@
 namespace skybody::nmpc {
 namespace {
 
-/// Rotors about the base's centre of mass, by acceleration and angular acceleration at full thrust.
+/// Acceleration and angular acceleration at full thrust of each rotor, about the base's centre of
+/// mass.
 void set_rotors(const Setup& setup, int robot, double mass, Model& model) {
   const View<RotorInfo> rotors = control::working_rotors(setup, robot, "nmpc");
   const BodyInfo& base = setup.bodies()[control::base_of(setup, robot)];
@@ -34,8 +35,8 @@ void set_rotors(const Setup& setup, int robot, double mass, Model& model) {
   }
 }
 
-/// Drag of the rotors, k_d w (v - (v . n) n) each, at the speeds that hold the weight: the part
-/// along each base axis, per mass.
+/// Drag of the rotors, k_d w (v - (v . n) n) each, at hover speeds: its diagonal in base axes, per
+/// mass.
 void set_drag(const Setup& setup, int robot, double mass, Model& model) {
   double lift = 0.0;
   for (int i = 0; i < model.rotors; ++i) lift += max(0.0, model.rotor[i].acceleration.z);
@@ -48,7 +49,7 @@ void set_drag(const Setup& setup, int robot, double mass, Model& model) {
   }
 }
 
-/// The shares of least norm for an acceleration along z and an angular acceleration.
+/// Rotor shares of least norm for an acceleration along z and an angular acceleration.
 void set_rows(const std::string& robot, NmpcProblem& guide) {
   std::vector<double> effects;
   for (int i = 0; i < guide.model.rotors; ++i) {

@@ -1,4 +1,4 @@
-// The guide's model of a robot, from its nominal constants.
+// Prediction model of a robot, from its nominal constants.
 #pragma once
 
 #include "controllers/nmpc/solver.h"
@@ -6,8 +6,8 @@
 
 namespace skybody::nmpc {
 
-/// Fills in `model` and `rows`. @throws std::runtime_error where the robot's rotors cannot be
-/// controlled so
+/// Fills `model` and `rows`. @throws std::runtime_error if the controller does not support the
+/// robot's rotors
 void set_vehicle(const Setup& setup, int robot, NmpcProblem& guide);
 
 }  // namespace skybody::nmpc

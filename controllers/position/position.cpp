@@ -1,5 +1,5 @@
-// Position and heading, or a trajectory: a PD, or PID, with gravity and the trajectory's
-// acceleration fed forward. Chain `attitude`, then `ctbr`.
+// Position and heading, or a trajectory: a PD or PID with gravity and the trajectory's acceleration
+// fed forward. Chain `attitude`, then `ctbr`.
 #include "controllers/common/flatness.h"
 #include "controllers/common/guidance.h"
 #include "controllers/common/trajectory.h"
@@ -56,7 +56,7 @@ class Position : public Controller {
   }
 
  private:
-  /// A trajectory is not held to the box, which is for actions.
+  /// A trajectory is not clamped to the box, which is the range of actions.
   template <class Real>
   SKYBODY_INLINE void follow(const EnvView<Real>& env, const BodyMotion<Real>& base,
                              const ReferencePoint<Real>& reference, Values<Real> output,

@@ -1,4 +1,4 @@
-// A body that moves on a rail: its base follows a path over time and takes no command.
+// Rail: moves a robot's base along a path over time, without an input.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -42,7 +42,7 @@ class Rail : public Controller {
     state.rotation = base.rotation;
   }
 
-  /// The pose at the end of the physics step that begins.
+  /// The pose at the end of the present physics step.
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real>,
                Values<Real> output) const {
@@ -73,7 +73,7 @@ class Rail : public Controller {
     return {Real(v.x), Real(v.y), Real(v.z)};
   }
 
-  /// From 0 to 1 in the way of least jerk: at rest, without acceleration, at both ends.
+  /// Minimum-jerk curve from 0 to 1: velocity and acceleration are 0 at both ends.
   template <class Real>
   static SKYBODY_INLINE Real smooth(const Real& share) {
     return share * share * share * (10.0 + share * (6.0 * share - 15.0));
@@ -113,7 +113,7 @@ class Rail : public Controller {
     }
   }
 
-  /// Places count from the reset: another first one would be a jump.
+  /// Positions count from the reset: a first position other than 0 would be a jump.
   void check_start() const {
     if (norm(stations_[0].position) == 0.0 && norm(stations_[0].rpy) == 0.0) return;
     throw std::runtime_error(

@@ -1,4 +1,4 @@
-// A reference: where the robot should be over time. It takes no command.
+// Reference: a generated motion of the robot over time, without an input.
 #include <skybody/plugin.h>
 
 #include <stdexcept>
@@ -76,9 +76,9 @@ class Reference : public Controller {
     }
   }
 
-  /// Tells tables, pictures and learners where the base should be a time later, by the Taylor
-  /// polynomial about a moment: over a physics step it is exact to rounding, but for a step's jump,
-  /// which is told a physics step late.
+  /// Reports the reference at the end of the step to tables, pictures and learners, by the Taylor
+  /// polynomial about a moment. Over a physics step it is exact to rounding, except for a step's
+  /// jump, which appears one physics step late.
   template <class Real>
   SKYBODY_INLINE void report(const Moment<Real, kOrders>& moment, double later,
                              const Values<Real>& buffer) const {

@@ -1,4 +1,4 @@
-// Rotor speed references straight from the command, held to what each rotor can do.
+// Rotor speed commands, clamped to each rotor's limits.
 #include <vector>
 
 #include "controllers/common/robot.h"

@@ -1,5 +1,5 @@
 // Follows a trajectory in sliding mode: position and attitude are driven onto surfaces on which
-// their errors decay, by steps that a boundary layer smooths. Chain `ctbt` next.
+// their errors decay, by switching terms smoothed in a boundary layer. Chain `ctbt` next.
 #include "controllers/common/guidance.h"
 #include "controllers/common/tracking.h"
 #include "controllers/common/trajectory.h"
@@ -7,7 +7,7 @@
 namespace skybody {
 namespace {
 
-/// Of the attitude loop inside its boundary layer with default values [rad/s].
+/// Bandwidth of the attitude loop inside its boundary layer with default values [rad/s].
 constexpr double kRateGain = 22.0;
 
 class SlidingMode : public Controller {
@@ -52,7 +52,7 @@ class SlidingMode : public Controller {
   }
 
  private:
-  /// A surface s = de/dt + slope e, and what drives s to 0, e being what is left to go.
+  /// A surface s = de/dt + slope e, with e the remaining error, and the command that drives s to 0.
   class Surface {
    public:
     struct Names {
@@ -78,7 +78,7 @@ class SlidingMode : public Controller {
                             .min = 1e-6,
                             .doc = "half of the boundary layer's thickness"}) {}
 
-    /// @param share  what default rates are multiplied by (lag_share)
+    /// @param share  factor on default rates (lag_share)
     void configure(double share) {
       slope_share_ = slope_.is_given() ? 1.0 : share;
       // The slope within the layer is gain / boundary: a rate.

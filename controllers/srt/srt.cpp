@@ -1,4 +1,4 @@
-// Single rotor thrusts: each rotor's speed from the thrust that is asked of it.
+// Single rotor thrusts: each rotor's speed for its commanded thrust.
 #include <vector>
 
 #include "controllers/common/robot.h"

@@ -1,4 +1,4 @@
-// Throttles: each rotor's speed reference as a share of what that rotor can do.
+// Throttles: each rotor's speed reference as a share of its maximum speed.
 #include <vector>
 
 #include "controllers/common/robot.h"

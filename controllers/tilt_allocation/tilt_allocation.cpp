@@ -1,4 +1,4 @@
-// A wrench of the whole robot to rotors that are tilted by joints: speeds and angles.
+// Allocates a wrench of the whole robot to rotors on tilting joints: rotor speeds and joint angles.
 #include <string>
 #include <vector>
 
@@ -43,7 +43,7 @@ class TiltAllocation : public Controller {
   }
 
  private:
-  /// Each rotor of an arm pushes an equal share.
+  /// The rotors of an arm share its thrust equally.
   template <class Real>
   SKYBODY_INLINE void set_speeds(const TiltArm& arm, const Real& push, Values<Real> output) const {
     const Real share = clamp(push, Real(0.0), Real(arm.full)) * Real(1.0 / arm.rotors.size());
@@ -52,7 +52,7 @@ class TiltAllocation : public Controller {
     }
   }
 
-  /// The tilt nearest to the present one. Where the arm hardly pushes, it stays as it is.
+  /// The equivalent tilt nearest to the present one. Without significant thrust, the tilt is held.
   template <class Real>
   SKYBODY_INLINE Real angle(const EnvView<Real>& env, const TiltArm& arm, const Real& push,
                             const Real& along, const Real& across) const {

@@ -1,12 +1,11 @@
-// Rotors that joints tilt, arm by arm: each joint with what it carries. Nominal constants, in the
-// frame of the base.
+// Tilting arms: each joint with its rotors. Nominal constants, in the frame of the base.
 //
 // At tilt a the rotors of arm i push along n_i cos(a) + s_i sin(a), with t_i the joint's axis, n_i
 // the rotors' axis at a = 0 and s_i = t_i x n_i. With f_n = T cos(a) and f_s = T sin(a) the wrench
-// of a push T about the robot's centre of mass c is linear in both:
+// of a thrust T about the robot's centre of mass c is linear in both:
 //   force  f_n n_i + f_s s_i,  moment  (p_i - c) x force + k_i force
-// with p_i the place on the joint's axis beside the hubs, and k_i = -(mean of d k_m / k_f) of the
-// arm's rotors: 0 for a pair that turns against one another.
+// with p_i the point on the joint's axis next to the hubs, and k_i = -(mean of d k_m / k_f) of the
+// arm's rotors: 0 for a counter-rotating pair.
 #pragma once
 
 #include <cmath>
@@ -20,17 +19,17 @@
 namespace skybody {
 
 struct TiltRotor {
-  int index = 0;              ///< world rotor
+  int index = 0;              ///< world index of the rotor
   double per_constant = 0.0;  ///< 1 / k_f
 };
 
-/// A joint, and the rotors that it tilts.
+/// A joint with its rotors.
 struct TiltArm {
   control::DrivenJoint joint;
   std::vector<TiltRotor> rotors;
-  double full = 0.0;      ///< thrust of all when the weakest is at its limit [N]
+  double full = 0.0;      ///< thrust of all rotors when the weakest is at its limit [N]
   double inertia = 0.0;   ///< about the joint's axis [kg m^2]
-  Vec3<double> place;     ///< from the robot's centre of mass [m]
+  Vec3<double> place;     ///< position relative to the robot's centre of mass [m]
   Vec3<double> normal;    ///< n
   Vec3<double> side;      ///< s
   double reaction = 0.0;  ///< k [m]
@@ -44,7 +43,7 @@ struct TiltArm {
 class TiltArms {
  public:
   TiltArms() = default;
-  /// @throws std::runtime_error where a rotor does not sit on a tilting joint of the base
+  /// @throws std::runtime_error if a rotor is not on a tilting joint of the base
   TiltArms(const Setup& setup, int robot, const control::CompositeBody& all) {
     const View<RotorInfo> rotors = control::working_rotors(setup, robot, "tilt_allocation");
     for (const RotorInfo& rotor : rotors) {
@@ -55,7 +54,7 @@ class TiltArms {
 
   const std::vector<TiltArm>& all() const { return arms_; }
 
-  /// Adds what all arms could give along each axis, each by itself.
+  /// Adds the largest wrench of all arms along each axis, each axis separately.
   void add_reach(Vec3<double>& force, Vec3<double>& moment) const {
     for (const TiltArm& arm : arms_) {
       const Vec3<double> fn = arm.normal * arm.full, fs = arm.side * arm.full;
@@ -70,9 +69,9 @@ class TiltArms {
     return {sqrt(a.x * a.x + b.x * b.x), sqrt(a.y * a.y + b.y * b.y), sqrt(a.z * a.z + b.z * b.z)};
   }
 
-  /// Files round: 1.57 for a quarter turn is off by 8e-4 rad, and places are written to 0.1 mm.
-  /// What is left out is as small by the push: 0.2 % of a force and 1 mm of a lever, less than
-  /// thrust constants are known to.
+  /// Tolerances for rounded values in files: 1.57 for a quarter turn is off by 8e-4 rad, and
+  /// positions are written to 0.1 mm. The neglected error is 0.2 % of a force and 1 mm of a lever
+  /// arm, less than the uncertainty of thrust constants.
   static constexpr double kAskew = 2e-3, kBeside = 1e-3;  // [rad], [m]
 
   static void require_small(const RotorInfo& rotor, const BodyInfo& body, double value, double most,

@@ -1,5 +1,5 @@
-// A velocity in world axes and a yaw rate: the acceleration that brings the body there. Chain
-// `acceleration`, then `force`.
+// Velocity in world axes and yaw rate to a desired acceleration. Chain `acceleration`, then
+// `force`.
 #include "controllers/common/guidance.h"
 
 namespace skybody {
@@ -11,7 +11,7 @@ class VelocityTracking : public Controller {
 
   template <class Real>
   struct State {
-    Real yaw;  ///< heading asked for [rad], in [-pi, pi]
+    Real yaw;  ///< desired heading [rad], in [-pi, pi]
   };
 
   void configure(const Setup& setup) override {
@@ -51,11 +51,11 @@ class VelocityTracking : public Controller {
   }
 
  private:
-  /// Of the rate loop that the default gain expects behind it [rad/s].
+  /// Bandwidth of the rate loop that the default gain assumes [rad/s].
   static constexpr double kRateLoop = 20.0;
 
-  /// The heading asked for, a step later. It runs ahead of the body's by `max_yaw_lead` at most, so
-  /// that a body that cannot follow does not turn on for long after the command has ended.
+  /// The desired heading after one step. It leads the body's heading by at most `max_yaw_lead`, so
+  /// that a slow body does not keep turning long after the command has ended.
   template <class Real>
   SKYBODY_INLINE Real led(const Real& now, const Real& rate, const Real& heading) const {
     const Real held = clamp(rate, -max_yaw_rate_.value(), max_yaw_rate_.value());

@@ -46,7 +46,7 @@ class Wrench : public Controller {
  private:
   static double or_else(double given, double fallback) { return given > 0.0 ? given : fallback; }
 
-  /// Twice the robot's weight, unless given.
+  /// Twice the robot's weight by default.
   Vec3<double> force_limit(const Setup& setup, int robot) const {
     const double weight = control::total_mass(setup, robot) * control::gravity_of(setup);
     const Vec3<double> given = max_force_.vec3();
@@ -59,7 +59,7 @@ class Wrench : public Controller {
     return limit;
   }
 
-  /// What the rotors could do, unless given.
+  /// The rotors' largest torques by default.
   Vec3<double> moment_limit(const Setup& setup, int robot) const {
     const Vec3<double> given = max_moment_.vec3();
     if (given.x > 0.0 && given.y > 0.0 && given.z > 0.0) return given;

@@ -12,19 +12,19 @@
 namespace skybody {
 namespace {
 
-/// The value farthest from its usual range, with whose it is.
+/// The value farthest outside its usual range, with its rotor.
 struct Worst {
   double value = 1.0;
   double distance = 0.0;
   const Rotor* rotor = nullptr;
 };
 
-/// How far a positive value lies beyond a usual range, as a logarithm that compares.
+/// The distance of a positive value from its usual range, on a logarithmic scale; 0 inside.
 double distance_from(PlausibilityLimit what, double value) {
   return is_plausible(what, value) ? 0.0 : 1.0 + std::fabs(std::log(value));
 }
 
-/// One robot.
+/// The checks of one robot.
 class RobotCheck {
  public:
   RobotCheck(const CompiledScenario& compiled, int robot, const LaneState& start,
@@ -79,7 +79,7 @@ class RobotCheck {
       const Vec3<double> thrust = in_base(rotor.body, rotor.axis) *
                                   (rotor.constants[kThrustConstant] * speed * std::abs(speed));
       sum += thrust;
-      up += std::max(thrust.z, 0.0);  // rotors that push all ways carry with some of them
+      up += std::max(thrust.z, 0.0);  // with rotors in all directions only some of them lift
     }
     const Rotor& first = model().rotors[0];
     const double lifted = sum.z < 0.0 ? up : std::max(norm(sum), up);
@@ -88,13 +88,13 @@ class RobotCheck {
           {"mass", model().total_mass()}});
   }
 
-  /// Looks for the rotor whose value is farthest from usual.
+  /// Finds the rotor whose value is farthest outside its usual range.
   template <class Value>
   Worst worst_rotor(PlausibilityLimit what, Value&& value_of) const {
     Worst worst;
     for (const Rotor& rotor : model().rotors) {
       const double value = value_of(rotor);
-      if (value == 0.0) continue;  // that term is left out
+      if (value == 0.0) continue;  // the model omits the term
       const double distance = distance_from(what, value);
       if (distance > worst.distance) worst = {value, distance, &rotor};
     }
@@ -125,7 +125,7 @@ class RobotCheck {
     }
   }
 
-  /// @returns whether all are usual: gyration is measured by them
+  /// @returns whether all arms are usual; the check of gyration is relative to them
   bool check_arms() {
     double longest = 0.0;
     for (const Rotor& rotor : model().rotors) {
@@ -137,7 +137,7 @@ class RobotCheck {
     return is_plausible(PlausibilityLimit::kArm, longest);
   }
 
-  /// Of a body with three rotors or more: fewer do not say how large it is.
+  /// Checks bodies with three or more rotors: fewer rotors do not indicate the body's size.
   void check_gyration(int body) {
     const MassProperties& mass = model().bodies[static_cast<std::size_t>(body)].mass;
     double arm = 0.0;

@@ -1,4 +1,4 @@
-// Values of a scenario that are possible and unlikely: derived from several places of its files.
+// Warnings about possible but unlikely values, derived from several places of a scenario's files.
 #pragma once
 
 #include "core/env/compiled_scenario.h"
@@ -6,9 +6,9 @@
 
 namespace skybody {
 
-/// Warns of rotors, inertias and shapes of robots that are beyond their usual ranges
-/// (core/io/plausibility_limits.h), by nominal values and with joints where an episode begins.
-/// Robots that are alike get one warning.
+/// Warns of rotors, inertias and shapes of robots outside their usual ranges
+/// (core/io/plausibility_limits.h), with nominal values and joints at their initial positions.
+/// Robots with the same findings share one warning.
 void warn_of_implausible_parameters(const CompiledScenario& compiled, Diagnostics& diagnostics);
 
 }  // namespace skybody

@@ -9,15 +9,14 @@
 namespace skybody {
 namespace {
 
-/// A parameter as the scenario gives it, or its default; null: somebody's own plugin of that name
-/// has no such parameter.
+/// A parameter's value or default; null if a user's plugin of the same name lacks the parameter.
 const ParameterValue* parameter_of(const PluginUse& use, const std::string& name) {
   const auto found = std::find_if(use.parameters.begin(), use.parameters.end(),
                                   [&](const ParameterValue& value) { return value.name == name; });
   return found == use.parameters.end() ? nullptr : &*found;
 }
 
-/// Whether a list of names, or one of them, means this robot; an empty one means all.
+/// Whether a list of robot names includes this robot; an empty list includes all.
 bool means(const ParameterValue& names, const std::string& robot) {
   const std::vector<std::string>& texts = names.texts;
   const bool is_empty = texts.empty() || (texts.size() == 1 && texts[0].empty());
@@ -28,7 +27,7 @@ std::string place_of(const SourceLocation& mark) {
   return mark.line > 0 ? "line " + std::to_string(mark.line) : mark.file;
 }
 
-/// Whether hovering takes this value of a robot: gravity, masses, and what makes rotors' speeds.
+/// Whether a parameter affects the robot's hover speed: gravity, masses, and the rotors' constants.
 bool matters_for_hover(const CompiledScenario& compiled, std::size_t robot, int param) {
   const Layout& l = compiled.layout();
   const auto k = [](int i) { return static_cast<std::size_t>(i); };
@@ -44,7 +43,7 @@ bool matters_for_hover(const CompiledScenario& compiled, std::size_t robot, int 
   return false;
 }
 
-/// `start` reads what is drawn when its turn comes: what is drawn behind it is the last episode's.
+/// `start` reads the current parameters: values drawn later are still those of the last episode.
 void check_hover_speeds(const CompiledScenario& compiled, std::size_t place) {
   const Scenario& scenario = compiled.scenario();
   const PluginUse& start = scenario.randomization[place];
@@ -71,7 +70,7 @@ void check_hover_speeds(const CompiledScenario& compiled, std::size_t place) {
   }
 }
 
-/// Effects of which a robot has one. What two of them say cannot both be.
+/// Effects allowed once per robot: two of them would contradict each other.
 struct Single {
   const char* plugin;
   const char* thing;

@@ -16,13 +16,13 @@
 namespace skybody {
 namespace {
 
-/// More combinations of words than this, and only single words are changed.
+/// With more combinations than this, only single parameters are changed.
 constexpr std::size_t kMostCombinations = 64;
 
-/// One word of each parameter that has choices or is a switch: places among its words.
+/// One choice for each choice parameter: indices into words_of().
 using Words = std::vector<std::size_t>;
 
-/// A value within the parameter's range, for one that has no default.
+/// A value within the range of a parameter without a default.
 double some_number(const ParameterSpec& spec) {
   double value = 1.0;
   if (std::isfinite(spec.max)) value = std::min(value, spec.max);
@@ -38,7 +38,7 @@ std::string first_joint(const Topology& topology, int robot) {
   return "";
 }
 
-/// Configures one controller in all of its ways.
+/// Configures one controller in all of its combinations.
 class Survey {
  public:
   Survey(const Topology& topology, int robot)
@@ -65,7 +65,7 @@ class Survey {
   }
 
  private:
-  /// What a parameter may be, if that is a few words; else none.
+  /// The allowed words of a choice parameter; empty for other parameters.
   static std::vector<std::string> words_of(const ParameterSpec& spec) {
     if (!spec.is_scalar()) return {};
     if (spec.type == ParameterType::kBoolean) return {"false", "true"};
@@ -95,7 +95,7 @@ class Survey {
     return count;
   }
 
-  /// Those with the fewest changes first.
+  /// All combinations, in ascending order of their changes from the defaults.
   static std::vector<Words> combinations(const PluginEntry& entry) {
     const std::vector<const ParameterSpec*> specs = word_parameters(entry);
     Words defaults;
@@ -122,7 +122,7 @@ class Survey {
     return all;
   }
 
-  /// How much is filled in for a controller that refuses its defaults.
+  /// The values filled in for a controller that rejects its defaults.
   enum class Filling { kRequired, kNames, kNamesAndZeros, kTables };
 
   ParameterValue value_of(const ParameterSpec& spec, Filling filling) const {
@@ -162,7 +162,7 @@ class Survey {
     }
   }
 
-  /// @returns why the plugin refuses, or ""
+  /// @returns the plugin's reason for rejecting the configuration, or ""
   std::string try_out(const PluginEntry& entry, const Words& words, ControllerMode& mode) const {
     std::string reason;
     for (const Filling filling :
@@ -217,8 +217,8 @@ class Survey {
     if (mode.passes_on) mode.options.clear();
   }
 
-  /// A wrench needs a site, and a joint's command a drive: without, a controller behind it takes
-  /// it.
+  /// A wrench needs a site and a joint command needs a drive. Without them the output is the input
+  /// of another controller.
   static bool acts(const PluginInstance& instance) {
     const int signal = instance.outputs[0].signal;
     if (signal == SKYBODY_WRENCH) return !instance.sites.empty();
@@ -266,7 +266,7 @@ Rotor survey_rotor(int number) {
   return rotor;
 }
 
-/// Whether a controller that takes `level` can stand behind a row that begins with `from`.
+/// Whether a controller with the input `level` can follow a chain that begins with `from`.
 bool fits(const ControllerSurvey& survey, const std::vector<int>& row, const Level& from,
           const Level& level) {
   const Level& given =
@@ -274,7 +274,7 @@ bool fits(const ControllerSurvey& survey, const std::vector<int>& row, const Lev
   return given.signal == level.signal && (given.count == 0 || given.count == level.count);
 }
 
-/// Where the task has a trajectory, `signal: position` is not what `position` takes by default.
+/// With a task that has a trajectory, `signal: position` is not the default of `position`.
 void say_default_of_position(ControllerSurvey& survey) {
   for (ControllerMode& mode : survey.modes) {
     if (mode.plugin != "position" || mode.takes.signal != SKYBODY_POSITION) continue;
@@ -319,8 +319,8 @@ Topology survey_vehicle() {
 }
 
 std::vector<int> shortest_chain(const ControllerSurvey& survey, const Level& from, int to) {
-  // Uniform-cost search. A controller that has to be told something costs more than one that has
-  // not: chains of defaults come before others of the same length.
+  // Uniform-cost search. Options that differ from the defaults add to the cost: of chains of equal
+  // length, those with default options come first.
   struct Row {
     std::vector<int> modes;
     int cost = 0;

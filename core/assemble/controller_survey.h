@@ -1,5 +1,5 @@
-// Which signals controllers take and give: each is configured for a robot and asked. The chains
-// that lead from one level to another follow from that.
+// A survey of the controllers' input and output signals: configures each controller for one robot
+// and reads its declarations. Finds chains of controllers from one signal to another.
 #pragma once
 
 #include <string>
@@ -16,46 +16,48 @@ struct Level {
   int count = 0;
 };
 
-/// One way in which a controller can be used.
+/// One configuration of a controller.
 struct ControllerMode {
   std::string plugin;
   std::string doc;                   ///< one line
-  std::vector<std::string> options;  ///< `form: position`: parameters that differ from the defaults
+  std::vector<std::string> options;  ///< `form: position`: the parameters that differ from defaults
   Level takes, gives;
-  std::vector<double> low, high;  ///< what actions -1 and +1 mean, one per value that it takes
-  bool acts = false;              ///< drives actuators, and can be the last of a chain
-  bool passes_on = false;         ///< gives what it takes, of any level, such as `delay`
+  std::vector<double> low, high;  ///< inputs at actions -1 and +1, one per input value
+  bool acts = false;              ///< drives actuators, so it can be the last of a chain
+  bool passes_on = false;         ///< outputs its input's signal, any one, such as `delay`
 };
 
-/// A controller that could not be asked.
+/// A controller that could not be configured.
 struct RefusedController {
   std::string plugin;
-  std::string reason;  ///< in its own words
+  std::string reason;  ///< the controller's message
 };
 
-/// What controllers do for one robot.
+/// The controllers' configurations for one robot.
 struct ControllerSurvey {
   std::vector<ControllerMode> modes;  ///< in the order of the entries, defaults first
   std::vector<RefusedController> refused;
 };
 
-/// Configures each controller for one robot, once for each combination of its words (parameters
-/// that have choices or are switches). Of combinations that take and give the same, the one closest
-/// to the defaults counts. Parameters that are required get a value within their range. Where a
-/// controller refuses its defaults, lists of names get that of the robot's first moving joint, then
-/// zeros become ones, then lists of any length a path: two times, and three values for each.
+/// Configures each controller for one robot, once per combination of its choice parameters
+/// (parameters with choices, and booleans). Of the combinations with the same input and output, the
+/// one closest to the defaults is kept. Required parameters get a value within their range. If a
+/// controller rejects its defaults, further values are filled in, step by step:
+/// 1. lists of names get the name of the robot's first moving joint
+/// 2. zeros become ones
+/// 3. lists of any length get a path: two times, and three values for each
 /// @param entries  usable controllers
 ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entries,
                                     const Topology& topology, int robot);
 
-/// A quadrotor with a joint, for surveys that are about no robot in particular.
+/// A quadrotor with a joint, for surveys without a specific robot.
 Topology survey_vehicle();
 
-/// The shortest row of controllers that takes one level and gives another; one more controller is
-/// less than an option that differs from its default.
-/// @param from  count 0: with any number of values
-/// @param to    SkybodySignal; -1: any that actuators take
-/// @returns places within `survey.modes`; empty: there is none, or nothing is between them
+/// The cheapest chain of controllers from one signal to another. One more controller costs less
+/// than an option that differs from its default.
+/// @param from  count 0: any number of values
+/// @param to    SkybodySignal; -1: any signal of actuators
+/// @returns indices into `survey.modes`; empty if no chain exists or none is needed
 std::vector<int> shortest_chain(const ControllerSurvey& survey, const Level& from, int to);
 
 /// "`attitude`, then `ctbr`"; with options "`position` (`input: trajectory`)".

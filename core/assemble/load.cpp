@@ -24,7 +24,7 @@
 namespace skybody {
 namespace {
 
-/// Why a library beside the scenario is not opened, and what opens it.
+/// The reason why a library next to the scenario is not opened, and the remedy.
 std::string not_searched(const std::filesystem::path& file) {
   const std::string folder = file.parent_path().string();
   return file.string() +
@@ -33,10 +33,10 @@ std::string not_searched(const std::filesystem::path& file) {
          folder + " or SKYBODY_PLUGIN_PATH=" + folder + " (in Python plugin_path)";
 }
 
-/// The registry in the scenario reader's terms.
+/// Adapts the registry to the scenario reader's interface.
 class RegistryCatalog : public PluginCatalog {
  public:
-  /// @param beside  what lies beside the scenario and is not searched, see bystanders()
+  /// @param beside  plugins next to the scenario that are not searched, see bystanders()
   explicit RegistryCatalog(std::shared_ptr<const PluginRegistry> registry,
                            std::vector<PluginManifest> beside = {})
       : registry_(std::move(registry)), beside_(std::move(beside)) {}
@@ -68,7 +68,7 @@ class RegistryCatalog : public PluginCatalog {
   mutable std::map<std::pair<int, std::string>, PluginDeclaration> declarations_;
 };
 
-/// Makes instances from the registry's libraries.
+/// Creates instances from the registry's libraries.
 class RegistryFactory : public PluginFactory {
  public:
   explicit RegistryFactory(const PluginRegistry& registry) : registry_(registry) {}
@@ -90,14 +90,14 @@ class RegistryFactory : public PluginFactory {
   const PluginEntry& require(SkybodyKind kind, const std::string& plugin) const {
     const PluginEntry* entry = registry_.find(kind, plugin);
     if (entry == nullptr || !entry->failure.empty()) {
-      throw Error("plugin `" + plugin + "` cannot be used");  // the scenario reader has said why
+      throw Error("plugin `" + plugin + "` cannot be used");  // the scenario reader gave the reason
     }
     return *entry;
   }
   const PluginRegistry& registry_;
 };
 
-/// Whether `scenario` is there; if not, and it looks like a name, the error says which names are.
+/// Whether `scenario` exists. If not, and it is an identifier, the error suggests names.
 bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   if (scenario.empty()) {
     diagnostics.error({},
@@ -117,7 +117,7 @@ bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   return false;
 }
 
-/// @param who  names these folders
+/// @param who  the source of these folders, for messages
 void check_folders(const std::vector<std::filesystem::path>& folders, const std::string& who,
                    Diagnostics& diagnostics) {
   for (const std::filesystem::path& folder : folders) {
@@ -135,7 +135,7 @@ std::vector<std::filesystem::path> folders_beside(const LoadOptions& options) {
   return scenario_plugin_folders(scenario_file(options.scenario));
 }
 
-/// Libraries in the scenario's folder and its `plugins` where those are not searched.
+/// Libraries in the scenario's folder and its `plugins` if these folders are not searched.
 std::vector<PluginManifest> bystanders(const LoadOptions& options, const PluginRegistry& registry) {
   std::vector<PluginManifest> files;
   for (const std::filesystem::path& folder : folders_beside(options)) {
@@ -150,7 +150,7 @@ std::vector<PluginManifest> bystanders(const LoadOptions& options, const PluginR
   return files;
 }
 
-/// Which controllers lead over a gap in a chain.
+/// Text about the controllers that would close a gap in a chain.
 std::string bridge(const ChainMismatchError& gap, const PluginRegistry& registry) {
   if (gap.given() == gap.taken()) return "";
   const std::string given = signal_name(gap.given());
@@ -215,7 +215,8 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
   const FpEnvironment guard;
   ScenarioEdit edit;
   if (!options.reference.empty()) {
-    // The scenario is compiled as it is first, since controllers say only then what they take.
+    // First compile the scenario without the reference: only then are the controllers' inputs
+    // known.
     LoadOptions plain = options;
     plain.reference.clear();
     Diagnostics found;
@@ -236,7 +237,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
     auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
     check_plugin_combinations(*compiled);
-    check_world(compiled->world());  // a world that cannot be built is said here
+    check_world(compiled->world());  // reports worlds that cannot be built
     warn_of_implausible_parameters(*compiled, diagnostics);
     return compiled;
   } catch (const ChainMismatchError& gap) {

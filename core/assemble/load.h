@@ -15,32 +15,32 @@ namespace skybody {
 
 class PluginRegistry;
 
-/// What to load.
+/// Inputs of compile_scenario().
 struct LoadOptions {
   std::string scenario;                            ///< YAML file, or the name of a shipped scenario
   std::vector<std::string> overrides;              ///< "PATH=VALUE", in order
-  std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
-  bool trust_scenario = false;  ///< search the scenario's folder and its `plugins`, too
+  std::vector<std::filesystem::path> plugin_path;  ///< searched before the default folders
+  bool trust_scenario = false;  ///< also search the scenario's folder and its `plugins`
   RefusedFiles refused_plugins = {};
   bool checked = false;        ///< checked mode, see CompiledScenario
-  std::string reference = {};  ///< a reference that flies it, see reference_use.h; empty: none
+  std::string reference = {};  ///< a reference that commands it, see reference_use.h; empty: none
 };
 
-/// The file that `scenario` means: itself, or that of a shipped scenario of this name, which a
-/// folder does not hide (`--out boom` makes one). Whether it is there is not looked at.
+/// The file of a scenario: `scenario` itself, or the shipped scenario of this name. A folder of the
+/// same name does not hide a shipped scenario (`--out boom` creates one). The file may not exist.
 std::string scenario_file(const std::string& scenario);
 
-/// Says which folders for plugins, of those that the options and the environment name, are not
-/// there. @returns whether all are
+/// Reports the missing plugin folders among those of the options and the environment variable.
+/// @returns whether all exist
 bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics);
 
 /// Plugins found on the search path of `options` (see docs/plugins.md for the order).
 std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options);
 
-/// The registry as the scenario reader sees it. Keeps it alive.
+/// The registry as a catalog for the scenario reader. Shares ownership of the registry.
 std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry> registry);
 
-/// plugin_hint() of plugins in the default places.
+/// plugin_hint() for plugins in the default folders.
 std::string plugin_hint(const std::string& name);
 
 /// Reads the scenario, configures its plugins and builds the world.
@@ -48,12 +48,12 @@ std::string plugin_hint(const std::string& name);
 std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options,
                                                          Diagnostics& diagnostics);
 
-/// The same with plugins that were found before, for callers who load many scenarios.
+/// The same with plugins found before, for callers that load many scenarios.
 std::shared_ptr<const CompiledScenario> compile_scenario(
     const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
     Diagnostics& diagnostics);
 
-/// The same for callers who want an exception.
+/// The same with an exception in place of diagnostics.
 /// @throws InputError with all messages
 std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options);
 

@@ -18,20 +18,21 @@ namespace {
 
 constexpr const char* kNameSeparator = ":";
 
-/// A controller with parameters, as a scenario writes it.
+/// A controller with parameters, in the syntax of scenarios.
 using Use = const char*;
 
-/// What leads from a reference to the first controller of a chain.
+/// The controllers between a reference and the first controller of a chain.
 struct Lead {
-  int signal;         ///< that the chain takes
-  int count;          ///< of its values; 0: any
-  const char* gives;  ///< level of the reference
+  int signal;         ///< input of the chain
+  int count;          ///< number of its values; 0: any
+  const char* gives;  ///< the reference's parameter `gives`
   std::vector<Use> controllers;
 };
 
-// `position` holds positions to the box that actions mean, and accelerations to what suits a
-// learner. A reference is no action, and has been held against what the vehicle can do: it may go
-// farther. Laws of trajectories have no box, and their own limits are those of the rotors' thrust.
+// `position` limits positions to the range of actions, and accelerations to values that suit a
+// learner. A reference is not an action and was checked against the vehicle's limits, so it may
+// exceed them. Trajectory controllers have no such range; their limits follow from the rotors'
+// thrust.
 #define SKYBODY_FREE_PLACE "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5]"
 #define SKYBODY_FREE_PACE \
   "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
@@ -39,8 +40,8 @@ struct Lead {
 /// Values of `attitude` with the desired attitude's rates.
 constexpr int kAttitudeAndRates = 8;
 
-/// A row for each signal that a reference can fly: the laws that close the loop of position and
-/// know the reference's derivatives, where the chain takes what they give.
+/// One row per signal that a reference can command. The controllers of a row close the position
+/// loop and use the reference's derivatives if the chain accepts them.
 const std::vector<Lead> kLeads = {
     {SKYBODY_TRAJECTORY, 0, "trajectory", {}},
     {SKYBODY_POSITION, 0, "position", {}},
@@ -69,13 +70,13 @@ const std::vector<Lead> kLeads = {
 #undef SKYBODY_FREE_PACE
 #undef SKYBODY_FREE_PLACE
 
-/// What the command line asks for.
+/// The parsed command-line option.
 struct Asked {
   ConfigNode parameters;  ///< of the controller `reference`
-  std::string robot;      ///< empty: not said
+  std::string robot;      ///< empty: not given
 };
 
-/// Splits at commas that are outside of brackets.
+/// Splits at commas outside of brackets.
 std::vector<std::string> split_options(const std::string& text) {
   std::vector<std::string> parts(1);
   int depth = 0;
@@ -160,8 +161,8 @@ const std::string& robot_of(const CompiledScenario& compiled, const ControllerCh
   return compiled.scenario().robots[static_cast<std::size_t>(chain.robot)].name;
 }
 
-/// The chains that a reference may command: of the robot called `name`, or of all, those that end
-/// at rotors or move a base.
+/// The chains that a reference can command, of the robot called `name` or of all robots: chains
+/// that end at rotors or move a base.
 std::vector<const ControllerChain*> find_chains(const CompiledScenario& compiled,
                                                 const std::string& name) {
   std::vector<const ControllerChain*> found;
@@ -173,7 +174,7 @@ std::vector<const ControllerChain*> find_chains(const CompiledScenario& compiled
   return found;
 }
 
-/// The robots of chains, each once, for an error; empty where all are of one robot.
+/// The robots of the chains, each once, for an error message; empty if there is only one.
 std::string several_robots(const CompiledScenario& compiled,
                            const std::vector<const ControllerChain*>& chains) {
   std::string text;
@@ -211,7 +212,7 @@ void set(ConfigNode& map, const std::string& key, ConfigNode value) {
   }
 }
 
-/// Where everything goes.
+/// The position of the inserted controllers.
 struct Place {
   std::size_t robot;       ///< index
   std::size_t controller;  ///< within the robot's controllers
@@ -226,7 +227,7 @@ Place place_of(const CompiledScenario& compiled, const ControllerChain& chain) {
   return {robot, static_cast<std::size_t>(controller), use.name, use.model.bodies[0].name};
 }
 
-/// Takes out draws of the task's parameters: another task takes its place.
+/// Removes draws of the task's parameters: another task replaces it.
 void drop_draws_of_task(ConfigNode& root) {
   ConfigNode* randomization = root.find("randomization");
   if (randomization == nullptr) return;
@@ -245,13 +246,13 @@ void drop_draws_of_task(ConfigNode& root) {
   });
 }
 
-/// The controllers of a lead, which fall no quicker than gravity lets them.
+/// The controllers of a lead, with their downward acceleration limited below gravity.
 /// @param gravity  [m/s^2]
 std::vector<ConfigNode> controllers_of(const Lead& lead, double gravity,
                                        const SourceLocation& mark) {
-  constexpr double kShare = 0.89;  // laws refuse more than 0.9
+  constexpr double kShare = 0.89;  // controllers reject more than 0.9
   std::vector<ConfigNode> out;
-  Diagnostics none;  // these texts are our own
+  Diagnostics none;  // these texts are constants
   for (const Use use : lead.controllers) {
     out.push_back(*parse_yaml(use, mark.file, none));
     ConfigNode* parameters = out.back().find("parameters");
@@ -263,13 +264,14 @@ std::vector<ConfigNode> controllers_of(const Lead& lead, double gravity,
   return out;
 }
 
-/// Points of a trajectory, and how far apart they are.
+/// Number and spacing of the trajectory points that the reference outputs.
 struct Preview {
   std::string points = "1";
   std::string spacing;  ///< [s]; empty: the default of `reference`
 };
 
-/// What the first law of trajectories takes: `nmpc` a point a node, and now; others points alone.
+/// The preview of the first trajectory controller: `nmpc` takes one point per node and the current
+/// one; other controllers take one point.
 Preview preview_of(const CompiledScenario& compiled, const ControllerChain& chain,
                    const std::vector<ConfigNode>& controllers) {
   Preview preview;
@@ -305,8 +307,8 @@ void apply(const TrajectoryChain& open, ConfigNode* chain, const SourceLocation&
   set_parameter(chain[open.position ? 1 : 0], "feed_forward", "true", mark);
 }
 
-/// @param more_controllers  that lead from the reference to the chain
-/// @param parameters        of the controller `reference`, the level included
+/// @param more_controllers  between the reference and the chain
+/// @param parameters        of the controller `reference`, with `gives`
 void put_in(ConfigNode& root, const Place& place, const TrajectoryChain& open,
             const std::vector<ConfigNode>& more_controllers, const ConfigNode& parameters,
             const SourceLocation& mark) {

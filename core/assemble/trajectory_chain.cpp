@@ -23,7 +23,7 @@ bool is_left_open(const PluginUse& use, const char* plugin, const char* paramete
   return value != nullptr && !value->is_given;
 }
 
-/// The robot that the task is about, or null.
+/// The robot of the task, or null.
 RobotUse* robot_of_task(Scenario& scenario) {
   const ParameterValue* robot = parameter_of(scenario.task, "robot");
   const std::string name = robot == nullptr || robot->texts.empty() ? "" : robot->texts[0];
@@ -65,7 +65,7 @@ void take_trajectory_of_task(Scenario& scenario) {
   if (robot == nullptr || robot->controllers.empty()) return;
   std::vector<PluginUse>& chain = robot->controllers;
   if (!open_trajectory_chain(chain.data(), static_cast<int>(chain.size())).position) return;
-  // These are defaults still, which depend on the task: `is_given` stays false.
+  // These values are still defaults that depend on the task: `is_given` stays false.
   parameter_of(chain[0], "signal")->texts = {"trajectory"};
   parameter_of(chain[1], "feed_forward")->numbers = {1.0};
 }

@@ -1,34 +1,34 @@
-// Chains of shipped laws that take a trajectory, with its derivatives and what lies ahead.
+// Chains of shipped controllers with a trajectory as input: its derivatives and future points.
 #pragma once
 
 #include "core/env/compiled_scenario.h"
 
 namespace skybody {
 
-/// Parameters that let such a chain take the derivatives.
+/// The parameters with which such a chain uses the derivatives.
 struct TrajectoryChain {
   bool position = false;  ///< `signal: trajectory` of `position`, the first controller
-  bool attitude = false;  ///< `feed_forward: true` of `attitude`, the first or behind `position`
+  bool attitude = false;  ///< `feed_forward: true` of `attitude`, the first or after `position`
 
   bool any() const { return position || attitude; }
 };
 
-/// The first controller of a robot's chain, as the scenario has it.
+/// The first controller of a robot's chain in the scenario.
 const PluginUse& first_controller(const CompiledScenario& compiled, const ControllerChain& chain);
 
-/// Which of these parameters the scenario leaves open.
-/// @param chain  controllers of a robot, from the chain's first on
-/// @param count  of the chain's controllers
+/// The parameters of TrajectoryChain that the scenario does not set.
+/// @param chain  the robot's controllers, from the chain's first on
+/// @param count  number of the chain's controllers
 TrajectoryChain open_trajectory_chain(const PluginUse* chain, int count);
 
-/// From one point of a trajectory to the next, as the law takes them [s]; 0: it does not say.
+/// The time between two trajectory points in the controller's input [s]; 0: not specified.
 double point_spacing(const PluginUse& law);
 
-/// Whether the task says where its robot should be over time, with velocity and acceleration.
+/// Whether the task defines its robot's desired position over time, with velocity and acceleration.
 bool has_trajectory(const PluginUse& task);
 
-/// Where the task has a trajectory, the chain of its robot takes it: `position` and `attitude` at
-/// the head of the robot's controllers get the parameters that the scenario leaves open.
+/// If the task has a trajectory, makes it the input of its robot's chain: sets the parameters of
+/// `position` and `attitude`, the robot's first controllers, that the scenario does not set.
 void take_trajectory_of_task(Scenario& scenario);
 
 }  // namespace skybody

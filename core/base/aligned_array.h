@@ -1,4 +1,4 @@
-// Memory for values in lanes: a fixed number of them, at the beginning of a cache line.
+// A cache-line-aligned array of fixed size, for values in lanes.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// Owns `size` values of a plain type, all zero at first. Movable.
+/// Owns `size` values of a trivially copyable type, initially zero. Movable.
 template <class T>
 class AlignedArray {
  public:

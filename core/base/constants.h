@@ -1,30 +1,32 @@
-/* The physical constants of the world, of robots, bodies, joints, rotors, obstacles and couplings:
+/* The physical constants of the world, of robots, bodies, joints, rotors, obstacles and couplings,
  * one row each. Plain C.
  *
- * From these tables follow the places of EnvParams (enums here by SYMBOL, in core/model/constants.h
- * by Id), their paths, the keys of scenario and rotors files with their checks, the JSON schema and
- * the tables of docs/scenarios.md. A new constant is one row, and the force that reads it.
+ * These tables define:
+ * - indices of EnvParams (enums here by SYMBOL, in core/model/constants.h by Id), and paths
+ * - the keys of scenario and rotors files, and their checks
+ * - the JSON schema and the tables of docs/scenarios.md
+ * A new constant needs one row, and the force that reads it.
  *
  *   X(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, doc)
  *
- * - key: in files and in the paths of EnvParams, behind that of the thing; with several values the
- *   paths end in [0], [1], ...
- * - count: number of values, at most 6; six are a symmetric matrix: xx yy zz xy xz yz
- * - fallback: the values where a file has none, in parentheses; (): a file has to give them
- * - least, greatest: what a file may give, each value, inclusive
- * - least_drawn: what an EnvParam may be at least; there is no upper bound. Of a symmetric matrix
- * the bound holds on the diagonal
+ * - key: the name in files, and the end of an EnvParam's path, after the path of its owner; with
+ *   several values the paths end in [0], [1], ...
+ * - count: number of values, at most 6; six values are a symmetric matrix: xx yy zz xy xz yz
+ * - fallback: the default values, in parentheses; (): files must give the values
+ * - least, greatest: inclusive bounds of each value in a file
+ * - least_drawn: inclusive lower bound of a drawn EnvParam, for a symmetric matrix of its diagonal;
+ *   there is no upper bound
  * - doc: one line
  */
 #ifndef SKYBODY_CORE_BASE_CONSTANTS_H
 #define SKYBODY_CORE_BASE_CONSTANTS_H
 
-/* The least mass, moment of inertia or largest speed that may be drawn: positive, and far below any
- * vehicle's. */
+/* Lower bound of a drawn mass, moment of inertia or largest speed: positive, and far below the
+ * values of any vehicle. */
 #define SKYBODY_LEAST_POSITIVE 1e-12
-/* The shortest rod, rope or spring [m]: what is shorter has no direction. */
+/* The shortest rod, rope or spring [m]: below this length the direction is undefined. */
 #define SKYBODY_LEAST_LENGTH 1e-6
-/* Bound of what has no natural one. */
+/* Bound of quantities without a natural bound. */
 #define SKYBODY_FAR 1e6
 
 /* clang-format off */
@@ -45,7 +47,7 @@
   X(SKYBODY_ROBOT_DISTURBANCE_MOMENT, kDisturbanceMoment, "disturbance.moment", "N m", 3,          \
     (0, 0, 0), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "on the base, its own axes")
 
-/* Paths: robots.quad.links.base_link.mass. Files: the URDF's, see core/io/ranges.h. */
+/* Paths: robots.quad.links.base_link.mass. Files: from the URDF, see core/io/ranges.h. */
 #define SKYBODY_BODY_CONSTANTS(X)                                                                  \
   X(SKYBODY_BODY_MASS, kMass, "mass", "kg", 1, (), 1e-20, 1e12, SKYBODY_LEAST_POSITIVE,            \
     "of the body")                                                                                 \
@@ -54,8 +56,10 @@
   X(SKYBODY_BODY_INERTIA, kInertia, "inertia", "kg m^2", 6, (), -1e24, 1e24,                       \
     SKYBODY_LEAST_POSITIVE, "about the centre of mass, axes of the body")
 
-/* Paths: robots.quad.joints.elbow.damping. A joint has those that apply to it: every moving joint
- * but a free base the first, revolute and prismatic ones the spring, those with limits all. */
+/* Paths: robots.quad.joints.elbow.damping. The joint's type selects the rows that apply:
+ * - damping: every moving joint except a free base
+ * - stiffness, rest: revolute and prismatic joints
+ * - limit_stiffness, limit_damping: joints with limits */
 #define SKYBODY_JOINT_CONSTANTS(X)                                                                 \
   X(SKYBODY_JOINT_DAMPING, kJointDamping, "damping", "N m s/rad or N s/m", 1, (0), 0, SKYBODY_FAR, \
     0, "viscous, every coordinate")                                                                \
@@ -89,7 +93,7 @@
   X(SKYBODY_ROTOR_POSITION, kRotorPosition, "position", "m", 3, (), -1000, 1000, -INFINITY,        \
     "hub; in files in the frame of the link that carries it, else in the body's")
 
-/* Paths: obstacles.pole.position[0]. Files: shape and pose of `obstacles`. */
+/* Paths: obstacles.pole.position[0]. In files: the keys `shape` and `pose` of `obstacles`. */
 #define SKYBODY_OBSTACLE_CONSTANTS(X)                                                              \
   X(SKYBODY_OBSTACLE_PRESENT, kObstaclePresent, "present", "", 1, (1), 0, 1, 0,                    \
     "0: it is not there")                                                                          \
@@ -98,10 +102,11 @@
   X(SKYBODY_OBSTACLE_ROTATION, kObstacleRotation, "rotation", "", 4, (), -1, 1, -INFINITY,         \
     "quaternion w x y z, W from the obstacle; brought to norm 1")                                  \
   X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 1e-9, SKYBODY_FAR, 0,                \
-    "box: edge lengths; cylinder, capsule: radius, length; sphere: radius; gate: width, height, "   \
+    "box: edge lengths; cylinder, capsule: radius, length; sphere: radius; gate: width, height, "  \
     "thickness; height_field: along x and y; plane: none")
 
-/* Paths: couplings.tether.length. A point has the first, rods and ropes the first two, springs all. */
+/* Paths: couplings.tether.length. Points have `present`; rods and ropes `present` and `length`;
+ * springs all rows. */
 #define SKYBODY_COUPLING_CONSTANTS(X)                                                              \
   X(SKYBODY_COUPLING_PRESENT, kCouplingPresent, "present", "", 1, (1), 0, 1, 0,                    \
     "0: it is not there")                                                                          \
@@ -114,7 +119,7 @@
 
 /* clang-format on */
 
-/* Places of a table's values one after another: of a constant's first and of its last one. */
+/* Indices of a table's values, counted through all rows: of a constant's first and last value. */
 #define SKYBODY_PLACE(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, doc) \
   SYMBOL, SYMBOL##_LAST = SYMBOL + (count)-1,
 

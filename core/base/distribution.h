@@ -1,5 +1,5 @@
-// Distributions of one number, for randomizers and requests: how a uniform number becomes a value
-// of one. On double and packs.
+// Distributions of one number, for randomizers and requests, sampled by the inverse of the
+// cumulative distribution. On double and packs.
 #pragma once
 
 #include <stdexcept>
@@ -16,22 +16,22 @@ namespace skybody {
 enum class DistributionKind {
   kConstant,    ///< always `low`
   kUniform,     ///< between low and high
-  kLogUniform,  ///< whose logarithm is uniform; low > 0
-  kNormal,      ///< of a mean and a deviation, cut off at low and high
+  kLogUniform,  ///< its logarithm is uniform; low > 0
+  kNormal,      ///< with a mean and a deviation, truncated to [low, high]
   kChoice       ///< one of `values`, by `weights`
 };
 
-/// One distribution of a number in any unit. Made by one of the functions below, which check it.
+/// A distribution of one number in any unit. Create it with the functions below: they check it.
 struct Distribution {
   DistributionKind kind = DistributionKind::kConstant;
-  double low = 0.0, high = 0.0;        ///< no value lies beyond
-  double mean = 0.0, deviation = 0.0;  ///< of the normal one before it is cut off
-  double from = 0.0, share = 1.0;  ///< of the normal one: what lies below low; what lies between
-  std::vector<double> values;      ///< of a choice
-  std::vector<double> weights;     ///< of a choice, one per value, adding up to 1
-  std::vector<double> sums;        ///< of a choice: of the weights up to and with each value
+  double low = 0.0, high = 0.0;        ///< inclusive bounds of the values
+  double mean = 0.0, deviation = 0.0;  ///< kNormal: before truncation
+  double from = 0.0, share = 1.0;      ///< kNormal: probability below low; between low and high
+  std::vector<double> values;          ///< kChoice
+  std::vector<double> weights;         ///< kChoice: one per value, adding up to 1
+  std::vector<double> sums;            ///< kChoice: cumulative sums of the weights
 
-  /// The value at a share of the whole: the inverse of the cumulative distribution.
+  /// The inverse of the cumulative distribution.
   /// @param u  0 <= u < 1
   template <class Real>
   SKYBODY_INLINE Real at(const Real& u) const {
@@ -95,9 +95,9 @@ inline Distribution make_log_uniform(double low, double high) {
   return d;
 }
 
-/// A normal distribution cut off at both ends, as if values beyond them were drawn again.
-/// @throws std::runtime_error if low >= high, deviation <= 0, or less than a millionth of it lies
-///         between the ends
+/// A normal distribution truncated to [low, high], as if values outside were drawn again.
+/// @throws std::runtime_error if low >= high, deviation <= 0, or its probability between low and
+///         high is below one millionth
 inline Distribution make_normal(double mean, double deviation, double low, double high) {
   detail::check_distribution_range(low, high);
   if (!(deviation > 0.0)) {
@@ -119,8 +119,8 @@ inline Distribution make_normal(double mean, double deviation, double low, doubl
   return d;
 }
 
-/// @param weights  of the values, above 0, adding up to 1; none: all alike
-/// @throws std::runtime_error if there is no value, or weights do not fit
+/// @param weights  one per value, above 0, adding up to 1; empty: equal weights
+/// @throws std::runtime_error if there is no value, or the weights do not meet these conditions
 inline Distribution make_choice(std::vector<double> values, std::vector<double> weights = {}) {
   if (values.empty()) throw std::runtime_error("a choice needs at least one value");
   if (weights.empty()) weights.assign(values.size(), 1.0 / static_cast<double>(values.size()));

@@ -1,14 +1,15 @@
-// Dual numbers: a value and one derivative of it (its tangent), for derivatives by forward mode.
+// Dual numbers: a value and its derivative along one direction (the tangent), for forward-mode
+// differentiation.
 //
-// Code that is a template on Real runs on Dual<double> and Dual<Pack<W>> as it is. The value has
-// the bits that R has alone: it is computed by the same operations, and comparisons look at values
-// alone. The tangent follows by the chain rule: where the inputs' tangents are a direction, the
-// outputs' are the directional derivative. Constants and random numbers have the tangent 0.
+// Code that is a template on Real also runs on Dual<double> and Dual<Pack<W>>. The value has the
+// same bits as a computation in R: the operations are the same, and comparisons use values alone.
+// The tangent follows by the chain rule: if the inputs' tangents are a direction, the outputs'
+// tangents are the directional derivative. Constants and random numbers have the tangent 0.
 //
 // Where a function has no derivative:
 //   - `select`, `abs`, `min`, `max` and `clamp` have the tangent of the branch taken;
-//   - `floor` and `round_half_even` have the tangent 0, everywhere;
-//   - sqrt(0), and so the norm of a zero vector, and atan2(0, 0) have the tangent 0.
+//   - `floor` and `round_half_even` have the tangent 0 everywhere;
+//   - sqrt(0), and therefore the norm of a zero vector, and atan2(0, 0) have the tangent 0.
 #pragma once
 
 #include <type_traits>
@@ -28,7 +29,7 @@ struct Dual {
   SKYBODY_INLINE Dual(double constant) : value(constant), tangent(0.0) {}
   struct NoOtherType {};
   using Other = std::conditional_t<std::is_same<R, double>::value, NoOtherType, R>;
-  /// Numbers that nothing is differentiated by, such as times and random numbers.
+  /// A constant pack, such as times and random numbers.
   SKYBODY_INLINE Dual(const Other& constant) : value(constant), tangent(0.0) {}
   SKYBODY_INLINE Dual(const R& value_part, const R& tangent_part)
       : value(value_part), tangent(tangent_part) {}
@@ -48,7 +49,7 @@ struct Dual {
     const R quotient = a.value / b.value;
     return {quotient, (a.tangent - quotient * b.tangent) / b.value};
   }
-  // With constants: no products with a tangent of 0, which are not 0 where a factor is infinite.
+  // Operations with constants avoid products with a zero tangent: 0 times infinity is NaN.
 #define SKYBODY_DUAL_CONSTANT(Type)                                    \
   friend SKYBODY_INLINE Dual operator+(const Dual& a, const Type& b) { \
     return {a.value + b, a.tangent};                                   \
@@ -137,8 +138,7 @@ struct ValueOf<Dual<R>> {
 /// R of a Dual<R>; double and Pack<W> themselves.
 template <class Real>
 using ValueOf = typename detail::ValueOf<Real>::type;
-/// Rows of memory that one value of each lane takes: 2 for dual numbers, the value and behind it
-/// the tangent; else 1.
+/// Rows of memory per value: 2 for dual numbers (the value, then the tangent), else 1.
 template <class Real>
 constexpr int kRowsOf = detail::ValueOf<Real>::kRows;
 
@@ -151,7 +151,7 @@ SKYBODY_INLINE Real load_rows(const double* p, std::size_t stride) {
     return load_lanes<Real>(p);
   }
 }
-/// Writes them, where the mask is set.
+/// Writes the lanes of one value to its rows where the mask is set.
 template <class Real>
 SKYBODY_INLINE void store_rows(double* p, std::size_t stride, const Real& x,
                                const MaskOf<Real>& mask) {
@@ -169,14 +169,14 @@ SKYBODY_INLINE Word<R> to_word(const Dual<R>& x) {
   return to_word(x.value);
 }
 
-// math_basic.h: functions that work on bits. The others are templates that do for dual numbers.
+// math_basic.h: functions on bits. The other functions are templates that accept dual numbers.
 
 template <class R>
 SKYBODY_INLINE Dual<R> sqrt(const Dual<R>& x) {
   const R root = sqrt(x.value);
   return {root, select(root == 0.0, R(0.0), x.tangent / (root + root))};
 }
-/// The magnitude of x, and with the sign turned its tangent, too.
+/// The magnitude of x with the sign of `sign`. The tangent changes sign where the value does.
 template <class R>
 SKYBODY_INLINE Dual<R> copysign(const Dual<R>& x, const Dual<R>& sign) {
   const Word<R> turned = (bit_cast_word(x.value) ^ bit_cast_word(sign.value)) & detail::kSignBit;
@@ -203,7 +203,7 @@ SKYBODY_INLINE Dual<R> floor(const Dual<R>& x) {
   return Dual<R>(floor(x.value), R(0.0));
 }
 
-/// Mixed forms, as for packs.
+/// Mixed overloads, as for packs.
 template <class R>
 SKYBODY_INLINE Dual<R> min(const Dual<R>& a, double b) {
   return min(a, Dual<R>(b));
@@ -241,7 +241,7 @@ SKYBODY_INLINE Dual<R> log(const Dual<R>& x) {
   return {log(x.value), x.tangent / x.value};
 }
 
-// math_trig.h; sin, cos and tan are made of this one.
+// math_trig.h; sin, cos and tan call this function.
 
 template <class R>
 SKYBODY_INLINE SinCos<Dual<R>> sincos(const Dual<R>& x) {
@@ -253,9 +253,9 @@ SKYBODY_INLINE Dual<R> wrap_angle(const Dual<R>& x) {
   return {wrap_angle(x.value), x.tangent};
 }
 
-// math_atan.h; asin and acos are made of this one.
+// math_atan.h; asin and acos call this function.
 
-/// The tangent is for magnitudes between 1e-150 and 1e150; that of atan2(0, 0) is 0.
+/// The tangent is valid for magnitudes between 1e-150 and 1e150; at (0, 0) it is 0.
 template <class R>
 SKYBODY_INLINE Dual<R> atan2(const Dual<R>& y, const Dual<R>& x) {
   const R square = x.value * x.value + y.value * y.value;

@@ -1,4 +1,4 @@
-// The two kinds of failure: the user's, and our own.
+// The two kinds of failure: the user's errors, and bugs of Skybody.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace skybody {
 
-/// An error that the user can mend. Its message has the value, the allowed range and the remedy:
+/// An error that the user can correct. Its message has the value, the allowed range and the remedy:
 /// "`action_repeat` is 0; allowed: 1 .. 100000; set stepping.action_repeat".
 class Error : public std::runtime_error {
  public:
@@ -25,8 +25,8 @@ namespace detail {
 
 }  // namespace skybody
 
-/// States what must hold unless Skybody itself is wrong. Always on.
-/// @throws std::logic_error with file, line and message where the condition is false.
+/// Asserts an invariant of Skybody; false means a bug in Skybody. Enabled in every build.
+/// @throws std::logic_error with file, line and message if the condition is false.
 #define SKYBODY_DEMAND(condition, message) \
   (static_cast<bool>(condition)            \
        ? static_cast<void>(0)              \

@@ -1,4 +1,4 @@
-// The floating-point mode: what a thread must have set, and what a file must be compiled with.
+// The floating-point mode: the settings that threads and compiled files need.
 #pragma once
 
 #ifdef __SSE2__
@@ -18,19 +18,19 @@ constexpr std::uint32_t kStandardMxcsr = 0x1f80;
 /// x87 control word at process start: extended precision, nearest even, all masked.
 constexpr std::uint16_t kStandardX87 = 0x037f;
 
-/// Sets this thread's floating-point mode. For threads that are our own.
+/// Sets this thread's floating-point mode. For Skybody's own threads.
 inline void set_fp_environment() {
   const std::uint16_t x87 = kStandardX87;
   asm volatile("fldcw %0" : : "m"(x87));
   _mm_setcsr(kStandardMxcsr);
 }
 
-/// Whether this thread rounds to nearest even, keeps denormals and masks all exceptions in SSE.
+/// Whether SSE on this thread rounds to nearest even, keeps denormals and masks all exceptions.
 inline bool has_standard_fp_environment() {
   return (_mm_getcsr() & ~0x3fu) == kStandardMxcsr;  // the low six bits are sticky flags
 }
 
-/// Sets the floating-point mode for a scope on the caller's thread and restores the caller's.
+/// RAII guard: sets the floating-point mode of the caller's thread and restores the previous mode.
 class FpEnvironment {
  public:
   FpEnvironment() : mxcsr_(_mm_getcsr()), x87_(x87_control()) { set(kStandardMxcsr, kStandardX87); }
@@ -44,8 +44,8 @@ class FpEnvironment {
     asm volatile("fnstcw %0" : "=m"(x87));
     return x87;
   }
-  /// Writes only what differs: writing takes much longer than reading. The low six bits of MXCSR
-  /// are sticky flags.
+  /// Writes a register only if it differs: writing takes much longer than reading. The low six bits
+  /// of MXCSR are sticky flags.
   static void set(std::uint32_t mxcsr, std::uint16_t x87) {
     if (((_mm_getcsr() ^ mxcsr) & ~0x3fu) != 0) _mm_setcsr(mxcsr);
     if (x87_control() != x87) asm volatile("fldcw %0" : : "m"(x87));
@@ -54,7 +54,7 @@ class FpEnvironment {
   std::uint16_t x87_;
 };
 
-#else  // the same by the C library, for other processors
+#else  // the same with the C library, for other processors
 
 inline void set_fp_environment() { std::fesetenv(FE_DFL_ENV); }
 
@@ -76,13 +76,14 @@ class FpEnvironment {
 
 #endif
 
-/// What fp_probe() returns where this file is compiled as it must be.
+/// Result of fp_probe() in correctly compiled files.
 constexpr std::uint64_t kFpProbeExpected = 0x6e0710ccc5a2c876ull;
 
-/// Runs a few double operations at run time and hashes their bits. Compiled with FMA contraction,
-/// reassociation, reciprocals, finite-math, x87 (-Ofast, -ffast-math, -ffp-contract=fast with FMA,
-/// -mfpmath=387, ...) the value differs from kFpProbeExpected. `static`: every file that includes
-/// this has its own, in its own mode. Run it under FpEnvironment.
+/// Runs a few double operations at run time and hashes their bits. The hash differs from
+/// kFpProbeExpected if the file was compiled with FMA contraction, reassociation, reciprocals,
+/// finite-math or x87 (-Ofast, -ffast-math, -ffp-contract=fast with FMA, -mfpmath=387, ...).
+/// `static`: every including file compiles its own copy, in its own mode. Run it under
+/// FpEnvironment.
 [[gnu::noinline]] static inline std::uint64_t fp_probe() {
   std::uint64_t hash = 0xcbf29ce484222325ull;
   const auto add = [&hash](double value) {
@@ -96,7 +97,7 @@ constexpr std::uint64_t kFpProbeExpected = 0x6e0710ccc5a2c876ull;
   volatile double inputs[] = {1.0 + 0x1p-30, 1.0 + 0x1p-29, 0x1p60, 3.0, 0.0, -0.0, 0x1p-60, 0.1};
   const double a = inputs[0], b = inputs[1], big = inputs[2], three = inputs[3];
   const double zero = inputs[4], minus_zero = inputs[5], small = inputs[6], tenth = inputs[7];
-  // Contraction: a a rounds to b; fused it leaves 2^-60.
+  // Contraction: a a rounds to b; a fused operation leaves 2^-60.
   add(a * a - b);
   add(b - a * a);
   add(-(a * a) + b);
@@ -111,14 +112,14 @@ constexpr std::uint64_t kFpProbeExpected = 0x6e0710ccc5a2c876ull;
   add(tenth / three);
   add(a / three);
   add(5.0 * tenth / three);
-  // NaN and signed zeros as IEEE 754 has them.
+  // NaN and signed zeros as in IEEE 754.
   const double nan = zero / zero;
   add(nan != nan ? 1.0 : 2.0);
   add(minus_zero + 0.0);
   add(0.0 - zero);
   add(minus_zero + zero);
   add(zero - three * zero);
-  // A sum over an array, in order: vectorised it needs reassociation.
+  // A sum over an array, in order: vectorising it needs reassociation.
   double terms[32];
   for (int i = 0; i < 32; ++i) terms[i] = inputs[i & 7] * (i + tenth);
   terms[2] = terms[10] = terms[18] = terms[26] = tenth;

@@ -1,7 +1,7 @@
 // The trajectory hash: an order-dependent chain over 64-bit words.
 // Algorithm: per word one xor and two odd multiplications with shifts between (the mixing steps of
-// MurmurHash3's fmix64, Austin Appleby, public domain), so each word is taken in by a bijection of
-// the state: two inputs that differ in one word never collide. Not cryptographic.
+// MurmurHash3's fmix64, Austin Appleby, public domain). Each word applies a bijection to the state,
+// so two inputs that differ in one word never collide. Not cryptographic.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,10 @@ namespace skybody {
 class HashChain {
  public:
   HashChain() = default;
-  /// Chains of different seeds are unrelated.
+  /// Different seeds give unrelated chains.
   explicit HashChain(std::uint64_t seed) { update(seed); }
 
-  /// One word; narrower integers are converted as C++ does.
+  /// One word; narrower integers follow C++'s conversion rules.
   template <class Integer, class = std::enable_if_t<std::is_integral<Integer>::value>>
   void update(Integer value) {
     const std::uint64_t word = static_cast<std::uint64_t>(value);
@@ -36,7 +36,7 @@ class HashChain {
   }
   /// n consecutive words.
   void update(const std::uint64_t* words, std::size_t n) { update(words, n, 1); }
-  /// n words that lie `stride` words apart.
+  /// n words at a distance of `stride` words.
   void update(const std::uint64_t* words, std::size_t n, std::size_t stride) {
     for (std::size_t i = 0; i < n; ++i) update(words[i * stride]);
   }
@@ -45,7 +45,7 @@ class HashChain {
     for (std::size_t i = 0; i < n; ++i) update(values[i * stride]);
   }
 
-  /// The hash of everything so far; the chain may go on afterwards.
+  /// The hash of all words so far; more words may follow.
   std::uint64_t value() const {
     std::uint64_t h = state_ ^ (count_ * kFirst);
     h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdull;
@@ -60,14 +60,14 @@ class HashChain {
   std::uint64_t count_ = 0;
 };
 
-/// The word of a double, with one word for every NaN: which sign and payload a NaN has may depend
-/// on the order of operands, and differs between double and packs. Other words stay as they are.
+/// The word of a double, with a single word for all NaNs: the sign and payload of a NaN may depend
+/// on the order of operands, and differ between double and packs. Other words stay unchanged.
 inline std::uint64_t canonical_nan(std::uint64_t word) {
   constexpr std::uint64_t kInfinityBits = 0x7ff0000000000000u;
   return (word & ~(std::uint64_t{1} << 63)) > kInfinityBits ? kInfinityBits + 1 : word;
 }
 
-/// One value from two, in order.
+/// One value from two; their order matters.
 inline std::uint64_t combine(std::uint64_t first, std::uint64_t second) {
   HashChain chain;
   chain.update(first);
@@ -75,8 +75,8 @@ inline std::uint64_t combine(std::uint64_t first, std::uint64_t second) {
   return chain.value();
 }
 
-/// The hash of n bytes: whole words as the machine (little endian) reads them, the rest padded
-/// with zeros, then the length.
+/// The hash of n bytes: 64-bit little-endian words, the last one padded with zeros, then the
+/// length.
 inline std::uint64_t hash_bytes(const void* bytes, std::size_t n) {
   const unsigned char* p = static_cast<const unsigned char*>(bytes);
   HashChain chain;

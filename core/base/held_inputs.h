@@ -1,9 +1,9 @@
-/* What effects may hold over a physics step: the one list. Plain C, part of the contract
- * (plugins/api/abi.h). Held inputs are constant over dt; terms that depend on velocity are
- * evaluated by the engine wherever the integrator asks for forces.
+/* Held inputs: the values that effects set for one physics step. The only list. Plain C, part of
+ * the plugin ABI (plugins/api/abi.h). Held inputs are constant over dt; the engine evaluates
+ * velocity-dependent terms whenever the integrator requests forces.
  *
- * A row: symbol, C++ name, member, what has it (body, rotor), values for each, and what they mean.
- * Where nothing is held the values are neutral: 0, gains 1, limits 0 and infinity, rates NaN.
+ * A row: symbol, C++ name, member, owner (body, rotor), values per owner, and their meaning.
+ * Without an effect the values are neutral: 0, gains 1, limits 0 and infinity, rates NaN.
  */
 #ifndef SKYBODY_BASE_HELD_INPUTS_H
 #define SKYBODY_BASE_HELD_INPUTS_H
@@ -19,14 +19,14 @@
   X(ROTOR_FLOW,  RotorFlow,  rotor_flow,  rotor, 3, "of the air at the hub: drag along the axis [N s^2/(m rad)], flapping moment [N s^2/rad], lift of what blows across [N s^2/m^2]")
 // clang-format on
 
-/* Places within a rotor's flow. */
+/* Indices within a rotor's flow. */
 enum SkybodyRotorFlow {
   SKYBODY_FLOW_AXIAL_DRAG = 0,
   SKYBODY_FLOW_FLAPPING = 1,
   SKYBODY_FLOW_LIFT = 2
 };
 
-/* Places within a rotor's gains. */
+/* Indices within a rotor's gains. */
 enum SkybodyRotorGain {
   SKYBODY_GAIN_THRUST = 0,
   SKYBODY_GAIN_MOMENT = 1,

@@ -1,5 +1,5 @@
-// Drawn inertias are checked at resets, between the files and the hash: Eigen must add in one order
-// whatever the instruction set, so that its vector code is left out here.
+// Drawn inertias are checked at resets, so the result reaches the hash. Eigen's vector code is
+// disabled: it would add in an order that depends on the instruction set.
 #define EIGEN_DONT_VECTORIZE
 #include "core/base/inertia.h"
 
@@ -11,8 +11,8 @@ namespace skybody {
 
 namespace {
 
-constexpr double kLeastRatio = 1e-3;   // of a repaired principal moment, by the largest
-constexpr double kLeastRadius = 1e-3;  // [m], of gyration of a repaired inertia
+constexpr double kLeastRatio = 1e-3;   // least repaired principal moment, relative to the largest
+constexpr double kLeastRadius = 1e-3;  // least radius of gyration of a repaired inertia [m]
 
 Eigen::Matrix3d to_eigen(const SymMat3<double>& matrix) {
   const Mat3<double> m = to_mat3(matrix);

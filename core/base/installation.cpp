@@ -6,7 +6,7 @@ namespace skybody {
 namespace fs = std::filesystem;
 namespace {
 
-const char kAnchor = 0;  // any address inside libskybody
+const char kAnchor = 0;  // an address inside libskybody
 
 }  // namespace
 
@@ -21,7 +21,7 @@ fs::path library_folder() {
 
 fs::path shipped_data(const std::string& name, const std::string& source_folder) {
   std::error_code ignored;
-  // lib/ or lib/ARCHITECTURE/ of a prefix; bin/ of one where the library is linked statically.
+  // From lib/ or lib/ARCHITECTURE/ of a prefix, or from bin/ if the library is linked statically.
   for (const char* up : {"..", "../.."}) {
     const fs::path installed =
         (library_folder() / up / "share" / "skybody" / name).lexically_normal();

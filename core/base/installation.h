@@ -1,4 +1,4 @@
-// Where this copy of Skybody lies: in its build tree or in an install prefix.
+// The location of this copy of Skybody: its build tree or an install prefix.
 #pragma once
 
 #include <filesystem>
@@ -6,11 +6,11 @@
 
 namespace skybody {
 
-/// The folder of libskybody, without symbolic links.
+/// The folder of libskybody, with symbolic links resolved.
 std::filesystem::path library_folder();
 
-/// A folder of shipped files: share/skybody/NAME of the prefix, or `source_folder` of the source
-/// tree that this library was built from. Empty if neither exists.
+/// A folder of shipped files: share/skybody/NAME of the install prefix, or `source_folder` of the
+/// source tree of this build. Empty if neither exists.
 std::filesystem::path shipped_data(const std::string& name, const std::string& source_folder);
 
 }  // namespace skybody

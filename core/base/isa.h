@@ -1,4 +1,4 @@
-// Which instruction-set variant of the kernels to run. All variants give the same bits.
+// Selection of the kernels' instruction set. All variants give the same bits.
 #pragma once
 
 #include <cstdlib>
@@ -18,7 +18,7 @@ inline constexpr Isa kIsas[] = {SKYBODY_ISAS(SKYBODY_ROW)};
 #undef SKYBODY_ROW
 inline constexpr int kIsaCount = SKYBODY_ISA_COUNT;
 
-/// As in SKYBODY_ISA.
+/// The name in the environment variable SKYBODY_ISA.
 inline const char* name(Isa isa) {
 #define SKYBODY_ROW(NAME, LANES, TARGET) #NAME,
   static constexpr const char* kNames[] = {SKYBODY_ISAS(SKYBODY_ROW)};
@@ -26,7 +26,7 @@ inline const char* name(Isa isa) {
   return kNames[static_cast<int>(isa)];
 }
 
-/// Whether this build has kernels of its own for the set.
+/// Whether this build contains kernels for the set itself.
 constexpr bool has_kernels(Isa isa) {
 #define SKYBODY_ROW(NAME, LANES, TARGET) SKYBODY_BUILDS_##NAME,
   constexpr bool kHas[] = {SKYBODY_ISAS(SKYBODY_ROW)};
@@ -34,11 +34,11 @@ constexpr bool has_kernels(Isa isa) {
   return kHas[static_cast<int>(isa)];
 }
 
-/// Whether this processor (and its operating system) runs the set.
+/// Whether this processor (and its operating system) supports the set.
 #if SKYBODY_HAS_LEVELS
 inline bool machine_has(Isa isa) {
   __builtin_cpu_init();
-  // Feature by feature: clang-tidy's front end does not know the names of the levels.
+  // Tests single features: clang-tidy's front end does not support the names of the levels.
   const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
   if (isa == Isa::v2) return v2;
   const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
@@ -52,7 +52,7 @@ inline bool machine_has(Isa isa) {
 inline bool machine_has(Isa) { return true; }
 #endif
 
-/// The names of the sets that the machine has, separated by commas.
+/// The names of the sets that the machine supports, separated by commas.
 inline std::string machine_isas() {
   std::string names;
   for (const Isa isa : kIsas) {
@@ -61,10 +61,10 @@ inline std::string machine_isas() {
   return names;
 }
 
-/// The highest set that the machine has, or the one that the environment variable SKYBODY_ISA
-/// names. Reads the environment at every call: call once and keep the answer.
-/// @throws Error (a std::runtime_error) if SKYBODY_ISA is something else, or a set that the
-///         machine lacks, or if the machine lacks even the lowest.
+/// The set named by the environment variable SKYBODY_ISA, or the highest one that the machine
+/// supports. Reads the environment on every call: call once and store the result.
+/// @throws Error (a std::runtime_error) if SKYBODY_ISA has another value or names a set that the
+///         machine lacks, or if the machine lacks the lowest set.
 inline Isa best_isa() {
   if (!machine_has(kIsas[0]))
     throw Error("this processor lacks x86-64-v2 (SSE4.2); Skybody needs it");

@@ -1,9 +1,9 @@
-/* The instruction sets that a build has kernels for, in one list. Plain C: the ABI counts them.
+/* The instruction sets of a build's kernels, in one list. Plain C: the ABI counts them.
  *
- * X(name, lanes of a pack of doubles, the compiler's target), the lowest first. On x86-64 the
- * levels of its psABI: v2 has SSE4.2, v3 AVX2 and FMA, v4 AVX-512 (F, BW, CD, DQ, VL). On other
- * processors, and with SKYBODY_PORTABLE (CMake), one set: what the compiler makes of packs of two
- * by itself.
+ * X(name, lanes of a pack of doubles, the compiler's target), in ascending order. On x86-64 these
+ * are the levels of its psABI: v2 has SSE4.2, v3 AVX2 and FMA, v4 AVX-512 (F, BW, CD, DQ, VL). On
+ * other processors, and with SKYBODY_PORTABLE (CMake), there is one set: packs of two, compiled for
+ * the compiler's default target.
  */
 #ifndef SKYBODY_CORE_BASE_ISA_SETS_H
 #define SKYBODY_CORE_BASE_ISA_SETS_H
@@ -19,8 +19,8 @@
 #define SKYBODY_ISAS(X) X(portable, 2, "")
 #endif
 
-/* Which of them a build has kernels for; a set without runs those of the next lower one, with the
- * same bits. All, unless SKYBODY_KERNELS (CMake) says less. */
+/* Sets with kernels of their own; the other sets run the kernels of the next lower one, with the
+ * same bits. All by default; SKYBODY_KERNELS (CMake) reduces them. */
 #define SKYBODY_BUILDS_portable 1
 #define SKYBODY_BUILDS_v2 1
 #ifndef SKYBODY_BUILDS_v3

@@ -1,9 +1,9 @@
-// Jets: a value with its derivatives by one variable, such as time. Templates on Real give higher
-// derivatives of closed forms: of a path that is written as a formula of time, or of an attitude
-// that follows from an acceleration.
+// Jets: a value with its derivatives by one variable, such as time. With Jet as Real, a closed form
+// yields higher derivatives: of a path given as a formula of time, or of an attitude given by an
+// acceleration.
 //
-// Only what such formulas take is here: sums, products, quotients, roots, sines. There are no
-// comparisons: the branch that a formula takes is chosen outside.
+// Only the operations of such formulas are here: sums, products, quotients, roots, sines. There are
+// no comparisons: the caller chooses a formula's branch.
 //
 // Source of the recurrences: A. Griewank and A. Walther, Evaluating Derivatives, 2nd edition, 2008,
 // tables 13.1 and 13.2.
@@ -13,7 +13,7 @@
 
 namespace skybody {
 
-/// Coefficients of a Taylor polynomial: c[k] is the k-th derivative over k!.
+/// Coefficients of a Taylor polynomial: c[k] is the k-th derivative divided by k!.
 /// @tparam R  double, Pack<W>, or a Dual of these
 /// @tparam N  number of coefficients, so derivatives up to N - 1
 template <class R, int N>
@@ -90,7 +90,7 @@ struct Jet {
     return out;
   }
   friend SKYBODY_INLINE Jet operator*(double a, const Jet& b) { return b * a; }
-  /// With a factor that does not change.
+  /// The product with a constant factor.
   friend SKYBODY_INLINE Jet scaled(const Jet& a, const R& b) {
     Jet out;
     for (int k = 0; k < N; ++k) out.c[k] = a.c[k] * b;
@@ -98,7 +98,7 @@ struct Jet {
   }
   friend SKYBODY_INLINE Jet operator/(double a, const Jet& b) { return Jet(a) / b; }
 
-  /// Of a value above 0.
+  /// The square root; the value must be above 0.
   friend SKYBODY_INLINE Jet sqrt(const Jet& a) {
     Jet out;
     out.c[0] = sqrt(a.c[0]);

@@ -1,7 +1,7 @@
-// Functions that are compiled once for each width of packs: long code that several kernels call.
+// Functions compiled once per pack width: long code shared by several kernels.
 //
 //   struct Meet {
-//     template <int W>  // lanes; 1: of doubles
+//     template <int W>  // lanes; 1: double
 //     static SKYBODY_INLINE void run(const void* call);
 //   };
 //   width_function<Meet>(8)(&call);
@@ -14,11 +14,11 @@
 
 namespace skybody {
 
-/// A pack of W lanes; of one: a double.
+/// Pack<W>, or double for W = 1.
 template <int W>
 using RealOf = std::conditional_t<W == 1, double, Pack<W == 1 ? 2 : W>>;
 
-/// The function that `Body::run` is compiled to for a width that an instruction set has, or for 1.
+/// `Body::run` compiled for `lanes` lanes: 1, or the pack width of an instruction set.
 template <class Body>
 auto* width_function(int lanes) {
   constexpr int kWidths[] = {

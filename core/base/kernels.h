@@ -1,4 +1,4 @@
-// Kernels: functions that are compiled once for each instruction set, with the same bits in each.
+// Kernels: functions compiled once per instruction set, with the same bits in each.
 // The sets are listed in isa_sets.h.
 //
 //   struct Scale {
@@ -20,7 +20,7 @@ template <int kNone, int... kLanes>
 using WidthsBehind = std::integer_sequence<int, kLanes...>;
 }  // namespace detail
 
-/// Lanes of a pack of doubles on each instruction set, in the order of Isa.
+/// Lanes of a pack of doubles in each instruction set, in the order of Isa.
 #define SKYBODY_ROW(NAME, LANES, TARGET) , LANES
 using PackWidths = detail::WidthsBehind<0 SKYBODY_ISAS(SKYBODY_ROW)>;
 #undef SKYBODY_ROW
@@ -30,7 +30,7 @@ namespace detail {
 template <class Body, class Function>
 struct Kernel;
 
-/// Body::run<W> with all that it inlines, compiled for each instruction set.
+/// Body::run<W> with all inlined functions, compiled for each instruction set.
 template <class Body, class Result, class... Args>
 struct Kernel<Body, Result(Args...)> {
 #define SKYBODY_ROW(NAME, LANES, TARGET) \
@@ -54,9 +54,8 @@ struct Kernel<Body, Result(Args...)> {
 
 }  // namespace detail
 
-/// The function that `Body::run` is compiled to for an instruction set; where the build has none
-/// for that, for the next lower one.
-/// @param isa  that the processor has, such as best_isa()
+/// `Body::run` compiled for an instruction set, or for the next lower one if the build lacks it.
+/// @param isa  a set that the processor supports, such as best_isa()
 template <class Body>
 constexpr auto* kernel(Isa isa) {
   using Kernels = detail::Kernel<Body, decltype(Body::template run<2>)>;

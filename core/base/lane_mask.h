@@ -1,4 +1,4 @@
-// Lanes by eights: what row kernels do at once.
+// Blocks of eight lanes: the unit of work of row kernels.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@ namespace skybody {
 
 inline constexpr int kOctet = 8;
 
-/// The lanes of a mask whose octets (lanes 0 to 7, 8 to 15, ...) it holds whole.
+/// The lanes of a mask that lie in complete blocks of eight (lanes 0 to 7, 8 to 15, ...).
 inline std::uint32_t whole_octets(std::uint32_t mask) {
   std::uint32_t all = mask & (mask >> 4);
   all &= all >> 2;
@@ -18,7 +18,7 @@ inline std::uint32_t whole_octets(std::uint32_t mask) {
   return (all & 0x01010101u) * 0xffu;
 }
 
-/// Calls f(first lane) for every octet that a mask of whole octets holds.
+/// Calls f(first lane) for every block of eight lanes in a mask of complete blocks.
 template <class F>
 SKYBODY_INLINE void each_octet(std::uint32_t mask, F&& f) {
   for (int first = 0; mask != 0; first += kOctet, mask >>= kOctet) {
@@ -32,7 +32,7 @@ SKYBODY_INLINE void each_lane(std::uint32_t mask, F&& f) {
   for (; mask != 0; mask &= mask - 1) f(std::countr_zero(mask));
 }
 
-/// The first `count` lanes, 0 ... 32.
+/// A mask of the first `count` lanes, 0 <= count <= 32.
 inline std::uint32_t first_lanes(int count) {
   return static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
 }

@@ -1,5 +1,5 @@
-// The storage behind packs: one native vector of W doubles, signed or unsigned 64-bit words.
-// Needs: GCC's (or Clang's) vector extensions. Use core/base/pack.h; this file is its lower half.
+// The storage of packs: one native vector of W doubles, or of W signed or unsigned 64-bit words.
+// Needs GCC's or Clang's vector extensions. Internal: use core/base/pack.h.
 #pragma once
 
 #ifdef __SSE2__
@@ -10,12 +10,12 @@
 #include <cstring>
 
 /// SKYBODY_INLINE before a function, SKYBODY_INLINE_LAMBDA after a lambda's parameters: inlines
-/// into every caller at every level of optimisation, so that a pack operation takes the instruction
-/// set of the function that uses it (`__attribute__((target(...), flatten))`). That set must
-/// contain the file's own -march: compile files that hold variants for the lowest one. Not at -O0
-/// and not under AddressSanitizer, where functions of that size take minutes to compile: there all
-/// kernels have the file's own instruction set (core/base/kernel_target.h), and calls between them
-/// give the same bits.
+/// into every caller at every level of optimisation, so that a pack operation uses the instruction
+/// set of its caller (`__attribute__((target(...), flatten))`). That set must contain the file's
+/// own -march: compile files with kernel variants for the lowest set. Disabled at -O0 and under
+/// AddressSanitizer, where functions of that size take minutes to compile. There all kernels use
+/// the file's own instruction set (core/base/kernel_target.h), and calls between them give the same
+/// bits.
 #if !defined(__OPTIMIZE__) || defined(__SANITIZE_ADDRESS__)
 #define SKYBODY_INLINE inline
 #define SKYBODY_INLINE_LAMBDA
@@ -27,7 +27,7 @@
 namespace skybody {
 namespace lanes {
 
-/// Native vectors of W lanes. Only W = 2, 4 and 8 exist: the widths of the sets in isa_sets.h.
+/// Native vectors of W lanes, for W = 2, 4 and 8: the widths of the sets in isa_sets.h.
 template <int W>
 struct Native;
 
@@ -59,8 +59,8 @@ using Reals2 = Native<2>::Reals;
 using Reals4 = Native<4>::Reals;
 using Reals8 = Native<8>::Reals;
 
-// Results come back through a reference: returning a wide vector in a file compiled for a narrower
-// set draws -Wpsabi, though nothing here is ever called.
+// Results are returned through references: returning a wide vector in a file compiled for a
+// narrower set causes -Wpsabi warnings, although no call remains after inlining.
 SKYBODY_INLINE void split(const Reals4& v, Reals2& low, Reals2& high) {
   low = __builtin_shufflevector(v, v, 0, 1);
   high = __builtin_shufflevector(v, v, 2, 3);
@@ -88,7 +88,7 @@ SKYBODY_INLINE std::uint32_t sign_bits(const Reals2& v) {
   return static_cast<std::uint32_t>(words[0] | words[1] << 1);
 }
 #endif
-// Compilers make one instruction of these where the function's set has it.
+// Compilers emit one instruction for each of these if the function's set has it.
 SKYBODY_INLINE void sqrt(const Reals4& v, Reals4& root) {
   root = Reals4{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]),
                 __builtin_sqrt(v[3])};
@@ -104,7 +104,7 @@ SKYBODY_INLINE std::uint32_t sign_bits(const Reals4& v) {
   split(v, low, high);
   return sign_bits(low) | sign_bits(high) << 2;
 }
-/// The highest byte of each lane, in one word: two instructions on v4.
+/// The highest byte of each lane, in one word: two instructions with v4.
 SKYBODY_INLINE std::uint64_t high_bytes(const Native<8>::Words& v) {
   typedef std::uint8_t Bytes __attribute__((vector_size(8)));
   const Bytes bytes = __builtin_convertvector(v >> 56, Bytes);
@@ -113,13 +113,13 @@ SKYBODY_INLINE std::uint64_t high_bytes(const Native<8>::Words& v) {
   return word;
 }
 SKYBODY_INLINE std::uint32_t sign_bits(const Reals8& v) {
-  // The sign of lane i stands at bit 8 i; the product has them side by side from bit 56 on.
+  // The sign of lane i is at bit 8 i; the product places all signs next to each other from bit 56.
   const std::uint64_t signs =
       high_bytes(reinterpret_cast<Native<8>::Words>(v)) >> 7 & 0x0101010101010101u;
   return static_cast<std::uint32_t>(signs * 0x0102040810204080u >> 56);
 }
 
-/// Whether any lane's sign bit is set, and whether all are: with halves first, one look at the end.
+/// Whether any lane's sign bit is set, and whether all are: combines halves, then tests once.
 SKYBODY_INLINE bool any_sign(const Native<2>::Words& v) {
   return sign_bits(reinterpret_cast<Reals2>(v)) != 0;
 }
@@ -143,7 +143,7 @@ SKYBODY_INLINE bool all_signs(const Native<8>::Words& v) {
   return (~high_bytes(v) & 0x8080808080808080u) == 0;
 }
 
-/// Copies the bits of `from` into a value of type To of the same size (std::bit_cast is C++20's).
+/// Copies the bits of `from` into a value of type To of the same size, as std::bit_cast does.
 template <class To, class From>
 SKYBODY_INLINE To copy_bits(const From& from) {
   static_assert(sizeof(To) == sizeof(From), "copy_bits: both types need the same size");

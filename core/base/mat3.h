@@ -1,4 +1,4 @@
-// 3x3 matrices on Real: general (rotations) and symmetric (inertia). Sums run from the left.
+// 3x3 matrices on Real: general (rotations) and symmetric (inertia). Sums run from left to right.
 #pragma once
 
 #include "core/base/vec3.h"
@@ -84,7 +84,7 @@ SKYBODY_INLINE Mat3<Real> to_mat3(const SymMat3<Real>& a) {
   return {{a.xx, a.xy, a.xz, a.xy, a.yy, a.yz, a.xz, a.yz, a.zz}};
 }
 
-/// The upper triangle of a matrix that is symmetric but for rounding.
+/// The upper triangle of a matrix that is symmetric except for round-off.
 template <class Real>
 SKYBODY_INLINE SymMat3<Real> upper_triangle(const Mat3<Real>& a) {
   return {a.m[0], a.m[4], a.m[8], a.m[1], a.m[2], a.m[5]};
@@ -98,8 +98,8 @@ SKYBODY_INLINE SymMat3<Real> rotate_inertia(const Mat3<Real>& r, const SymMat3<R
   return {dot(r0, a0), dot(r1, a1), dot(r2, a2), dot(r0, a1), dot(r0, a2), dot(r1, a2)};
 }
 
-/// Inertia about a point at `offset` from the centre of mass of a point of `mass`: what the
-/// parallel-axis theorem adds [kg m^2].
+/// The parallel-axis term: inertia of a point of `mass` at `offset` from the reference point
+/// [kg m^2].
 template <class Real>
 SKYBODY_INLINE SymMat3<Real> point_inertia(const Real& mass, const Vec3<Real>& offset) {
   const Real x2 = offset.x * offset.x, y2 = offset.y * offset.y, z2 = offset.z * offset.z;
@@ -122,7 +122,7 @@ SKYBODY_INLINE Real determinant(const Mat3<Real>& a) {
   return dot(a.row(0), cross(a.row(1), a.row(2)));
 }
 
-/// The inverse by cofactors; not finite where the matrix is singular.
+/// The inverse by cofactors; not finite if the matrix is singular.
 template <class Real>
 SKYBODY_INLINE SymMat3<Real> inverse(const SymMat3<Real>& a) {
   const Real c_xx = a.yy * a.zz - a.yz * a.yz;
@@ -137,7 +137,8 @@ SKYBODY_INLINE SymMat3<Real> inverse(const SymMat3<Real>& a) {
           (a.xy * a.xz - a.xx * a.yz) * scale};
 }
 
-/// Factors L D L^T of a positive definite matrix, to solve with it: as exact as the matrix allows.
+/// The factorization L D L^T of a positive definite matrix, for solving; its accuracy is limited
+/// only by the matrix's condition.
 template <class Real>
 class Ldl3 {
  public:
@@ -150,7 +151,7 @@ class Ldl3 {
     zy_ = zy * inverse_y_;
     inverse_z_ = 1.0 / ((a.zz - zx_ * a.xz) - zy_ * zy);
   }
-  /// The x with a x = b.
+  /// Solves a x = b.
   SKYBODY_INLINE Vec3<Real> solve(const Vec3<Real>& b) const {
     const Real y = b.y - yx_ * b.x;
     const Real z = ((b.z - zx_ * b.x) - zy_ * y) * inverse_z_;
@@ -159,11 +160,11 @@ class Ldl3 {
   }
 
  private:
-  Real inverse_x_, inverse_y_, inverse_z_;  ///< of the diagonal D
-  Real yx_, zx_, zy_;                       ///< of the unit triangle L
+  Real inverse_x_, inverse_y_, inverse_z_;  ///< reciprocals of the diagonal D
+  Real yx_, zx_, zy_;                       ///< entries of the unit lower triangle L
 };
 
-/// The inverse by cofactors; not finite where the matrix is singular.
+/// The inverse by cofactors; not finite if the matrix is singular.
 template <class Real>
 SKYBODY_INLINE Mat3<Real> inverse(const Mat3<Real>& a) {
   const Vec3<Real> c0 = cross(a.row(1), a.row(2));

@@ -1,7 +1,7 @@
-// Bit-stable math: the same bits for double and for every pack, at every instruction set and
-// optimisation level, on every x86-64 (given -ffp-contract=off and no fast-math). Nothing here
-// calls libm. Error bounds are in units in the last place (ulp) and checked by
-// tests/unit/base/math_test.cpp.
+// Bit-stable math: the same bits for double and every pack, at every instruction set and level of
+// optimisation, on every x86-64 processor (with -ffp-contract=off and without fast-math). Nothing
+// here calls libm. Error bounds are in units in the last place (ulp);
+// tests/unit/base/math_test.cpp checks them.
 #pragma once
 
 #include "core/base/math_atan.h"    // IWYU pragma: export

@@ -12,7 +12,7 @@ SKYBODY_INLINE Real atan_kernel(const Real& x) {
   const Real z = x * x;
   const Real w = z * z;
   const Real v = w * w;
-  // Four short sums that do not wait for one another.
+  // Four independent short sums, for instruction-level parallelism.
   const Real even = polynomial(v, 3.33333333333329318027e-01, 9.09088713343650656196e-02,
                                4.97687799461593236017e-02) +
                     w * polynomial(v, 1.42857142725034663711e-01, 6.66107313738753120669e-02,
@@ -26,8 +26,8 @@ SKYBODY_INLINE Real atan_kernel(const Real& x) {
 }  // namespace detail
 
 /// The angle of the point (x, y) in [-pi, pi] [rad]. Error below 2.5 ulp. Zeros, infinities and
-/// signs as C's atan2; NaN if either is NaN. Method: the octant's ratio, shifted by pi/4 above
-/// tan(pi/8), one division; fdlibm's series.
+/// signs as in C's atan2; NaN if either is NaN. Method: the ratio in the first octant, shifted by
+/// pi/4 above tan(pi/8), one division; fdlibm's series.
 template <class Real>
 SKYBODY_INLINE Real atan2(const Real& y, const Real& x) {
   using M = MaskOf<Real>;

@@ -39,7 +39,7 @@ SKYBODY_INLINE Pack<W> sqrt(const Pack<W>& x) {
   return root;
 }
 
-/// |x|: clears the sign bit, of zeros and NaN too.
+/// |x|: clears the sign bit, also of zeros and NaN.
 template <class Real>
 SKYBODY_INLINE Real abs(const Real& x) {
   return bit_cast_real(bit_cast_word(x) & ~detail::kSignBit);
@@ -68,7 +68,7 @@ SKYBODY_INLINE Real clamp(const Real& x, const Real& low, const Real& high) {
   const Real above = select(x < low, low, x);
   return select(above > high, high, above);
 }
-/// Mixed forms, so that `min(x, 1.0)` and `clamp(x, 0.0, 1.0)` read the same for packs.
+/// Mixed overloads: `min(x, 1.0)` and `clamp(x, 0.0, 1.0)` also compile for packs.
 template <int W>
 SKYBODY_INLINE Pack<W> min(const Pack<W>& a, double b) {
   return min(a, Pack<W>(b));
@@ -99,7 +99,7 @@ SKYBODY_INLINE Pack<W> copysign(const Pack<W>& x, double sign) {
 }
 
 /// The nearest whole number, halves to even; keeps the sign of zero, infinities and NaN.
-/// Adding and taking away 2^52 rounds away the fraction of anything below it.
+/// Adding and subtracting 2^52 rounds off the fraction of every smaller magnitude.
 template <class Real>
 SKYBODY_INLINE Real round_half_even(const Real& x) {
   const Real magnitude = abs(x);
@@ -133,7 +133,7 @@ template <class Real>
 SKYBODY_INLINE Real pow_3_2(const Real& x) {
   return x * sqrt(x);
 }
-/// sqrt(x^2 + y^2), plainly: overflows above 1e154, loses small digits below 1e-146.
+/// sqrt(x^2 + y^2) without scaling: overflows above 1e154, loses precision below 1e-146.
 template <class Real>
 SKYBODY_INLINE Real norm(const Real& x, const Real& y) {
   return sqrt(x * x + y * y);

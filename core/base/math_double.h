@@ -1,7 +1,7 @@
-// Plain overloads for double of the functions that libm has too. Without them, code under
-// `using namespace skybody;` that calls exp(x) for a double would quietly get libm's, with other
-// bits on other processors: a non-template wins over a template. With them the call is ambiguous,
-// and writing skybody::exp(x) mends it.
+// Non-template overloads for double of the functions that libm also has. Without them, a call of
+// exp(x) for a double under `using namespace skybody;` would silently select libm's version, with
+// other bits on other processors: a non-template wins over a template. With them the call is
+// ambiguous; write skybody::exp(x).
 #pragma once
 
 #include "core/base/math_atan.h"

@@ -25,7 +25,7 @@ struct ExpParts {
   Real expm1r;  ///< exp(r) - 1
 };
 
-/// exp(r) - 1 = r + r^2 (1/2! + r/3! + ... + r^11/13!); the series' remainder is below 2^-57.
+/// exp(r) - 1 = r + r^2 (1/2! + r/3! + ... + r^11/13!); the remainder of the series is below 2^-57.
 template <class Real>
 SKYBODY_INLINE ExpParts<Real> exp_parts(const Real& x) {
   const Real n = round_half_even(x * kInverseLn2);
@@ -44,8 +44,8 @@ SKYBODY_INLINE ExpParts<Real> exp_parts(const Real& x) {
 
 }  // namespace detail
 
-/// e^x for every x. Error below 1 ulp where the result is normal. Overflows to infinity above
-/// 709.78, goes to zero through the denormals below -708.4; NaN gives NaN.
+/// e^x for every x. Error below 1 ulp for normal results. Overflows to infinity above 709.78,
+/// underflows through the denormals to zero below -708.4; NaN gives NaN.
 /// Method: x = n ln 2 + r (Cody-Waite), Taylor series, exponent in two factors.
 template <class Real>
 SKYBODY_INLINE Real exp(const Real& x) {
@@ -54,7 +54,7 @@ SKYBODY_INLINE Real exp(const Real& x) {
   return ((1.0 + parts.expm1r) * detail::power_of_two(half)) * detail::power_of_two(parts.n - half);
 }
 
-/// e^x - 1 for every x, accurate near zero too. Error below 2 ulp. Keeps the sign of zero.
+/// e^x - 1 for every x, accurate also near zero. Error below 2 ulp. Keeps the sign of zero.
 template <class Real>
 SKYBODY_INLINE Real expm1(const Real& x) {
   const detail::ExpParts<Real> parts = detail::exp_parts(clamp(x, Real(-40.0), Real(710.0)));
@@ -67,8 +67,9 @@ SKYBODY_INLINE Real expm1(const Real& x) {
   return select(abs(x) < 5.5511151231257827e-17, x, result);
 }
 
-/// Natural logarithm. Error below 1 ulp. -infinity for zeros, NaN below zero; infinity and NaN
-/// stay. Method: fdlibm e_log.c (Sun Microsystems, 1993), mantissa in [sqrt(1/2), sqrt(2)).
+/// Natural logarithm. Error below 1 ulp. -infinity for zeros, NaN below zero; infinity and NaN are
+/// returned unchanged. Method: fdlibm e_log.c (Sun Microsystems, 1993), mantissa in
+/// [sqrt(1/2), sqrt(2)).
 template <class Real>
 SKYBODY_INLINE Real log(const Real& x) {
   constexpr std::uint64_t kSqrtHalf = 0x3fe6a09e00000000ull;
@@ -87,7 +88,7 @@ SKYBODY_INLINE Real log(const Real& x) {
   const Real half_square = 0.5 * f * f;
   const Real value = k * detail::kLn2High -
                      ((half_square - (s * (half_square + series) + k * detail::kLn2Low)) - f);
-  const Real above = select(x < kInfinity, value, x);  // infinity and NaN as they are
+  const Real above = select(x < kInfinity, value, x);  // infinity and NaN unchanged
   const Real not_zero = select(x < 0.0, Real(kNan), above);
   return select(x == 0.0, Real(-kInfinity), not_zero);
 }

@@ -1,7 +1,7 @@
-// The standard normal distribution's quantile, and its inverse. On double and packs.
+// The quantile of the standard normal distribution, and its inverse. On double and packs.
 //
 // M. J. Wichura, "Algorithm AS 241: The percentage points of the normal distribution", Applied
-// Statistics 37 (1988), 477: PPND16, exact to about 1e-16 of the value.
+// Statistics 37 (1988), 477: PPND16, relative accuracy about 1e-16.
 #pragma once
 
 #include "core/base/math.h"
@@ -18,7 +18,7 @@ SKYBODY_INLINE Real rational_7(const Real& x, const double (&c)[8], const double
   return above / (below * x + 1.0);
 }
 
-// Of the middle, |p - 1/2| <= 0.425, in 0.180625 - (p - 1/2)^2.
+// Coefficients of the middle, |p - 1/2| <= 0.425, in the variable 0.180625 - (p - 1/2)^2.
 constexpr double kMiddleAbove[8] = {3.3871328727963666080e0, 1.3314166789178437745e2,
                                     1.9715909503065514427e3, 1.3731693765509461125e4,
                                     4.5921953931549871457e4, 6.7265770927008700853e4,
@@ -27,7 +27,7 @@ constexpr double kMiddleBelow[7] = {4.2313330701600911252e1, 6.87187007492057908
                                     5.3941960214247511077e3, 2.1213794301586595867e4,
                                     3.9307895800092710610e4, 2.8729085735721942674e4,
                                     5.2264952788528545610e3};
-// Of the tails, in sqrt(-ln p) - 1.6 up to 5, and - 5 beyond.
+// Coefficients of the tails, with r = sqrt(-ln p): in r - 1.6 for r <= 5, in r - 5 beyond.
 constexpr double kNearAbove[8] = {1.42343711074968357734e0,  4.63033784615654529590e0,
                                   5.76949722146069140550e0,  3.64784832476320460504e0,
                                   1.27045825245236838258e0,  2.41780725177450611770e-1,
@@ -47,7 +47,8 @@ constexpr double kFarBelow[7] = {5.99832206555887937690e-1, 1.369298809227358053
 
 }  // namespace detail
 
-/// The number that a standard normal variable is below with probability p. -infinity at 0.
+/// The quantile of p: a standard normal variable lies below it with probability p. -infinity at 0,
+/// infinity at 1.
 /// @param p  0 <= p <= 1
 template <class Real>
 SKYBODY_INLINE Real normal_quantile(const Real& p) {
@@ -64,8 +65,8 @@ SKYBODY_INLINE Real normal_quantile(const Real& p) {
   return select(is_middle, middle, select(q < 0.0, -out, out));
 }
 
-/// The probability that a standard normal variable is below x: the inverse of normal_quantile(), by
-/// bisection, so that both agree and have the same bits everywhere. For set-up, not for steps.
+/// The probability that a standard normal variable is below x: the inverse of normal_quantile() by
+/// bisection, so that both agree, with the same bits on every machine. Slow: for set-up only.
 inline double normal_cdf(double x) {
   double low = 0.0, high = 1.0;
   for (int k = 0; k < 1100 && low < high; ++k) {

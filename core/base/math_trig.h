@@ -14,15 +14,15 @@ struct SinCos {
 
 namespace detail {
 
-// pi/2 in three parts of 33 bits and a remainder (fdlibm e_rem_pio2.c): products with whole numbers
-// below 2^20 are exact.
+// pi/2 in three parts of 33 bits and a remainder (fdlibm e_rem_pio2.c): products of the parts with
+// whole numbers below 2^20 are exact.
 constexpr double kHalfPi1 = 1.57079632673412561417e+00;
 constexpr double kHalfPi2 = 6.07710050630396597660e-11;
 constexpr double kHalfPi3 = 2.02226624871116645580e-21;
 constexpr double kHalfPi4 = 8.47842766036889956997e-32;
 constexpr double kTwoOverPi = 6.36619772367581382433e-01;
 
-/// a + b as a rounded sum and its error, exactly (Knuth's TwoSum).
+/// a + b as a rounded sum and its exact error (Knuth's TwoSum).
 template <class Real>
 struct TwoSum {
   Real sum;
@@ -51,7 +51,7 @@ SKYBODY_INLINE Quadrant<Real> reduce_to_quadrant(const Real& x) {
   const TwoSum<Real> third = two_sum(second.sum, -(n * kHalfPi3));
   const Real rest = (second.error + third.error) - n * kHalfPi4;
   const Real high = third.sum + rest;
-  // Beyond the documented range the remainder is noise; keep it where the series are bounded.
+  // Beyond the documented range the remainder is noise; clamp it to the interval of the series.
   const Real limited = clamp(high, Real(-0.7854), Real(0.7854));
   return {n, limited, select(limited == high, (third.sum - high) + rest, Real(0.0))};
 }
@@ -81,8 +81,8 @@ SKYBODY_INLINE Real cos_kernel(const Real& x, const Real& y) {
 
 }  // namespace detail
 
-/// Sine and cosine of x [rad]. Error below 1 ulp for |x| <= 1e6; up to 1e15 below 1 ulp of x
-/// (absolutely); beyond, some bounded value. NaN for infinities and NaN. sin(-0) is -0.
+/// Sine and cosine of x [rad]. Error below 1 ulp for |x| <= 1e6; absolute error below 1 ulp of x up
+/// to 1e15; beyond, a bounded but meaningless value. NaN for infinities and NaN. sin(-0) is -0.
 template <class Real>
 SKYBODY_INLINE SinCos<Real> sincos(const Real& x) {
   const detail::Quadrant<Real> quadrant = detail::reduce_to_quadrant(x);
@@ -114,7 +114,7 @@ SKYBODY_INLINE Real tan(const Real& x) {
   return both.sin / both.cos;
 }
 
-/// The same angle in (-pi, pi] [rad], by whole turns. Exact reduction for |x| <= 3e6; beyond, below
+/// The equivalent angle in (-pi, pi] [rad]. Exact reduction for |x| <= 3e6; beyond, error below
 /// 1 ulp of x up to 1e15. NaN for infinities and NaN.
 template <class Real>
 SKYBODY_INLINE Real wrap_angle(const Real& x) {

@@ -1,10 +1,10 @@
-// Packs: W environments' values of one quantity, computed together. Code written as a template on
-// `Real` compiles for double and for Pack<W> and gives the same bits in each lane.
+// Packs: one quantity of W environments, computed together. Code that is a template on `Real`
+// compiles for double and for Pack<W> and gives the same bits in each lane.
 //
-// What authors use: arithmetic and comparisons as for double; `select(mask, a, b)` instead of
-// `if`; `any`, `all`, `none` of a mask. Comparisons give MaskOf<Real>: bool, or Mask<W>.
-// Every operation is one IEEE 754 double operation per lane, in the order written. The payload and
-// sign of a NaN are the only bits that may differ between double and packs.
+// The interface for authors: arithmetic and comparisons as for double; `select(mask, a, b)` instead
+// of `if`; `any`, `all`, `none` of a mask. Comparisons return MaskOf<Real>: bool, or Mask<W>.
+// Every operation is one IEEE 754 double operation per lane, in the order written. Only the payload
+// and sign of a NaN may differ between double and packs.
 #pragma once
 
 #include <type_traits>
@@ -13,22 +13,22 @@
 
 namespace skybody {
 
-// One value in all lanes is always made of vectors of another element type than the member it goes
-// to: g++ 12 takes a direct assignment apart into one store per lane wherever the file's own
-// instruction set has no such vectors, and does not put it together again in functions that have.
+// Broadcasts always build a vector of another element type than the member and cast it. g++ 12
+// splits a direct assignment into one store per lane if the file's own instruction set lacks such
+// vectors, and does not merge the stores again in functions compiled for a set that has them.
 template <int W>
 struct Pack;
 template <int W>
 struct WordPack;
 
-/// The truth of a comparison in each of W lanes: all bits of a lane set, or none.
+/// The result of a comparison in each of W lanes: all bits of a lane are set, or none.
 template <int W>
 struct Mask {
   using Native = typename lanes::Native<W>::Ints;
   Native v;
 
   Mask() = default;
-  // A comparison's own type is another one of the same size in some compilers: cast it to Native.
+  // In some compilers a comparison has another type of the same size: cast it to Native.
   SKYBODY_INLINE explicit Mask(const Native& native) : v(native) {}
   using Words = typename lanes::Native<W>::Words;
   SKYBODY_INLINE explicit Mask(const Words& words) : v(reinterpret_cast<Native>(words)) {}
@@ -39,7 +39,7 @@ struct Mask {
     v = reinterpret_cast<Native>(all);
   }
 
-  /// Fails to compile, with the remedy in the message: lanes may disagree, so there is no one way.
+  /// Never compiles, and its message contains the remedy: lanes may disagree on a branch.
   template <class Bool = bool, class = std::enable_if_t<std::is_same<Bool, bool>::value>>
   explicit operator Bool() const {
     static_assert(!std::is_same<Bool, bool>::value,
@@ -47,7 +47,7 @@ struct Mask {
     return false;
   }
 
-  // On words: combined as they are, two comparisons become one of a type that g++ 12 takes apart.
+  // On words: g++ 12 merges two comparisons into one of a type that it then splits by lane.
   friend SKYBODY_INLINE Mask operator&(const Mask& a, const Mask& b) {
     return Mask(a.words() & b.words());
   }
@@ -58,8 +58,7 @@ struct Mask {
     return Mask(a.words() ^ b.words());
   }
   friend SKYBODY_INLINE Mask operator!(const Mask& a) { return Mask(~a.words()); }
-  /// As & and |: both sides are evaluated. They exist so that conditions written for double
-  /// compile.
+  /// Like & and |: both sides are evaluated. They allow conditions written for double to compile.
   friend SKYBODY_INLINE Mask operator&&(const Mask& a, const Mask& b) { return a & b; }
   friend SKYBODY_INLINE Mask operator||(const Mask& a, const Mask& b) { return a | b; }
   SKYBODY_INLINE Mask& operator&=(const Mask& b) { return *this = *this & b; }
@@ -166,7 +165,7 @@ struct Pack {
 #undef SKYBODY_REAL_COMPARISON
 };
 
-/// What belongs to a Real: its mask, its word, its number of lanes.
+/// The types of a Real: its mask and its word; and its number of lanes.
 template <class Real>
 struct RealTraits;
 template <>
@@ -198,7 +197,7 @@ SKYBODY_INLINE std::uint64_t select(bool mask, std::uint64_t a, std::uint64_t b)
 }
 SKYBODY_INLINE bool select(bool mask, bool a, bool b) { return mask ? a : b; }
 
-/// Connectives that read the same for bool and Mask; all sides are evaluated.
+/// Logical operators with the same syntax for bool and Mask; all operands are evaluated.
 SKYBODY_INLINE bool logical_and(bool a, bool b) { return a & b; }
 SKYBODY_INLINE bool logical_or(bool a, bool b) { return a | b; }
 SKYBODY_INLINE bool logical_not(bool a) { return !a; }

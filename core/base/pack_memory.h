@@ -1,5 +1,5 @@
-// Packs and memory, lanes and bits: loads, stores, single lanes, casts between reals and words.
-// Include core/base/pack.h, which includes this.
+// Memory access of packs, lanes and bits: loads, stores, single lanes, casts between reals and
+// words. Include core/base/pack.h, which includes this file.
 #pragma once
 
 #include "core/base/pack.h"
@@ -26,15 +26,15 @@ template <int W>
 SKYBODY_INLINE WordPack<W> bit_cast_word(const Pack<W>& x) {
   return WordPack<W>(reinterpret_cast<typename lanes::Native<W>::Words>(x.v));
 }
-/// The doubles whose bits are given.
+/// The doubles with the given bits.
 SKYBODY_INLINE double bit_cast_real(std::uint64_t w) { return lanes::copy_bits<double>(w); }
 template <int W>
 SKYBODY_INLINE Pack<W> bit_cast_real(const WordPack<W>& w) {
   return Pack<W>(reinterpret_cast<typename lanes::Native<W>::Reals>(w.v));
 }
 
-/// As select(), by words: g++ 12 takes several selections by one mask apart, lane by lane, where
-/// the mask is made of others, and selections between constants (docs/architecture.md).
+/// Like select(), computed on words. g++ 12 splits select() by lane in two cases: several
+/// selections by one combined mask, and selections between constants (docs/architecture.md).
 SKYBODY_INLINE double choose(bool mask, double a, double b) { return mask ? a : b; }
 template <int W>
 SKYBODY_INLINE Pack<W> choose(const Mask<W>& mask, const Pack<W>& a, const Pack<W>& b) {
@@ -67,7 +67,7 @@ SKYBODY_INLINE WordPack<W> to_word(const Pack<W>& x) {
   return bit_cast_word(x + detail::kTwo52) & detail::kFractionBits;
 }
 
-/// Reads kLanesOf<Real> consecutive doubles; any alignment of a double will do.
+/// Reads kLanesOf<Real> consecutive doubles. The alignment of a double suffices.
 template <class Real>
 SKYBODY_INLINE Real load_lanes(const double* p) {
   if constexpr (kLanesOf<Real> == 1) {
@@ -79,11 +79,11 @@ SKYBODY_INLINE Real load_lanes(const double* p) {
   }
 }
 
-/// Reads kLanesOf<Real> doubles from places that need not be neighbours: lane i is p[places[i]].
+/// Reads kLanesOf<Real> scattered doubles: lane i is p[places[i]].
 template <class Real>
 SKYBODY_INLINE Real gather_lanes(const double* p, const std::uint8_t* places) {
   using Native = typename Real::Native;
-  // In registers: a vector that is loaded from what was stored lane by lane waits for the stores.
+  // Built in registers: a vector load after scalar stores to the same memory waits for them.
   if constexpr (kLanesOf<Real> == 2) {
     return Real(Native{p[places[0]], p[places[1]]});
   } else if constexpr (kLanesOf<Real> == 4) {
@@ -118,11 +118,11 @@ SKYBODY_INLINE void store_words(std::uint64_t* p, const WordPack<W>& w) {
   std::memcpy(p, &w.v, sizeof(w.v));
 }
 
-/// Writes the lanes that the mask selects and leaves the others' values. All W places are read and
-/// written (a blend), so they must be one thread's.
+/// Writes the lanes selected by the mask; the other lanes keep their values. All W places are read
+/// and written (a blend), so only one thread may access them.
 SKYBODY_INLINE void store_lanes(double* p, double x, bool mask) { *p = mask ? x : *p; }
-// As words: g++ 12 makes one condition of a selection and the one that it is stored by, and takes
-// that one apart.
+// On words: g++ 12 merges the condition of a selection in `x` with this mask, and splits the result
+// by lane.
 template <int W>
 SKYBODY_INLINE void store_lanes(double* p, const Pack<W>& x, const Mask<W>& mask) {
   store_lanes(p, choose(mask, x, load_lanes<Pack<W>>(p)));

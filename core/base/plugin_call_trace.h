@@ -1,5 +1,5 @@
-// Which plugin's code is running, for those who find the process dead: a parent process, a handler
-// of signals or of exit().
+// A record of the running plugin call. After a crash, a parent process or a handler of signals or
+// of exit() reads it to name the plugin.
 #pragma once
 
 #include <atomic>
@@ -9,18 +9,18 @@
 
 namespace skybody {
 
-/// Plain memory, which may be shared with another process.
+/// Plain memory that processes may share.
 struct PluginCallTrace {
-  char file[4096];  ///< the library; Linux has no longer paths
-  char phase[256];  ///< such as "while it is loaded"; empty: no plugin's code is running
-  std::atomic<std::uint32_t> phases;  ///< how many have begun, which tells them apart
+  char file[4096];  ///< the library; Linux limits paths to this length
+  char phase[256];  ///< such as "while it is loaded"; empty: no plugin code is running
+  std::atomic<std::uint32_t> phases;  ///< number of phases begun, to distinguish them
 };
 
-/// From now on phases of the calling thread are written to `where`. Null, as at the beginning:
-/// nobody watches, and nothing is written.
+/// Records the phases of the calling thread in `where` from now on. Null, the initial state:
+/// nothing is recorded.
 void watch_plugins(PluginCallTrace* where);
 
-/// Stands for a call into a plugin: loading, configure(), unloading; and steps in checked mode.
+/// RAII record of a call into a plugin: loading, configure(), unloading; steps in checked mode.
 class PluginPhase {
  public:
   PluginPhase(const std::filesystem::path& file, const std::string& phase);

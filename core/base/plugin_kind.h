@@ -1,4 +1,4 @@
-// The kinds of plugins, by name. The list is core/base/plugin_kinds.h.
+// The kinds of plugins, by name. The list is in core/base/plugin_kinds.h.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace skybody {
 
-/// What is known of a kind whatever its plugins do.
+/// Fixed properties of a plugin kind.
 struct PluginKindRow {
   const char* word;      ///< such as "controller"
-  const char* folder;    ///< of the shipped ones, such as "controllers"
-  const char* function;  ///< the step function's name, such as "control"
+  const char* folder;    ///< of the shipped plugins, such as "controllers"
+  const char* function;  ///< name of the step function, such as "control"
 };
 
 /// In the order of SkybodyKind.
@@ -24,12 +24,12 @@ inline constexpr std::array<PluginKindRow, SKYBODY_KIND_COUNT> kPluginKinds = {{
 #undef SKYBODY_ROW
 }};
 
-/// "controller", "sensor", ...; "plugin" for SKYBODY_KIND_COUNT (not known).
+/// "controller", "sensor", ...; "plugin" for SKYBODY_KIND_COUNT (unknown).
 constexpr const char* kind_name(SkybodyKind kind) {
   return kind < SKYBODY_KIND_COUNT ? kPluginKinds[kind].word : "plugin";
 }
 
-/// The kind of that name, or nothing.
+/// The kind with that name, or nullopt.
 inline std::optional<SkybodyKind> kind_from_name(std::string_view name) {
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
     if (name == kPluginKinds[static_cast<std::size_t>(kind)].word) {

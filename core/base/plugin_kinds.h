@@ -1,7 +1,7 @@
-/* The kinds of plugins: the one list. Plain C, part of the contract (plugins/api/abi.h).
+/* The kinds of plugins, in the only list. Plain C, part of the plugin ABI (plugins/api/abi.h).
  *
- * A row: symbol, class that authors derive from, word, folder of the shipped ones, step function (a
- * member of SkybodyKernels). A kind's number is its row: new ones go to the end.
+ * A row: symbol, base class for authors, word, folder of the shipped plugins, step function (a
+ * member of SkybodyKernels). A kind's number is its row: append new kinds at the end.
  */
 #ifndef SKYBODY_BASE_PLUGIN_KINDS_H
 #define SKYBODY_BASE_PLUGIN_KINDS_H

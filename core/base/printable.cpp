@@ -11,7 +11,7 @@ unsigned byte_at(std::string_view text, std::size_t i) {
 
 bool is_continuation(unsigned byte) { return (byte & 0xc0u) == 0x80u; }
 
-/// How many bytes a character has that begins with `first`; 0: no character does.
+/// Number of bytes of a character whose first byte is `first`; 0: not a first byte.
 std::size_t length_by_first_byte(unsigned first) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first <= 0xdf) return 2;

@@ -1,4 +1,4 @@
-// Text from files of strangers, made safe to print.
+// Makes text from untrusted files safe to print.
 #pragma once
 
 #include <cstddef>
@@ -7,16 +7,15 @@
 
 namespace skybody {
 
-/// The length in bytes of the UTF-8 character that `text` begins with, or 0 where it begins with
-/// none (also for surrogates, overlong forms and an empty text).
+/// The length in bytes of the UTF-8 character at the start of `text`, or 0 if there is none (also
+/// for surrogates, overlong forms and an empty text).
 std::size_t utf8_length(std::string_view text);
 
-/// `text` as valid UTF-8 that fits into one line: bytes that are no UTF-8, control characters
-/// (which could drive a terminal) and marks that turn the direction of writing become \xNN.
-/// Printing twice changes nothing.
+/// `text` as valid UTF-8 on one line. Invalid bytes, control characters (which could control a
+/// terminal) and marks that change the writing direction become \xNN. Idempotent.
 std::string printable(std::string_view text);
 
-/// `text` with its middle left out where it is longer than `limit` bytes. Characters stay whole.
+/// `text` with its middle omitted if it is longer than `limit` bytes. Characters stay whole.
 std::string shortened(const std::string& text, std::size_t limit);
 
 }  // namespace skybody

@@ -1,9 +1,9 @@
-// Which process this is, without asking the system every time.
+// The cached process id, without a system call each time.
 #pragma once
 
 namespace skybody {
 
-/// As getpid(). After a fork() of the C library the child sees its own.
+/// Same as getpid(). Updated in the child after a fork() of the C library.
 int process_id();
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// Processors of this machine, for threads that want one of their own.
+// Processors of this machine, for pinning threads.
 #pragma once
 
 #include <pthread.h>
@@ -21,14 +21,14 @@ inline std::vector<int> allowed_processors() {
       if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
     }
   }
-  if (out.empty()) {  // more processors than a set holds
+  if (out.empty()) {  // the machine has more processors than a cpu_set_t holds
     out.resize(std::max(1u, std::thread::hardware_concurrency()));
     std::iota(out.begin(), out.end(), 0);
   }
   return out;
 }
 
-/// Keeps a thread on one processor. @returns false where the system refuses: it runs where it likes
+/// Pins a thread to one processor. @returns false if the system refuses: the thread is not pinned
 inline bool pin_thread(std::thread& thread, int processor) {
   cpu_set_t set;
   CPU_ZERO(&set);

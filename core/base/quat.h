@@ -9,14 +9,14 @@
 
 namespace skybody {
 
-/// w + x i + y j + z k, W from B. Functions below expect unit norm unless they say otherwise.
+/// w + x i + y j + z k, W from B. Functions below expect unit norm unless stated otherwise.
 template <class Real>
 struct Quat {
   Real w, x, y, z;
 
   static SKYBODY_INLINE Quat identity() { return {Real(1.0), Real(0.0), Real(0.0), Real(0.0)}; }
 
-  /// Hamilton's product: first b, then a. Any norm.
+  /// Hamilton's product: rotates by b first, then by a. Any norm.
   friend SKYBODY_INLINE Quat operator*(const Quat& a, const Quat& b) {
     return {((a.w * b.w - a.x * b.x) - a.y * b.y) - a.z * b.z,
             ((a.w * b.x + a.x * b.w) + a.y * b.z) - a.z * b.y,
@@ -25,7 +25,7 @@ struct Quat {
   }
 };
 
-/// Hamilton's product by name.
+/// Hamilton's product as a function.
 template <class Real>
 SKYBODY_INLINE Quat<Real> multiply(const Quat<Real>& a, const Quat<Real>& b) {
   return a * b;
@@ -56,7 +56,7 @@ SKYBODY_INLINE Quat<Real> select(const MaskOf<Real>& mask, const Quat<Real>& a,
           select(mask, a.z, b.z)};
 }
 
-/// Where all four components are finite.
+/// Whether all four components are finite.
 template <class Real>
 SKYBODY_INLINE MaskOf<Real> is_finite(const Quat<Real>& q) {
   return logical_and(logical_and(is_finite(q.w), is_finite(q.x)),
@@ -102,8 +102,8 @@ SKYBODY_INLINE Real tilt_cosine(const Quat<Real>& q) {
   return 1.0 - (q.x * (q.x + q.x) + q.y * (q.y + q.y));
 }
 
-/// Heading [rad] in [-pi, pi]: the third of the fixed-axis angles of from_rpy. Unspecified but
-/// finite where the body's x axis points straight up or down.
+/// Heading [rad] in [-pi, pi]: the third fixed-axis angle of from_rpy. Unspecified but finite if
+/// the body's x axis points straight up or down.
 template <class Real>
 SKYBODY_INLINE Real yaw(const Quat<Real>& q) {
   return atan2(2.0 * (q.x * q.y + q.w * q.z), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
@@ -127,14 +127,14 @@ SKYBODY_INLINE Quat<Real> from_rpy(const Real& roll, const Real& pitch, const Re
           (r.cos * p.cos) * y.sin - (r.sin * p.sin) * y.cos};
 }
 
-/// Turns by `angle` [rad] about a unit axis.
+/// Rotation by `angle` [rad] about a unit axis.
 template <class Real>
 SKYBODY_INLINE Quat<Real> from_axis_angle(const Vec3<Real>& axis, const Real& angle) {
   const SinCos<Real> half = sincos(0.5 * angle);
   return {half.cos, axis.x * half.sin, axis.y * half.sin, axis.z * half.sin};
 }
 
-/// Turns by |v| [rad] about v; the identity's first order below 1e-9 rad.
+/// Rotation by |v| [rad] about v; to first order below 1e-9 rad.
 template <class Real>
 SKYBODY_INLINE Quat<Real> from_rotation_vector(const Vec3<Real>& v) {
   const Real angle = norm(v);
@@ -144,8 +144,8 @@ SKYBODY_INLINE Quat<Real> from_rotation_vector(const Vec3<Real>& v) {
   return {half.cos, v.x * scale, v.y * scale, v.z * scale};
 }
 
-/// From a rotation matrix (orthonormal, determinant 1), with w >= 0 but for rounding.
-/// Shepperd (1978): the root of the largest of four squares, so that nothing cancels.
+/// From a rotation matrix (orthonormal, determinant 1), with w >= 0 except for round-off.
+/// Shepperd (1978): uses the largest of four squares, which avoids cancellation.
 template <class Real>
 SKYBODY_INLINE Quat<Real> from_rotation(const Mat3<Real>& r) {
   const Real w2 = 1.0 + ((r.m[0] + r.m[4]) + r.m[8]);

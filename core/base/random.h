@@ -1,6 +1,7 @@
-// Random numbers by key and counter: which number comes is a pure function of (seed, env stream,
-// episode, stream, step, draw), not of who drew before. Philox4x64-10 (Salmon et al., SC 2011) by
-// Random123; distributions are our own, on core/base/math.h, with the same bits everywhere.
+// Counter-based random numbers: each number is a pure function of (seed, env stream, episode,
+// stream, step, draw), independent of the order of other draws. Philox4x64-10 (Salmon et al.,
+// SC 2011) by Random123; distributions are our own, on core/base/math.h, with the same bits
+// everywhere.
 #pragma once
 
 #include <Random123/philox.h>
@@ -13,7 +14,7 @@
 
 namespace skybody {
 
-/// Philox's key. Part of an environment's state; it starts from the user's seed and the env id.
+/// Philox's key. Part of an environment's state; initially the user's seed and the env id.
 struct RandomKey {
   std::uint64_t seed = 0;
   std::uint64_t stream_env = 0;
@@ -33,14 +34,14 @@ constexpr std::uint64_t derive_stream(const char* name) {
   return derive_stream(name, length);
 }
 
-/// Draws of one stream in one step of one environment per lane. Every lane draws equally often:
-/// draw for all and `select` afterwards.
+/// Draws of one stream in one step of one environment per lane. All lanes draw equally often: draw
+/// for all lanes and `select` afterwards.
 template <class Real>
 class Random {
  public:
   /// @param seed,stream_env  the lanes' keys   @param episode,step  the lanes' counters
-  /// @param stream           who draws (derive_stream), the same in all lanes
-  /// @param served           bits of the lanes that want numbers: Philox goes lane by lane
+  /// @param stream           id of the stream (derive_stream), the same in all lanes
+  /// @param served           bits of the lanes that need numbers: Philox runs lane by lane
   SKYBODY_INLINE Random(const Word<Real>& seed, const Word<Real>& stream_env,
                         const Word<Real>& episode, const Word<Real>& step, std::uint64_t stream,
                         std::uint32_t served = ~0u)
@@ -77,15 +78,15 @@ class Random {
     return low + (high - low) * uniform();
   }
 
-  /// Standard normal; takes exactly two uniforms and keeps nothing (Box and Muller 1958, the cosine
+  /// Standard normal; uses exactly two uniforms and stores nothing (Box and Muller 1958, the cosine
   /// branch). Its magnitude is at most 8.58.
   SKYBODY_INLINE Real normal() {
     const Real radius = sqrt(-2.0 * log(1.0 - uniform()));
     return radius * cos(kTwoPi * uniform());
   }
-  /// Two independent standard normals for one draw, for noise that is drawn often: both branches,
-  /// the cosine first, of a radius from its upper 32 bits and an angle from its lower ones. The
-  /// magnitude is at most 6.77: a normal lies beyond that once in 8e10.
+  /// Two independent standard normals from one draw, for noise that is drawn often: both branches
+  /// of Box and Muller, the cosine first. The radius uses the upper 32 bits, the angle the lower
+  /// ones. The magnitude is at most 6.77; a normal variable exceeds it once in 8e10.
   SKYBODY_INLINE void normal_pair(Real& first, Real& second) {
     const Word<Real> word = bits();
     const Real radius = sqrt(-2.0 * log((to_real(word >> 32) + 0.5) * 0x1p-32));
@@ -98,7 +99,7 @@ class Random {
     return mean + deviation * normal();
   }
 
-  /// Uniform in 0..n-1, n >= 1: the upper half of bits * n. One draw; biased by less than n / 2^64.
+  /// Uniform in 0..n-1, n >= 1: the upper half of bits * n. One draw; bias below n / 2^64.
   SKYBODY_INLINE Word<Real> integer(std::uint64_t n) {
     __extension__ typedef unsigned __int128 Wide;
     Word<Real> word = bits();
@@ -108,7 +109,7 @@ class Random {
     return word;
   }
 
-  /// Uniform on the unit sphere; takes two uniforms (Archimedes: z is uniform).
+  /// Uniform on the unit sphere; uses two uniforms (Archimedes: z is uniform).
   SKYBODY_INLINE Vec3<Real> unit_vector() {
     const Real z = 2.0 * uniform() - 1.0;
     const SinCos<Real> angle = sincos(kTwoPi * uniform());
@@ -116,7 +117,7 @@ class Random {
     return {radius * angle.cos, radius * angle.sin, z};
   }
 
-  /// A rotation uniform over all; takes three uniforms (Shoemake, Graphics Gems III, 1992).
+  /// A uniformly distributed rotation; uses three uniforms (Shoemake, Graphics Gems III, 1992).
   SKYBODY_INLINE Quat<Real> quaternion() {
     const Real u = uniform();
     const Real outer = sqrt(1.0 - u), inner = sqrt(u);
@@ -141,7 +142,7 @@ class Random {
   std::uint64_t stream_;
   std::uint32_t served_;
   std::uint64_t draw_ = 0;
-  Word<Real> block_[4] = {};  ///< of lanes that are not served: 0
+  Word<Real> block_[4] = {};  ///< 0 in lanes that are not served
 };
 
 }  // namespace skybody

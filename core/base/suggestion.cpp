@@ -6,9 +6,9 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kLongestCompared = 100;  // [bytes]; beyond, nobody mistypes but makes up
-constexpr std::size_t kMostCompared = 200;     // the work grows with them
-constexpr std::size_t kMostListed = 40;        // more names help nobody
+constexpr std::size_t kLongestCompared = 100;  // [bytes]; longer words are not misspellings
+constexpr std::size_t kMostCompared = 200;     // candidates; limits the run time
+constexpr std::size_t kMostListed = 40;        // names in a message; more are not helpful
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 

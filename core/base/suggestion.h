@@ -1,4 +1,4 @@
-// Lists of words in messages, and the word that somebody may have meant.
+// Lists of words in messages, and suggestions for misspelt words.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@ namespace skybody {
 /// `a, b, c`.
 std::string join(const std::vector<std::string>& words, std::string_view separator = ", ");
 
-/// The same of the first 40, and how many more there are.
+/// As join() for the first 40 words, followed by the number of the others.
 std::string join_first(const std::vector<std::string>& words);
 
-/// The candidate closest to `word` by edit distance (transpositions count one, case is ignored), or
-/// empty if none is close.
+/// The candidate closest to `word` by edit distance (a transposition counts one, case is ignored),
+/// or empty if none is close.
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);
 
-/// "; did you mean `x`?" where something is close, else "; <noun>: a, b, c" (the first 40), else
-/// "". Among more than two hundred nothing is compared.
+/// "; did you mean `x`?" if a candidate is close, else "; <noun>: a, b, c" (the first 40), else ""
+/// without candidates. With more than 200 candidates none are compared.
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates,
                        std::string_view noun = "allowed");
 

@@ -1,11 +1,11 @@
-// Vectors of three on Real. Sums run x, y, z from the left.
+// Vectors of three components on Real. Sums run x, y, z from left to right.
 #pragma once
 
 #include "core/base/math_basic.h"
 
 namespace skybody {
 
-/// A vector of three components; unit and frame are its owner's to say.
+/// A vector of three components; its owner defines unit and frame.
 template <class Real>
 struct Vec3 {
   Real x, y, z;
@@ -59,7 +59,7 @@ SKYBODY_INLINE Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Component by component.
+/// Product component by component.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> multiply_elements(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
@@ -86,13 +86,13 @@ SKYBODY_INLINE Vec3<Real> choose(const MaskOf<Real>& mask, const Vec3<Real>& a,
   return {choose(mask, a.x, b.x), choose(mask, a.y, b.y), choose(mask, a.z, b.z)};
 }
 
-/// Where any component is not zero.
+/// Whether any component is not zero.
 template <class Real>
 SKYBODY_INLINE MaskOf<Real> is_not_zero(const Vec3<Real>& a) {
   return logical_or(logical_or(a.x != 0.0, a.y != 0.0), a.z != 0.0);
 }
 
-/// Where all three components are finite.
+/// Whether all three components are finite.
 template <class Real>
 SKYBODY_INLINE MaskOf<Real> is_finite(const Vec3<Real>& a) {
   return logical_and(logical_and(is_finite(a.x), is_finite(a.y)), is_finite(a.z));

@@ -58,7 +58,7 @@ void Batch::take(const Batch& from, int first, int count, int at) {
   copy_row(from.episode_step, first, episode_step, at, 1, count);
   if (final_observation.empty()) return;
   for (int k = 0; k < count; ++k) {
-    if (from.status[static_cast<std::size_t>(first + k)] == 0) continue;  // nothing ended
+    if (from.status[static_cast<std::size_t>(first + k)] == 0) continue;  // no episode ended
     copy_row(from.final_observation, first + k, final_observation, at + k, width.observation, 1);
     copy_row(from.final_info, first + k, final_info, at + k, width.info, 1);
     copy_row(from.final_privileged, first + k, final_privileged, at + k, width.privileged, 1);

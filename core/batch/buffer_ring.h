@@ -1,4 +1,4 @@
-// The buffers that recv() hands out in turn.
+// The buffers that recv() returns in turn.
 #pragma once
 
 #include <array>
@@ -9,16 +9,17 @@
 
 namespace skybody {
 
-/// Three buffers: two that the caller may still read (its last two recv()s), one that is being
-/// filled. A buffer that is referred to from outside when its turn comes is left to its holder.
+/// Three buffers: two that the caller may still read (its last two recv()s) and one that is being
+/// filled. If the caller still refers to a buffer when its turn comes, the ring leaves it to the
+/// caller and makes a fresh one.
 class BufferRing {
  public:
   BufferRing(int rows, const RowWidths& widths, bool with_final, bool debug);
 
-  /// The next buffer to fill. Its turn is over only after commit().
+  /// The next buffer to fill; the same one until commit().
   /// @throws BufferInUse in debug mode if the caller still holds it
   Batch& next();
-  /// Hands the buffer of the last next() out.
+  /// Returns the buffer of the last next().
   std::shared_ptr<const Batch> commit();
 
   std::uint64_t fresh_buffers() const { return fresh_; }
@@ -31,7 +32,7 @@ class BufferRing {
   bool with_final_, debug_;
   std::array<std::shared_ptr<Batch>, 3> buffers_;
   std::size_t turn_ = 0;
-  bool ready_ = false;  ///< next() was called in this turn
+  bool ready_ = false;  ///< next() was called since the last commit()
   std::uint64_t fresh_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Finished groups on their way to the caller: many producers, one consumer, no locks.
+// Queue of finished groups for the caller: many producers, one consumer, no locks.
 #pragma once
 
 #include <atomic>
@@ -21,11 +21,11 @@ class DoneQueue {
     ring_[static_cast<std::size_t>(at) & mask_].store(entry, std::memory_order_seq_cst);
   }
 
-  /// @returns false if there is none
+  /// @returns false if the queue is empty
   bool pop(int& group, std::uint32_t& lanes) {
     std::atomic<std::uint64_t>& slot = ring_[head_ & mask_];
-    // In one order with the caller's note that it sleeps: a producer that does not see the note has
-    // stored what is loaded here.
+    // Sequentially consistent with the caller's sleep flag: a producer that does not see the flag
+    // has stored its entry before this load.
     const std::uint64_t entry = slot.load(std::memory_order_seq_cst);
     if (entry == 0) return false;  // lanes are never 0
     slot.store(0, std::memory_order_relaxed);
@@ -38,7 +38,7 @@ class DoneQueue {
  private:
   std::vector<std::atomic<std::uint64_t>> ring_;
   std::size_t mask_;
-  std::size_t head_ = 0;  ///< the consumer's
+  std::size_t head_ = 0;  ///< used by the consumer only
   alignas(64) std::atomic<std::uint64_t> tail_{0};
 };
 

@@ -1,4 +1,4 @@
-// Saving and restoring all environments of a EnvironmentStates.
+// Saving and restoring all environments of an EnvironmentStates.
 #include <algorithm>
 #include <cstring>
 
@@ -8,7 +8,8 @@
 namespace skybody {
 namespace {
 
-// A saved states: these words, then per environment its state words, its images and its hash chain.
+// The format of a snapshot: these words, then per environment its state words, its images and its
+// hash chain.
 enum SavedWord : int {
   kMagicWord,
   kVersionWord,
@@ -83,7 +84,7 @@ void EnvironmentStates::restore(std::span<const std::uint64_t> saved) {
   }
 }
 
-/// What the flags say follows from the state words.
+/// Sets the flags from the state words.
 void EnvironmentStates::refresh_flags(int env) {
   const StateGroup& group = state(env);
   started_.set(group_of(env), bit(env), group.bits(kEpisode)[lane_of(env)] > 0);

@@ -12,9 +12,9 @@
 namespace skybody {
 namespace {
 
-/// How many environments a group gets: whole octets, where each thread then has one, as many as a
-/// group holds, but about the same number of groups for every thread. In order of arrival no more
-/// than an octet: those that are quick are not to wait for one that is slow.
+/// The number of environments per group: whole blocks of eight lanes if there is one for each
+/// thread, up to the size of a group, with about the same number of groups for every thread. In
+/// order of arrival at most eight lanes: fast environments should not wait for slow ones.
 int span_for(const CompiledScenario& compiled, const PoolOptions& options) {
   const int threads = std::max(options.threads, 1), lanes = compiled.preferred_lanes();
   if (lanes == 1 || options.envs < kOctet * threads) return 1;
@@ -95,14 +95,15 @@ bool EnvironmentStates::can_step_all() const {
 
 void EnvironmentStates::transition(int group, std::uint32_t mask, Batch& rows, int thread) {
   GroupWorkspace& work = *works_[index(thread)];
-  // kSameStep comes here with an ended episode too: restored, or its reset was itself a fault.
+  // kSameStep gets here with an ended episode too: after a restore, or if its reset was itself a
+  // fault.
   const bool renews = autoreset_ != Autoreset::kDisabled;
   const std::uint32_t resets = mask & (wants_reset_.of(group) | (renews ? ended_.of(group) : 0u));
   if ((mask & ~resets) != 0) step(group, mask & ~resets, rows, work);
   if (resets != 0) reset(group, resets, rows, work);
 }
 
-/// Where the rows of the group's lanes lie.
+/// The places of the rows of the group's lanes.
 Rows EnvironmentStates::rows_of(int first, Batch& rows, GroupWorkspace& work) const {
   const std::size_t at = index(first);
   for (std::size_t k = 0; k < work.image_rows.size(); ++k) {
@@ -138,8 +139,8 @@ void EnvironmentStates::reset(int group, std::uint32_t mask, Batch& rows, GroupW
   describe(group, mask, true, rows);
 }
 
-/// kSameStep: keeps the last row of episodes that have ended and begins the next; reward, status
-/// and step count of the row stay those of the end.
+/// kSameStep: keeps the last row of ended episodes and begins the next ones; reward, status and
+/// step count of the row remain those of the end.
 void EnvironmentStates::reset_ended(int group, std::uint32_t mask, Batch& rows,
                                     GroupWorkspace& work) {
   const std::uint32_t over = mask & ended_.of(group);
@@ -156,7 +157,7 @@ void EnvironmentStates::reset_ended(int group, std::uint32_t mask, Batch& rows,
   compiled_->reset(states_[index(group)], work, over, out);
   if (has_requests) end_requests(group, over, work);
   add_to_hash(group, over, out);
-  // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
+  // A reset with a bad outcome ends this episode too: the next transition is a reset.
   each_lane(over, [&](int l) { ended_.set(group, 1u << l, status[l] != kRunning); });
 }
 
@@ -165,7 +166,7 @@ void EnvironmentStates::ask(int env, std::shared_ptr<const ParamRequest> request
   asked_[index(env)].push_back({std::move(request), at_reset});
 }
 
-/// The environment is not in flight: nobody runs it.
+/// The environment is not in flight: no thread runs it.
 void EnvironmentStates::hand_over_requests(int env) {
   std::vector<Asked>& asked = asked_[index(env)];
   if (asked.empty()) return;
@@ -177,7 +178,7 @@ void EnvironmentStates::hand_over_all() {
   for (int env = 0; has_asked_ && env < envs_; ++env) hand_over_requests(env);
 }
 
-/// Before a step; what is for a reset waits.
+/// Applies requests before a step; requests for a reset wait.
 void EnvironmentStates::apply_requests(int group, std::uint32_t mask, GroupWorkspace& work) {
   each_lane(mask, [&](int l) {
     const std::size_t env = index(env_of(group, l));
@@ -192,8 +193,8 @@ void EnvironmentStates::apply_requests(int group, std::uint32_t mask, GroupWorks
   });
 }
 
-/// Gives a reset what was asked for.
-/// @param takes_all  also what was not asked for a reset: this is the next transition
+/// Passes requests to a reset.
+/// @param takes_all  also requests for the next transition, because the reset is that transition
 void EnvironmentStates::begin_requests(int group, std::uint32_t mask, bool takes_all,
                                        GroupWorkspace& work) {
   each_lane(mask, [&](int l) {
@@ -218,7 +219,7 @@ void EnvironmentStates::add_to_hash(int group, std::uint32_t mask, const Rows& r
   });
 }
 
-/// The flags of the rows, from the status that the transition gave.
+/// Fills the flags of the rows from the status of the transition.
 void EnvironmentStates::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) {
   const std::uint64_t* steps = states_[index(group)].bits(kStep);
   const int first_env = env_of(group, 0);
@@ -244,7 +245,8 @@ void EnvironmentStates::describe(int group, std::uint32_t mask, bool is_reset, B
   ended_.set(group, over, true);
 }
 
-/// The same for an octet of lanes whose episodes all go on; false, and nothing is written, if not.
+/// The same for eight lanes whose episodes all continue. Otherwise returns false and writes
+/// nothing.
 bool EnvironmentStates::describe_running(int first, const std::uint64_t* steps, bool is_reset,
                                          Batch& rows) {
   const std::size_t at = index(first);
@@ -292,7 +294,7 @@ std::vector<std::uint64_t> EnvironmentStates::words(int env) const {
   return saved;
 }
 
-/// Values of the last finite observation, from the `first` on.
+/// Values of the last finite observation, from index `first` on.
 void EnvironmentStates::last_values(int env, int first, int count, float* out) const {
   const double* values = state(env).reals(compiled_->layout().last_observation);
   const int lanes = state(env).lanes();

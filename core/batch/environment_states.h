@@ -1,4 +1,4 @@
-// The environments of a Pool and one transition of a group of them, resets included.
+// The environments of a Pool, and one transition of a group of them, resets included.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@
 namespace skybody {
 
 /// State, action rows and episode flags of N_E environments in lane groups. Groups are independent:
-/// different threads may run transition() on different groups. Everything else belongs to the
-/// caller while no group runs.
+/// different threads may run transition() on different groups. All other methods belong to the
+/// caller, while no group runs.
 class EnvironmentStates {
  public:
   EnvironmentStates(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
@@ -30,8 +30,9 @@ class EnvironmentStates {
   const CompiledScenario& compiled() const { return *compiled_; }
   const std::shared_ptr<const CompiledScenario>& shared_scenario() const { return compiled_; }
   int envs() const { return envs_; }
-  /// Environments of one group lie side by side: span() of them, fewer in the last group. One
-  /// each where the physics goes one by one, or where groups would leave threads without work.
+  /// Environments of one group are stored side by side: span() of them, fewer in the last group.
+  /// The span is 1 where the physics runs lane by lane, or where larger groups would leave threads
+  /// idle.
   int groups() const { return static_cast<int>(states_.size()); }
   int span() const { return span_; }
   int group_of(int env) const { return env / span_; }
@@ -39,17 +40,17 @@ class EnvironmentStates {
   int env_of(int group, int lane) const { return group * span_ + lane; }
   RowWidths widths() const;
 
-  /// What the next transition of an environment is to be.
+  /// The kind of the next transition of an environment: a step with this action, or a reset.
   float* action(int env) { return actions_.data() + static_cast<std::size_t>(env) * action_size_; }
   void want_reset(int env) { wants_reset_.set(group_of(env), bit(env), true); }
   void want_step(int env) { wants_reset_.set(group_of(env), bit(env), false); }
   void want_step_all();
-  /// Asks for something in the transitions of an environment that will be sent from now on. It may
-  /// be in flight.
-  /// @param at_reset  the next time that an episode begins; else before the next transition, or
-  ///                  where that is a reset, in it
+  /// Adds a request for the transitions of an environment that are sent from now on. The
+  /// environment may be in flight.
+  /// @param at_reset  true: at the next begin of an episode; false: before the next transition, or,
+  ///   if that is a reset, in it
   void ask(int env, std::shared_ptr<const ParamRequest> request, bool at_reset);
-  /// What an environment was asked so far belongs to whoever runs it next: before it is sent.
+  /// Hands an environment's requests over to the thread that runs it next. Call it before sending.
   void hand_over(int env) {
     if (has_asked_) hand_over_requests(env);
   }
@@ -57,7 +58,7 @@ class EnvironmentStates {
 
   bool started(int env) const { return (started_.of(group_of(env)) & bit(env)) != 0; }
   bool ended(int env) const { return (ended_.of(group_of(env)) & bit(env)) != 0; }
-  /// Whether a step of all is possible without a reset of one.
+  /// Whether all environments can be stepped without a reset.
   bool can_step_all() const;
   /// The lanes of a group that have an environment.
   std::uint32_t all_lanes(int group) const {
@@ -65,16 +66,17 @@ class EnvironmentStates {
   }
 
   /// One transition of the lanes in `mask`; their rows are written at row env of `rows`.
-  /// @param thread  whose scratch to use, 0 <= thread < options.threads: never twice at a time
+  /// @param thread  index of the scratch to use, 0 <= thread < options.threads: never two calls at
+  ///   a time with the same index
   void transition(int group, std::uint32_t mask, Batch& rows, int thread);
 
-  /// Everything back to the beginning, under a seed.
+  /// Initializes all environments with a seed.
   void initialize(std::uint64_t seed);
 
   std::vector<std::uint64_t> save() const;
-  /// @throws Error if it is not of this scenario, number of environments and version
+  /// @throws Error if it does not match this scenario, number of environments and version
   void check_saved(std::span<const std::uint64_t> saved) const;
-  /// @throws Error likewise
+  /// @throws Error like check_saved()
   void restore(std::span<const std::uint64_t> saved);
   void fork(int source, int target, bool rekey);
   /// An environment's last row of observations, and its privileged row.
@@ -82,14 +84,14 @@ class EnvironmentStates {
   void privileged(int env, float* out) const;
   /// An image of an environment, as its sensor last made it.
   void image(int env, int image, std::uint8_t* out) const;
-  /// A value of every environment's state, one after the other. All have begun an episode.
+  /// A value of every environment's state, one after the other. All must have begun an episode.
   void state(const StateValue& value, double* out);
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
   /// Whether transitions are added to the hashes from now on.
   void keep_hash(bool keep) { keep_hash_.store(keep, std::memory_order_relaxed); }
-  /// Physics steps since it was made, by the dynamics that took them.
+  /// Physics steps since construction, by the dynamics that computed them.
   StepCounts step_counts() const;
   /// Resets so far.
   std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane_of(env)]; }
@@ -126,8 +128,8 @@ class EnvironmentStates {
   std::vector<StateGroup> states_;
   std::vector<std::unique_ptr<GroupWorkspace>> works_;  ///< one per thread
   std::vector<float> actions_;
-  AtomicLaneMasks wants_reset_;      ///< the caller's
-  AtomicLaneMasks started_, ended_;  ///< of whoever runs the group
+  AtomicLaneMasks wants_reset_;      ///< written by the caller
+  AtomicLaneMasks started_, ended_;  ///< written by the thread that runs the group
   std::vector<HashChain> chains_;
 
   struct Asked {
@@ -135,11 +137,13 @@ class EnvironmentStates {
     bool at_reset;
   };
   using Requests = std::vector<std::shared_ptr<const ParamRequest>>;
-  std::vector<std::vector<Asked>> asked_;   ///< per environment, the caller's: not yet handed over
-  std::vector<std::vector<Asked>> handed_;  ///< whoever runs the group: for the next transition
+  std::vector<std::vector<Asked>> asked_;   ///< per environment, used by the caller: requests not
+                                            ///< yet handed over
+  std::vector<std::vector<Asked>> handed_;  ///< used by the thread that runs the group: for the
+                                            ///< next transition
   std::vector<Requests> waiting_;           ///< likewise: for the next reset
-  bool has_asked_ = false;                  ///< the caller's: something was asked for, ever
-  std::atomic<bool> has_handed_{false};     ///< something was handed over, ever
+  bool has_asked_ = false;                  ///< used by the caller: any request so far
+  std::atomic<bool> has_handed_{false};     ///< any request handed over so far
 };
 
 }  // namespace skybody

@@ -8,16 +8,16 @@
 
 namespace skybody {
 
-/// Flags that one thread writes while others may look at other lanes of the same group: the caller
-/// sends an environment while a worker steps its neighbour. Each flag alone is handed from thread
-/// to thread by the queues, so that relaxed order will do.
+/// Flags that one thread writes while others may read other lanes of the same group: the caller
+/// sends an environment while a worker steps its neighbour. The queues hand each flag from thread
+/// to thread, so relaxed order suffices.
 class AtomicLaneMasks {
  public:
   explicit AtomicLaneMasks(int groups) : flags_(static_cast<std::size_t>(groups)) {}
 
   /// The lanes of a group whose flag is set.
   std::uint32_t of(int group) const { return at(group).load(std::memory_order_relaxed); }
-  /// One writer at a time for each group. Writes only where something changes: neighbouring groups'
+  /// One writer at a time for each group. Writes only on a change, because neighbouring groups'
   /// flags share a cache line.
   void set(int group, std::uint32_t lanes, bool value) {
     std::atomic<std::uint32_t>& flags = flags_[static_cast<std::size_t>(group)];

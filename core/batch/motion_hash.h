@@ -13,7 +13,7 @@ class Pool;
 
 /// Chains, for each environment after each transition, q, u, rotor speeds, observation, privileged
 /// row, images, reward and status: a trajectory hash with three blocks in place of all state words.
-/// Every NaN counts as one. Observe a Pool with it (Pool::observe) before the first reset; not with
+/// All NaNs count as equal. Observe a Pool with it (Pool::observe) before the first reset. Not for
 /// Autoreset::kSameStep, where the state of the last transition is gone when its row arrives.
 class MotionHash : public PoolObserver {
  public:

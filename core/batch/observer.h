@@ -1,4 +1,4 @@
-// Whoever wants to know everything that happens in a Pool, such as a recorder.
+// Interface for observers of all events in a Pool, such as a recorder.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace skybody {
 
 class EnvironmentStates;
 
-/// What Pool::request() or Pool::randomize() asks for.
+/// The arguments of Pool::request() or Pool::randomize().
 struct PoolRequest {
   std::span<const ParamChange> changes;
   bool redraws = false;  ///< all randomizers draw
@@ -20,27 +20,27 @@ struct PoolRequest {
   std::span<const std::int32_t> env_ids;  ///< empty: all
 };
 
-/// Told of all that determines the environments' future, in order, after it was done, and of every
-/// batch that recv() gives. Called on the thread that calls the Pool. What a method throws comes
-/// out of the Pool's method, whose work is done by then.
+/// Receives, in order, every event that determines the environments' future, after it was done, and
+/// every batch that recv() returns. Called on the thread that calls the Pool. An exception from a
+/// method propagates out of the Pool's method, whose work is then complete.
 class PoolObserver {
  public:
   virtual ~PoolObserver() = default;
 
   /// Resets were sent to the environments whose byte in `mask` is not 0.
   virtual void reset_sent(std::span<const std::uint8_t> /*mask*/) {}
-  /// All environments were put at their beginning under another seed, and resets were sent to all.
+  /// All environments were initialized with another seed, and resets were sent to all.
   virtual void reseeded(std::uint64_t /*seed*/) {}
   /// One action row each was sent to these environments; no ids: all, in order.
   virtual void actions_sent(std::span<const float> /*actions*/,
                             std::span<const std::int32_t> /*env_ids*/) {}
-  /// `saved` is what Pool::restore() was given.
+  /// `saved` is the argument of Pool::restore().
   virtual void restored(std::span<const std::uint64_t> /*saved*/) {}
   virtual void forked(int /*source*/, std::span<const std::int32_t> /*targets*/, bool /*rekey*/) {}
   virtual void param_set(int /*env*/, const std::string& /*path*/, double /*value*/) {}
   virtual void requested(const PoolRequest& /*request*/) {}
-  /// recv() is about to give these rows. `states` has the state words and hashes of their
-  /// environments, which nobody touches now.
+  /// Called before recv() returns these rows. `states` contains the state words and hashes of their
+  /// environments; no thread changes these during the call.
   virtual void received(const Batch& rows, const EnvironmentStates& states) = 0;
 };
 

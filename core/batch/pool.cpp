@@ -28,8 +28,9 @@ const PoolOptions& checked(const PoolOptions& options) {
 Pool::Pool(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options)
     : scheduler_(std::make_unique<Scheduler>(std::move(compiled), checked(options))) {}
 
-/// In a forked child there are no threads to join, and a lock may be held by one that is not there:
-/// nothing can be taken down, so it is left to the end of the process.
+/// A forked child has no worker threads to join, and a lock may be held by a thread that does not
+/// exist there. Nothing can be destroyed safely, so the scheduler is leaked until the end of the
+/// process.
 Pool::~Pool() {
   if (!scheduler_->of_this_process()) static_cast<void>(scheduler_.release());
 }

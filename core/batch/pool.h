@@ -1,5 +1,5 @@
-// Many environments of one scenario, stepped on several threads: the paper's asynchronous pool
-// (its section IV-D), with results that do not depend on threads, batches or order.
+// Many environments of one scenario, stepped on several threads: the paper's asynchronous pool (its
+// section IV-D). Results do not depend on threads, batches or order.
 #pragma once
 
 #include <chrono>
@@ -20,24 +20,24 @@
 
 namespace skybody {
 
-/// The call does not fit what the Pool is doing, whatever its arguments: environments are in
-/// flight, no hash is kept, it belongs to the parent process.
+/// The call is not allowed in the Pool's current state, whatever its arguments: environments are in
+/// flight, no hash is kept, or the Pool belongs to the parent process.
 class StateError : public Error {
  public:
   using Error::Error;
 };
 
-/// N_E environments, N_T threads, batches of N_B. send() hands actions over and returns; recv()
-/// waits for N_B finished environments, working with the others meanwhile. All methods belong to
-/// one thread at a time. A fault in one environment ends its episode and touches no other.
+/// N_E environments, N_T threads, batches of N_B. send() queues actions and returns; recv() waits
+/// for N_B finished environments while the others continue. All methods belong to one thread at a
+/// time. A fault in one environment ends its episode and does not affect the others.
 ///
-/// Any exception that a worker meets comes out of the next recv(); the Pool is then broken and
-/// every later call throws the same. After a fork() of the process, calls in the child throw.
+/// An exception in a worker is rethrown by the next recv(). The Pool is then broken: every later
+/// call throws the same exception. After a fork() of the process, calls in the child throw.
 class Pool {
  public:
   /// @throws Error if an option is out of range
   Pool(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
-  /// Waits for steps under way; what was not yet begun is dropped.
+  /// Waits for running steps; queued steps that have not begun are dropped.
   ~Pool();
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
@@ -52,38 +52,38 @@ class Pool {
   const PoolOptions& options() const;
 
   /// Begins new episodes in all environments, or in those whose byte in `mask` is not 0; recv()
-  /// gives their first observations. @throws Error if one of them is in flight
+  /// returns their first observations. @throws Error if one of them is in flight
   void send_reset();
   void send_reset(std::span<const std::uint8_t> mask);
-  /// Puts every environment at its beginning under another seed (episode counters start again),
-  /// then resets all.
+  /// Initializes every environment with another seed (episode counters start again), then resets
+  /// all.
   void send_reset(std::uint64_t seed);
 
-  /// Hands over one action row per environment; the rows are copied before it returns.
+  /// Sends one action row per environment; the rows are copied before it returns.
   /// @param actions  rows of action_size() values in [-1, 1] (clipped); a row that is not finite
-  ///                 makes its transition a fault
-  /// @param env_ids  which environments, each at most once; empty: all N_E in order
-  /// @throws Error if an id is out of range, twice there, in flight, not yet reset, or (kDisabled)
-  ///         its episode has ended; then nothing was sent
+  ///   makes its transition a fault
+  /// @param env_ids  ids of the environments, each at most once; empty: all N_E in order
+  /// @throws Error if an id is out of range, listed twice, in flight, not yet reset, or (kDisabled)
+  ///   its episode has ended; then nothing was sent
   void send(std::span<const float> actions, std::span<const std::int32_t> env_ids = {});
 
-  /// N_B finished rows; fewer where fewer are in flight. The buffer's rows keep their values until
-  /// the second next recv(), and as long as the pointer is held.
-  /// @throws Error if nothing is in flight, or what a worker met
+  /// N_B finished rows, or all that are in flight if these are fewer. The rows keep their values
+  /// until the second next recv(), and as long as the pointer is held.
+  /// @throws Error if nothing is in flight; a worker's exception
   std::shared_ptr<const Batch> recv();
-  /// The same, giving up after a while: null, nothing lost.
+  /// The same with a time limit: null if it expires; no rows are lost.
   std::shared_ptr<const Batch> recv(std::chrono::milliseconds patience);
 
-  /// Whether a worker has met an exception: every call throws it from then on.
+  /// Whether a worker has thrown an exception: every call throws it from then on.
   bool broken() const;
   int in_flight() const;                ///< environments sent and not yet received
   std::uint64_t fresh_buffers() const;  ///< buffers made because the caller still held the old one
   std::uint64_t faults() const;         ///< faulted transitions received so far
 
-  /// Everything of all environments, in order. @throws Error while some are in flight
+  /// A snapshot of all environments, in order. @throws Error while some are in flight
   std::vector<std::uint64_t> save() const;
-  /// @throws Error if `saved` is not of this scenario and number of environments or was changed
-  ///         since, or some are in flight; then nothing was restored
+  /// @throws Error if `saved` does not match this scenario and number of environments, was changed
+  ///   after save(), or environments are in flight; then nothing was restored
   void restore(std::span<const std::uint64_t> saved);
   /// Makes environments copies of `source`: same motion, drawn values, plugin states, future.
   /// @param rekey  each copy gets random numbers of its own
@@ -97,34 +97,35 @@ class Pool {
   void privileged(std::span<float> privileged) const;
   /// One of the observation's images (CompiledScenario::images) of every environment.
   /// @param pixels  N_E times its bytes. @throws Error on another size, or if there is no such
-  /// image
+  ///   image
   void image(int image, std::span<std::uint8_t> pixels) const;
-  /// A value of the state of every environment, such as robots.quad.base.position: see
-  /// CompiledScenario::state_values() for what there is, with units, frames and shapes. Does not
+  /// A value of the state of every environment, such as robots.quad.base.position.
+  /// CompiledScenario::state_values() lists all values with units, frames and shapes. Does not
   /// allocate.
   /// @param values  N_E x StateValue::count(), written
   /// @throws Error if there is no such value, on another number of values, or if an environment has
-  ///         not begun an episode; StateError while some are in flight
+  ///   not begun an episode; StateError while some are in flight
   void state(std::string_view path, std::span<double> values) const;
   /// Value of a randomizable parameter. @throws Error as Simulation::param
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
 
-  /// Asks for values of randomizable parameters, in flight or not. The next transition that is sent
-  /// to an environment brings them: before a step, or where it is a reset, after what randomizers
-  /// draw there. What is in flight now does not see them, however long it takes. Several are done
-  /// in order. What was asked for stays until a randomizer or another request writes it.
-  /// @param when     kNextReset: the next reset that is sent from now on, or that an end of an
-  ///                 episode brings in a transition sent from now on
+  /// Requests values of randomizable parameters; environments may be in flight. A request takes
+  /// effect with the next transition that is sent to an environment: before a step, or, if it is a
+  /// reset, after the randomizers' draws there. Transitions already in flight are not affected.
+  /// Several requests are applied in order. A requested value persists until a randomizer or
+  /// another request writes it.
+  /// @param when     kNextReset: at the next reset that is sent from now on, or that follows the
+  ///   end of an episode in a transition sent from now on
   /// @param env_ids  as for send()
-  /// @throws Error as ParamRequest, or if an id is out of range; then nothing was asked for
+  /// @throws Error as ParamRequest, or if an id is out of range; then nothing was requested
   void request(std::span<const ParamChange> changes, RequestTime when,
                std::span<const std::int32_t> env_ids = {});
-  /// The same of what all randomizers draw, whatever their schedule.
+  /// Requests draws from all randomizers in the same way, regardless of their schedule.
   void randomize(RequestTime when, std::span<const std::int32_t> env_ids = {});
 
-  /// Physics steps of all environments since the Pool was made, and in how many anything was near.
-  /// @throws Error while some are in flight
+  /// Physics steps of all environments since the Pool was made, and the number of those with
+  /// anything near a body. @throws Error while some are in flight
   StepCounts step_counts() const;
 
   /// Trajectory hash of one environment, and of all, combined in order of ids.
@@ -132,8 +133,8 @@ class Pool {
   std::uint64_t hash(int env) const;
   std::uint64_t hash() const;
 
-  /// Tells an observer of everything from now on, in the place of the one before; null: nobody.
-  /// Hashes are kept while there is one. @throws Error if one comes while some are in flight
+  /// Sets the observer of all events from now on, in place of the previous one; null: none. Hashes
+  /// are kept while there is an observer. @throws Error if one is set while some are in flight
   void observe(std::shared_ptr<PoolObserver> observer);
 
  private:

@@ -1,4 +1,4 @@
-// How a Pool is made, and the words for it in files and on command lines.
+// Options of a Pool, and their names in files and on command lines.
 #pragma once
 
 #include <array>
@@ -8,33 +8,33 @@
 
 namespace skybody {
 
-/// In which order recv() gives finished environments.
+/// Order in which recv() returns finished environments.
 enum class Order {
   kFixed,    ///< by id, cyclically: the same batches in every run
-  kArrival,  ///< first finished, first served
+  kArrival,  ///< first finished, first returned
 };
 
-/// What happens where an episode has ended (Gymnasium's AutoresetMode).
+/// Behaviour at the end of an episode (Gymnasium's AutoresetMode).
 enum class Autoreset {
   kNextStep,  ///< the next action is ignored and the environment reset instead
   kSameStep,  ///< reset at once; the ended episode's last row is in final_observation
   kDisabled,  ///< the caller resets; stepping an ended environment is an error
 };
 
-/// How a Pool is made.
+/// Options of a Pool.
 struct PoolOptions {
   int envs = 1;     ///< N_E
   int batch = 0;    ///< N_B <= N_E; 0: N_E
-  int threads = 0;  ///< N_T, the caller counted; 0: one per processor, at most one per environment
+  int threads = 0;  ///< N_T, with the caller; 0: one per processor, at most N_E
   Order order = Order::kFixed;
   Autoreset autoreset = Autoreset::kNextStep;
   std::uint64_t seed = 0;          ///< key of all random numbers
   std::uint64_t first_env_id = 0;  ///< environment i draws with (seed, first_env_id + i)
-  bool pin_threads = false;        ///< workers each on a processor of their own, where allowed
+  bool pin_threads = false;        ///< each worker on a processor of its own, where allowed
   bool keep_hash = false;          ///< chain a trajectory hash per environment
-  bool info = true;  ///< whether rows carry info values (the task's, then what others report)
-  /// recv() never hands out memory that the caller still refers to: false: takes a fresh buffer
-  /// (counted), true: throws BufferInUse, and fills buffers that it recycles with NaN.
+  bool info = true;  ///< whether rows contain info values (the task's, then other plugins' reports)
+  /// recv() never returns memory that the caller still refers to. false: it uses a fresh buffer
+  /// (counted); true: it throws BufferInUse, and fills reused buffers with NaN.
   bool debug_buffers = false;
 };
 
@@ -61,7 +61,7 @@ std::optional<Enum> enum_from(const std::array<const char*, N>& names, const std
 }
 }  // namespace detail
 
-/// Null for a word that is none.
+/// Null for an unknown name.
 inline std::optional<Order> order_from(const std::string& name) {
   return detail::enum_from<Order>(kOrderNames, name);
 }

@@ -15,7 +15,8 @@
 namespace skybody {
 namespace {
 
-// A group's state: lanes that wait to be run, and whether some thread will look at them.
+// A group's state: the lanes that wait to be run, and whether the group is owned by a thread or
+// queued for one.
 constexpr std::uint64_t kLaneBits = 0xffffffffu;
 constexpr std::uint64_t kOwned = std::uint64_t{1} << 32;
 
@@ -102,10 +103,10 @@ void Pool::Scheduler::send_reset(std::span<const std::uint8_t> mask) {
   threads_.submit();
 }
 
-/// All of them, under another seed.
+/// Resets all environments under another seed.
 void Pool::Scheduler::send_reset(std::uint64_t seed) {
   check_idle("a reset under another seed");
-  open_round(states.envs());  // may refuse: before anything is changed
+  open_round(states.envs());  // may throw: before anything is changed
   states.initialize(seed);
   options.seed = seed;
   cursor = 0;
@@ -134,7 +135,7 @@ void Pool::Scheduler::send_steps(std::span<const float> actions,
   threads_.submit();
 }
 
-/// The same at once for all, none of which is in flight or waits for a reset.
+/// Sends steps to all environments at once. None may be in flight or waiting for a reset.
 void Pool::Scheduler::send_all_steps(std::span<const float> actions) {
   check_size(actions, in_flight_.size());
   open_round(states.envs());
@@ -166,11 +167,11 @@ void Pool::Scheduler::check_steps(std::span<const float> actions,
   unmark(env_ids, count);
 }
 
-/// May this environment be stepped now? `marked_` are those of the same send().
+/// Checks that an environment can be stepped now. `marked_` contains the ids of the same send().
 void Pool::Scheduler::check_step(std::int32_t env) {
   check_id(env);
   if (marked_[static_cast<std::size_t>(env)] != 0) refuse_twice("environment", env);
-  const auto name = [env] { return "environment " + std::to_string(env); };  // only where it failed
+  const auto name = [env] { return "environment " + std::to_string(env); };  // on failure
   if (in_flight(env)) throw Error(name() + " is still in flight: recv() it before the next send()");
   if (!states.started(env)) throw Error(name() + " has not begun an episode: reset it first");
   if (options.autoreset == Autoreset::kDisabled && states.ended(env)) {
@@ -187,9 +188,9 @@ void Pool::Scheduler::unmark(std::span<const std::int32_t> env_ids, std::size_t 
   for (std::size_t k = 0; k < count; ++k) marked_[static_cast<std::size_t>(env_ids[k])] = 0;
 }
 
-/// Decides where the rows of the environments that follow will be written.
+/// Selects the destination of the rows of the environments that are sent next.
 void Pool::Scheduler::open_round(int count) {
-  if (in_flight_count > 0) return;  // some are being written to `target_` right now
+  if (in_flight_count > 0) return;  // some are being written to `target_` now
   round_ = count == states.envs() && options.batch == states.envs();
   target_ = &staging_;
   if (!round_) return;
@@ -208,12 +209,12 @@ void Pool::Scheduler::enqueue(int env) {
   if ((before & kOwned) == 0) threads_.add(group);
 }
 
-/// All environments, none of which is in flight.
+/// Enqueues all environments. None may be in flight.
 void Pool::Scheduler::enqueue_all() {
   std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{1});
   in_flight_count = states.envs();
   for (int group = 0; group < states.groups(); ++group) {
-    // Nobody looks at a group that is not owned: the queue makes it visible.
+    // No thread reads a group that is not owned: the queue publishes it.
     group_state_[static_cast<std::size_t>(group)].store(states.all_lanes(group) | kOwned,
                                                         std::memory_order_relaxed);
     if (!round_) threads_.add(group);
@@ -222,7 +223,7 @@ void Pool::Scheduler::enqueue_all() {
   threads_.submit();
 }
 
-/// In a round all lanes of a group are in flight, so that none can be sent while it runs.
+/// In a round all lanes of a group are in flight, so none can be sent while it runs.
 void Pool::Scheduler::run(const int* groups, int count, int thread) {
   if (!round_) {
     for (int k = 0; k < count; ++k) run_lanes(groups[k], thread);
@@ -246,7 +247,8 @@ void Pool::Scheduler::run_lanes(int group, int thread) {
     const auto lanes =
         static_cast<std::uint32_t>(state.fetch_and(~kLaneBits, std::memory_order_acq_rel));
     states.transition(group, lanes, *target_, thread);
-    // Before it is announced: once all are back, nobody owns a group, and enqueue_all() may.
+    // Before the announcement: once all lanes have returned, no thread owns a group, so that
+    // enqueue_all() may run.
     const bool is_over = state.compare_exchange_strong(idle, 0, std::memory_order_acq_rel);
     done_.push(group, lanes);
     threads_.announce();
@@ -254,7 +256,7 @@ void Pool::Scheduler::run_lanes(int group, int thread) {
   }
 }
 
-/// Takes what has finished out of the queue.
+/// Takes finished groups out of the queue.
 void Pool::Scheduler::drain() {
   int group = 0;
   std::uint32_t lanes = 0;
@@ -317,7 +319,7 @@ bool Pool::Scheduler::batch_ready(int count) {
   });
 }
 
-/// Copies the chosen environments' rows, runs of consecutive ones at a time.
+/// Copies the chosen environments' rows, one run of consecutive rows at a time.
 void Pool::Scheduler::gather(Batch& out) {
   const auto count = static_cast<int>(chosen_.size());
   for (int at = 0, run = 0; at < count; at += run) {
@@ -340,7 +342,7 @@ std::shared_ptr<const Batch> Pool::Scheduler::finish(Batch& out) {
   try {
     if (observer) observer->received(*batch, states);
   } catch (const std::exception& error) {
-    observer_failure_ = error.what();  // for the next call: these rows are the caller's
+    observer_failure_ = error.what();  // thrown by the next call: these rows are complete
   }
   return batch;
 }

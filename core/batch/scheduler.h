@@ -1,4 +1,5 @@
-// The machinery of a Pool: who is in flight, where rows go, what recv() gives.
+// The scheduler of a Pool: tracks environments in flight, the places of their rows, and the batches
+// of recv().
 #pragma once
 
 #include <atomic>
@@ -16,10 +17,10 @@
 
 namespace skybody {
 
-/// Rows go one of two ways. A round is what step() of all environments with N_B = N_E makes: all
-/// are sent at once while none is in flight, and workers write straight into the buffer that recv()
-/// hands out. Otherwise workers write into a staging row per environment, and recv() gathers rows
-/// in its order.
+/// Rows take one of two paths. A round is a step() of all environments with N_B = N_E: all are sent
+/// at once while none is in flight, and workers write directly into the buffer that recv() returns.
+/// Otherwise workers write into a staging row per environment, and recv() gathers rows in its
+/// order.
 class Pool::Scheduler : private GroupRunner {
  public:
   Scheduler(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
@@ -29,22 +30,22 @@ class Pool::Scheduler : private GroupRunner {
   void send_steps(std::span<const float> actions, std::span<const std::int32_t> env_ids);
   std::shared_ptr<const Batch> recv(ThreadPool::Clock::time_point deadline);
 
-  /// False in a forked child, where no thread but the caller's exists.
+  /// False in a forked child, which has only the caller's thread.
   bool of_this_process() const;
-  /// @throws Error in a forked child, or what a worker met
+  /// @throws Error in a forked child; a worker's exception
   void check_alive();
   /// @throws Error while environments are in flight
   void check_idle(const char* what);
   void check_id(std::int32_t env) const;
-  /// Waits until no thread runs an environment's group, in which others may be in flight: a group's
-  /// words and flags belong to whoever runs it.
+  /// Waits until no thread runs an environment's group, where other environments may be in flight:
+  /// the thread that runs a group owns its words and flags.
   void settle(int env);
   bool in_flight(int env) const { return in_flight_[static_cast<std::size_t>(env)] != 0; }
 
   PoolOptions options;
   EnvironmentStates states;
   int in_flight_count = 0;
-  int cursor = 0;  ///< kFixed: whose turn is next
+  int cursor = 0;  ///< kFixed: the environment whose turn is next
   std::uint64_t faults = 0;
   std::shared_ptr<PoolObserver> observer;  ///< or null
 
@@ -70,10 +71,10 @@ class Pool::Scheduler : private GroupRunner {
   void gather(Batch& out);
   std::shared_ptr<const Batch> finish(Batch& out);
 
-  std::string observer_failure_;  ///< what went wrong and is not yet told
+  std::string observer_failure_;  ///< an observer's error that is not yet reported
   std::vector<std::uint8_t> in_flight_, finished_, marked_;
   std::vector<std::int32_t> arrived_;  ///< finished and not yet received, oldest first
-  std::vector<std::int32_t> chosen_;   ///< ids of the batch that recv() is about
+  std::vector<std::int32_t> chosen_;   ///< ids of the batch that recv() returns next
   std::vector<std::atomic<std::uint64_t>> group_state_;
   BufferRing buffers_;
   Batch staging_;
@@ -81,8 +82,8 @@ class Pool::Scheduler : private GroupRunner {
   bool round_ = false;
   std::atomic<int> round_left_{0};  ///< environments of the round that have not finished
   DoneQueue done_;
-  int process_ = 0;     ///< that this belongs to
-  ThreadPool threads_;  ///< last: its threads use the rest
+  int process_ = 0;     ///< id of the owning process
+  ThreadPool threads_;  ///< last: its threads use the other members
 };
 
 }  // namespace skybody

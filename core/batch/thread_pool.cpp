@@ -13,15 +13,15 @@
 namespace skybody {
 namespace {
 
-constexpr int kMostGroups = 64;          // a block
+constexpr int kMostGroups = 64;          // groups per block
 constexpr double kBlock = 20e-6;         // expected cost of a full block [s]
-constexpr double kSmallestBlock = 2e-6;  // so that a claim is cheap beside it [s]
-constexpr double kSmallestShare = 4e-6;  // of a round: claims meet other threads' [s]
+constexpr double kSmallestBlock = 2e-6;  // large enough that a claim is cheap beside it [s]
+constexpr double kSmallestShare = 4e-6;  // in a round, where threads' claims collide [s]
 constexpr double kCallerAlone = 10e-6;   // waking a thread costs about as much [s]
-constexpr double kAwakeAlone = 3e-6;     // what a thread that is awake is not worth asking for [s]
+constexpr double kAwakeAlone = 3e-6;     // not worth sharing with an awake thread [s]
 constexpr double kUnknownCost = 10e-6;   // of a group that never ran [s]
-constexpr double kSlow = 8.0;            // times the mean: left to the workers
-constexpr int kSpins = 2000;             // pauses, some 50 us
+constexpr double kSlow = 8.0;            // times the mean cost: left to the workers
+constexpr int kSpins = 2000;             // pauses, about 50 us
 
 float smooth(float old, float now) { return old == 0.0f ? now : 0.75f * old + 0.25f * now; }
 
@@ -34,7 +34,7 @@ ThreadPool::ThreadPool(int threads, int groups, bool pin, GroupRunner& runner)
       shares_(threads),
       cost_(static_cast<std::size_t>(groups)) {
   const auto processors = static_cast<int>(allowed_processors().size());
-  spin_limit_ = threads <= processors ? kSpins : 1;  // with more threads, spinning steals time
+  spin_limit_ = threads <= processors ? kSpins : 1;  // else spinning steals time
   start_workers(threads - 1);
   if (pin) {
     for (int k = 1; k < threads; ++k) pin_worker(k);
@@ -64,8 +64,8 @@ void ThreadPool::dismiss_workers() {
   for (std::thread& worker : workers_) worker.join();
 }
 
-/// A processor of its own for each worker; the first allowed one is left to the caller. Where that
-/// is refused, the worker runs where it likes.
+/// Pins each worker to a processor of its own; the first allowed one is left to the caller. If the
+/// system refuses, the worker is not pinned.
 void ThreadPool::pin_worker(int index) {
   const std::vector<int> processors = allowed_processors();
   if (static_cast<std::size_t>(index) >= processors.size()) return;
@@ -107,7 +107,7 @@ void ThreadPool::open_shares(int groups, int wanted, bool costs_are_known) {
   if (wanted > 1) wake_workers();
 }
 
-/// How many threads work of that cost keeps busy [s].
+/// Number of threads that are worthwhile for work of that cost [s].
 int ThreadPool::threads_worth(double waiting) const {
   const bool all_awake = sleepers_.load(std::memory_order_relaxed) == 0;
   const double alone = all_awake ? kAwakeAlone : kCallerAlone;
@@ -152,7 +152,7 @@ bool ThreadPool::is_slow(int group) const {
   return mean > 0.0 && expected_cost(group) > std::max(kSlow * mean, kBlock);
 }
 
-/// A worker's turn. @returns false if nothing waits
+/// One block of work by a worker. @returns false if no group waits
 bool ThreadPool::run_block(int thread) {
   if (run_share(thread)) return true;
   int groups[kMostGroups];
@@ -167,9 +167,9 @@ bool ThreadPool::run_block(int thread) {
   return true;
 }
 
-/// Any thread's turn in a round. The caller waits for the slow groups of a round, too; and of its
-/// turns alone costs are noted, since threads that write to the same places hold one another up.
-/// @returns false if nothing is left of it
+/// One block of a round, on any thread. The caller takes slow groups of a round, too. Costs are
+/// measured on the caller only, since threads that write to the same places delay one another.
+/// @returns false if no group of the round is left
 bool ThreadPool::run_share(int thread) {
   int groups[kMostGroups];
   int first = 0;
@@ -181,9 +181,9 @@ bool ThreadPool::run_share(int thread) {
   return true;
 }
 
-/// The caller's turn: like a worker's, but a slow group must not hold it up while quicker ones wait
-/// (the slow one goes to the queue's end) or run (it is left where it is).
-/// @returns false if there is nothing for the caller to do
+/// One block by the caller. Like a worker's, but a slow group must not delay the caller while
+/// faster ones wait (the slow one goes to the end of the queue) or run (it is left in place).
+/// @returns false if the caller has nothing to do
 bool ThreadPool::help() {
   if (run_share(0)) return true;
   int groups[kMostGroups];
@@ -225,19 +225,19 @@ void ThreadPool::leave_to_workers(int group) {
   wake_workers();
 }
 
-/// What waits is worth all workers, though submit() may have thought otherwise.
+/// Wakes all workers, even if submit() decided on fewer.
 void ThreadPool::want_all() {
   if (wanted_.exchange(threads(), std::memory_order_seq_cst) != threads()) wake_workers();
 }
 
-/// What a group costs that is not known by itself [s].
+/// Estimated cost of a group without its own measurement [s].
 double ThreadPool::usual_cost() const {
   const float mean = mean_cost_.load(std::memory_order_relaxed);
   return mean > 0.0f ? static_cast<double>(mean) : kUnknownCost;
 }
 
-/// How many groups of a range to take: half of it, so that others may help at its end; but neither
-/// so few that claims cost much nor so many that slow ones among them would have to wait for long.
+/// Number of groups to take from a range: half of it, so that others may help at its end. Bounded
+/// below, so that claims stay cheap, and above, so that slow groups do not wait long.
 int ThreadPool::choose_share(int available) const {
   if (!costs_are_known_.load(std::memory_order_relaxed)) {
     return std::min((available + 3) / 4, kMostGroups);
@@ -248,7 +248,7 @@ int ThreadPool::choose_share(int available) const {
   return std::min({wanted, available, kMostGroups});
 }
 
-/// How many of the waiting groups to take.
+/// Number of waiting groups to take.
 int ThreadPool::choose(const int* groups, int available) const {
   const double waiting = static_cast<double>(queue_.size()) * usual_cost();
   const double share = waiting / (2.0 * wanted_.load(std::memory_order_relaxed));
@@ -265,7 +265,7 @@ void ThreadPool::note_cost(const int* groups, int count, double seconds) {
     std::atomic<float>& cost = cost_[static_cast<std::size_t>(groups[k])];
     cost.store(smooth(cost.load(std::memory_order_relaxed), each), std::memory_order_relaxed);
   }
-  // A slow group moves the mean by no more than a quarter, or none would be slow beside it.
+  // A slow group moves the mean by at most a quarter; otherwise it would no longer count as slow.
   const float mean = mean_cost_.load(std::memory_order_relaxed);
   mean_cost_.store(smooth(mean, mean > 0.0f ? std::min(each, 2.0f * mean) : each),
                    std::memory_order_relaxed);

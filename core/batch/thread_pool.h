@@ -1,5 +1,5 @@
 // The threads of a Pool or a SimulationPool: workers that take groups from a queue, and the caller,
-// who works too.
+// which works too.
 #pragma once
 
 #include <atomic>
@@ -17,47 +17,47 @@
 
 namespace skybody {
 
-/// Runs groups. Called from any thread of the threads, never twice at a time for one group.
+/// Runs groups. Called from any thread of the pool, never by two at a time for one group.
 class GroupRunner {
  public:
   virtual ~GroupRunner() = default;
-  /// @param thread  which of the threads calls: 0 is the caller's
+  /// @param thread  index of the calling thread: 0 is the caller's
   virtual void run(const int* groups, int count, int thread) = 0;
 };
 
-/// N_T threads of which the caller is one. Clocks are read for scheduling only: which thread does
-/// what when, never what comes out.
+/// N_T threads including the caller. Clocks are read for scheduling only: they affect the
+/// assignment of work to threads, never the results.
 ///
-/// How much a thread takes at once follows from what steps have cost so far: about 20 us, less
-/// where little is left, and one group at a time where groups are slow. A group that is far slower
-/// than the others is left to the workers for as long as quicker ones wait or run, so that the
-/// caller is not held up. Of a round, which the caller wants whole, every thread begins with a
-/// range of its own (WorkStealingRanges). Work of a few microseconds stays with the caller. Workers
-/// that find nothing spin for a bounded time, then sleep.
+/// The amount of work that a thread takes at once depends on the measured cost of steps: about 20
+/// us, less if little is left, and one group at a time if groups are slow. A group that is far
+/// slower than the others is left to the workers while faster ones wait or run, so that it does not
+/// delay the caller. In a round, all of which the caller waits for, every thread begins with a
+/// range of its own (WorkStealingRanges). Work of a few microseconds stays with the caller. Idle
+/// workers spin for a bounded time, then sleep.
 class ThreadPool {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @throws Error if the system gives fewer threads
+  /// @throws Error if the system provides fewer threads
   ThreadPool(int threads, int groups, bool pin, GroupRunner& runner);
-  /// Workers finish what they have taken; what waits is dropped.
+  /// Workers finish the groups that they have taken; waiting groups are dropped.
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// Adds a group to what submit() hands over. The caller's.
+  /// Adds a group to the next submit(). For the caller only.
   void add(int group);
-  /// Lets the threads see what was added.
+  /// Makes the added groups visible to the threads.
   void submit();
-  /// Hands over all groups at once, none of which waits or runs; the caller wants them all.
+  /// Submits all groups at once. None may be waiting or running; the caller waits for all of them.
   void submit_round();
-  /// Hands over groups 0 to `count` - 1 at once, none of which waits or runs. What they cost is
+  /// Submits groups 0 to `count` - 1 at once. None may be waiting or running. Their cost is
   /// unknown, since the work differs from call to call: all threads are woken, and each takes a
-  /// quarter of what is left of its range.
+  /// quarter of the rest of its range.
   void submit_unknown(int count);
 
-  /// The caller works and waits until `done()` holds. @returns false when the time is over
-  /// @throws what a worker met
+  /// The caller works and waits until `done()` holds. @returns false on expiry of the deadline
+  /// @throws a worker's exception
   template <class Done>
   bool wait(Done&& done, Clock::time_point deadline) {
     const FpEnvironment guard;  // the caller's mode is its own; workers set theirs once
@@ -78,12 +78,13 @@ class ThreadPool {
     return true;
   }
 
-  /// Tells the caller that something has finished: by the runner, after it has made it visible.
+  /// Wakes the caller after something has finished. Called by the runner, after it has made the
+  /// result visible.
   void announce() {
     if (caller_sleeps_.load(std::memory_order_seq_cst)) wake_caller();
   }
 
-  /// @throws what a worker met first
+  /// @throws the first exception of a worker
   void rethrow_failure();
   bool failed() const { return failed_.load(std::memory_order_acquire); }
 
@@ -139,13 +140,13 @@ class ThreadPool {
   WorkQueue queue_;
   WorkStealingRanges shares_;
   std::vector<std::atomic<float>>
-      cost_;  ///< of a group's last runs but a round's on workers [s]; 0: unknown
-  std::atomic<float> mean_cost_{0.0f};  ///< likewise, over all groups
-  double added_cost_ = 0.0;             ///< expected, of what was added and not yet submitted
+      cost_;  ///< cost of a group's last runs, without rounds on workers [s]; 0: unknown
+  std::atomic<float> mean_cost_{0.0f};  ///< the same, over all groups
+  double added_cost_ = 0.0;             ///< expected cost of groups added and not yet submitted
   int spin_limit_ = 0;
 
-  std::atomic<bool> costs_are_known_{true};  ///< of the present round
-  std::atomic<int> wanted_{1};  ///< threads that shall work at present, the caller counted
+  std::atomic<bool> costs_are_known_{true};  ///< in the current round
+  std::atomic<int> wanted_{1};  ///< number of threads that should work now, including the caller
   std::atomic<int> sleepers_{0};
   std::atomic<int> quick_running_{0};  ///< workers that run groups which are not slow
   std::atomic<bool> stop_{false}, failed_{false}, caller_sleeps_{false};

@@ -1,4 +1,4 @@
-// Groups that wait for a worker: one producer, many consumers, no locks, no allocation.
+// Queue of groups that wait for a worker: one producer, many consumers, no locks, no allocation.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace skybody {
 
-/// A ring of group numbers. push() belongs to one thread; take() to any. Holds as many entries as
-/// there are groups: a group is pushed again only after it was taken.
+/// A ring of group numbers. One thread calls push(); any thread may call take(). Holds as many
+/// entries as there are groups: a group is pushed again only after it was taken.
 class WorkQueue {
  public:
   explicit WorkQueue(int groups)
@@ -23,16 +23,16 @@ class WorkQueue {
   bool empty() const {
     return head_.load(std::memory_order_relaxed) >= tail_.load(std::memory_order_seq_cst);
   }
-  /// Entries that wait, about.
+  /// Approximate number of waiting entries.
   std::uint64_t size() const {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     return tail > head ? tail - head : 0;
   }
 
-  /// Takes the first entries, as many as `want(groups, available)` says (0: leaves them).
+  /// Takes the first `want(groups, available)` entries (0: takes none).
   /// @param groups  room for `most`
-  /// @returns how many were taken
+  /// @returns number of entries taken
   template <class Want>
   int take(int* groups, int most, Want&& want) {
     std::uint64_t head = head_.load(std::memory_order_acquire);
@@ -61,7 +61,7 @@ class WorkQueue {
   }
   std::vector<std::atomic<std::int32_t>> ring_;
   std::size_t mask_;
-  std::uint64_t next_ = 0;  ///< the producer's
+  std::uint64_t next_ = 0;  ///< used by the producer only
   alignas(64) std::atomic<std::uint64_t> head_{0};
   alignas(64) std::atomic<std::uint64_t> tail_{0};
 };

@@ -1,4 +1,4 @@
-// A round's groups, shared out among threads: no locks, no allocation.
+// Distribution of a round's groups among threads: no locks, no allocation.
 #pragma once
 
 #include <atomic>
@@ -7,15 +7,15 @@
 
 namespace skybody {
 
-/// Groups 0 to n-1, cut into one range per thread. A thread works from its own range's start on,
-/// the same one in every round, so that what it works on stays in its processor's caches; when that
-/// is used up it takes from the end of the longest other one.
+/// Groups 0 to n-1, cut into one range per thread. A thread works from its own range's start on.
+/// The ranges are the same in every round, so the thread's data stays in its processor's caches.
+/// When its range is used up, it takes from the end of the longest other range.
 class WorkStealingRanges {
  public:
   explicit WorkStealingRanges(int threads) : ranges_(static_cast<std::size_t>(threads)) {}
 
-  /// Hands out groups 0 to groups-1, in ranges for the first `threads`. Nothing may be left of the
-  /// round before.
+  /// Opens groups 0 to groups-1, in ranges for the first `threads` threads. All groups of the
+  /// previous round must be taken.
   void open(int groups, int threads) {
     const auto bound = [=](int thread) {
       return static_cast<std::uint64_t>(static_cast<std::int64_t>(groups) * thread / threads);
@@ -25,16 +25,16 @@ class WorkStealingRanges {
     }
   }
 
-  /// Groups that nobody has taken yet, about.
+  /// Approximate number of groups not yet taken.
   int left() const {
     int sum = 0;
     for (const Range& range : ranges_) sum += length(range.bounds.load(std::memory_order_seq_cst));
     return sum;
   }
 
-  /// Takes neighbouring groups, as many as `want(available)` says (at least one).
-  /// @param first  the first of them, written
-  /// @returns how many; 0: all are taken
+  /// Takes `want(available)` neighbouring groups (at least one).
+  /// @param first  receives the first of them
+  /// @returns number of groups taken; 0: all are taken
   template <class Want>
   int take(int thread, int& first, Want&& want) {
     while (true) {
@@ -42,7 +42,7 @@ class WorkStealingRanges {
       if (whose < 0) return 0;
       std::uint64_t bounds = at(whose).load(std::memory_order_acquire);
       const int available = length(bounds);
-      if (available == 0) continue;  // somebody was quicker
+      if (available == 0) continue;  // another thread was faster
       const auto start = static_cast<int>(bounds & 0xffffffffu);
       const bool own = whose == thread;
       const int count = want(available);
@@ -55,7 +55,7 @@ class WorkStealingRanges {
   }
 
  private:
-  /// First group and the one behind the last, in the lower and the upper half.
+  /// First group and the end of the range, in the lower and the upper half.
   struct alignas(64) Range {
     std::atomic<std::uint64_t> bounds{0};
   };
@@ -65,7 +65,7 @@ class WorkStealingRanges {
   std::atomic<std::uint64_t>& at(int thread) {
     return ranges_[static_cast<std::size_t>(thread)].bounds;
   }
-  /// Whose range holds most; -1: nobody's holds any.
+  /// The thread with the longest range; -1: all ranges are empty.
   int longest() const {
     int best = -1, most = 0;
     for (std::size_t k = 0; k < ranges_.size(); ++k) {

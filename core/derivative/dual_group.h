@@ -1,5 +1,5 @@
-// The values of a lane group as dual numbers (core/base/dual.h): what plugins' functions on dual
-// numbers read and write.
+// The values of a lane group as dual numbers (core/base/dual.h): the inputs and outputs of plugins'
+// functions on dual numbers.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace skybody {
 
-/// Each value is a row of kGroupLanes values, and behind it one of tangents. Row k is state word k;
-/// behind these are the values of the observation, then the reward, then the bodies' motion, 13
-/// rows each, unless that is q and u themselves (one free body).
+/// Each value is a row of kGroupLanes values, followed by a row of tangents. Row k is state word k.
+/// Then come the values of the observation, the reward, and the bodies' motion, 13 rows each,
+/// unless the motion equals q and u (one free body).
 class DualGroup {
  public:
   explicit DualGroup(const CompiledScenario& compiled);
@@ -21,7 +21,7 @@ class DualGroup {
   int observation() const { return observation_; }  ///< its first row
   int reward() const { return observation_ + observed_; }
   int bodies() const { return bodies_; }
-  int body_rows() const { return rows_ - (reward() + 1); }  ///< 0: they are those of q and u
+  int body_rows() const { return rows_ - (reward() + 1); }  ///< 0: the motion is q and u
 
   double* value(int row) { return data_.data() + std::ptrdiff_t{2} * row * kGroupLanes; }
   double* tangent(int row) { return value(row) + kGroupLanes; }
@@ -29,11 +29,11 @@ class DualGroup {
   const double* tangent(int row) const {
     return data_.data() + (std::ptrdiff_t{2} * row + 1) * kGroupLanes;
   }
-  /// Overwrites values; tangents stay.
+  /// Overwrites values; tangents remain.
   /// @param values  `count` rows
   void set_values(int row, int count, const double* values);
 
-  /// As plugins see it. Counters are the caller's.
+  /// The view for plugins. Counters are set by the caller.
   SkybodyLanes view();
 
  private:

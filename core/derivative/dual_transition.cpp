@@ -11,7 +11,7 @@ namespace {
 
 std::size_t dual_rows(std::size_t values) { return 2 * values * kGroupLanes; }
 
-/// Values and tangents of `count` numbers, where a lane is set.
+/// Copies values and tangents of `count` numbers in the given lanes.
 void keep(std::uint32_t lanes, const double* from, int count, double* to) {
   for (std::ptrdiff_t k = 0; k < std::ptrdiff_t{2} * count * kGroupLanes; ++k) {
     if ((lanes >> (k % kGroupLanes) & 1u) != 0) to[k] = from[k];

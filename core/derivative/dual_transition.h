@@ -10,7 +10,7 @@
 
 namespace skybody {
 
-/// A remembered physics step of a group, and the lanes that are asked about.
+/// A recorded physics step of a group, and the lanes to evaluate.
 struct RecordedStep {
   const TransitionRecords& records;
   int t, k;
@@ -19,14 +19,15 @@ struct RecordedStep {
   const std::uint64_t* words(int row) const { return records.words(t, k, row); }
 };
 
-/// Each call works on the values of a dual group, which show the record (TransitionRecords::show),
-/// writes values and tangents of what it gives, and leaves the values of what it read as they were.
+/// Each call works on the values of a dual group, loaded from a record (TransitionRecords::show).
+/// It writes values and tangents of its outputs and leaves the values of its inputs unchanged.
 class DualTransition {
  public:
   /// @param compiled, plan, dual  must outlive it
   DualTransition(const CompiledScenario& compiled, const StepPlan& plan, DualGroup& dual);
 
-  /// Parameters of the group, and what derives from them, in lanes; they must outlive the calls.
+  /// Sets the group's parameters and the values derived from them, in lanes; they must outlive the
+  /// calls.
   void set_parameters(const double* params, double* derived) {
     blocks_.params = params;
     derived_ = derived;

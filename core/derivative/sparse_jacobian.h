@@ -10,11 +10,11 @@
 
 namespace skybody {
 
-/// Which rows of the results depend on which rows before, found once by trying, and columns put
-/// together so that each result depends on one of a set alone: a set's derivatives come from one
-/// evaluation (A. R. Curtis, M. J. D. Powell, J. K. Reid, "On the estimation of sparse Jacobian
-/// matrices", 1974). Results are rows of the same group: what is overwritten no longer depends on
-/// itself.
+/// A sparse Jacobian. The dependences of output rows on input rows are found once by trials.
+/// Columns are grouped so that each output depends on only one column of a set: one evaluation
+/// gives a set's derivatives (A. R. Curtis, M. J. D. Powell, J. K. Reid, "On the estimation of
+/// sparse Jacobian matrices", 1974). Outputs are rows of the same group: an overwritten row no
+/// longer depends on itself.
 class SparseJacobian {
  public:
   /// @param inputs   rows that may matter
@@ -22,8 +22,8 @@ class SparseJacobian {
   SparseJacobian(std::vector<int> inputs, std::vector<int> outputs)
       : inputs_(std::move(inputs)), outputs_(std::move(outputs)) {}
 
-  /// Adds the dependences that show at the group's present values in any of the lanes.
-  /// @param call  call() evaluates and leaves inputs' values as they were
+  /// Adds the dependences visible at the group's present values in any of the lanes.
+  /// @param call  call() evaluates the function and leaves the inputs' values unchanged
   template <class Call>
   void look(DualGroup& group, std::uint32_t lanes, const Call& call) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
@@ -35,14 +35,14 @@ class SparseJacobian {
       clear(group);
     }
   }
-  /// Takes every dependence for one that may show, so that each input is asked about alone.
+  /// Assumes that every output depends on every input, so that each input is evaluated alone.
   void take_all() { depends_.assign(inputs_.size(), std::vector<bool>(outputs_.size(), true)); }
-  /// As if look() had been called as on another map of the same inputs and outputs.
+  /// Copies the dependences found by look() on another map of the same inputs and outputs.
   void copy_sparsity(const SparseJacobian& other) { depends_ = other.depends_; }
-  /// Makes the sets. After all look(), before pull_back().
+  /// Builds the sets. Call it after all look(), before pull_back().
   void color_columns();
 
-  /// From adjoints of all rows after the call to those before it.
+  /// Converts adjoints of all rows after the call to adjoints of the rows before it.
   /// @param adjoints  row k at k * kGroupLanes; overwritten in `lanes`
   template <class Call>
   void pull_back(DualGroup& group, std::uint32_t lanes, const Call& call, double* adjoints) {
@@ -55,16 +55,16 @@ class SparseJacobian {
     }
   }
 
-  /// Whether anything depends on any of these rows. After color_columns().
+  /// Whether any output depends on any of these rows. Valid after color_columns().
   bool depends_on(std::span<const int> rows) const;
-  /// Whether a row of the results depends on another row. After color_columns().
+  /// Whether this output row depends on another row. Valid after color_columns().
   bool changes(int row) const;
   int set_count() const { return static_cast<int>(sets_.size()); }
 
  private:
   struct Entry {
     int input, output;  ///< rows
-    int place;          ///< of the output among outputs_
+    int place;          ///< index of the output within outputs_
   };
   struct Set {
     std::vector<int> columns;  ///< rows

@@ -22,11 +22,11 @@ void add_state(std::vector<int>& rows, const Layout& layout, const PluginInstanc
   add_rows(rows, layout.plugin_state.offset + p.buffer, p.buffer_words);
 }
 
-/// What controllers give.
+/// The outputs of controllers.
 constexpr Block Layout::*kCommandBlocks[] = {&Layout::rotor_command, &Layout::wrench,
                                              &Layout::drive, &Layout::joint_command};
 
-/// What plugins see of the world's motion.
+/// The rows of the world's motion that plugins read.
 std::vector<int> motion_rows(const Layout& l, const DualGroup& dual) {
   std::vector<int> rows;
   for (const Block& b : {l.q, l.u, l.rotor_speed, l.rotor_command}) add_block(rows, b);
@@ -59,7 +59,8 @@ SparseJacobian chain_map(const CompiledScenario& c, const DualGroup& dual) {
   }
   for (const auto block : kCommandBlocks) {
     add_block(outputs, l.*block);
-    // What a controller that is not due leaves as it was; `rotor_command` is among the motion.
+    // A controller that is not due leaves its block unchanged; `rotor_command` is part of the
+    // motion.
     if (block != &Layout::rotor_command) add_block(inputs, l.*block);
   }
   return {inputs, outputs};
@@ -88,7 +89,7 @@ SparseJacobian motion_map(const Layout& l, const DualGroup& dual) {
   return {inputs, outputs};
 }
 
-/// Of what effects hold that alone which depends on the motion.
+/// The physics step as a map. It includes only held inputs that depend on the motion.
 SparseJacobian step_map(const Layout& l, const SparseJacobian& effects) {
   std::vector<int> inputs, outputs;
   for (std::vector<int>* rows : {&inputs, &outputs}) {
@@ -173,7 +174,7 @@ bool TransitionAdjoint::is_observed(const PluginInstance& sensor) const {
 void TransitionAdjoint::step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                              const float* actions, int action_stride, const Rows& rows, int t) {
   const CompiledScenario& c = compiled_;
-  // Without effects, and with controllers that look at the command alone, the motion says all.
+  // Without effects, and with controllers that read the command only, the motion is a full record.
   const bool is_short = is_chain_constant_ && c.plugins(SKYBODY_EFFECT).empty();
   work.clear_faults();
   group.refresh(mask, work.physics);
@@ -217,7 +218,7 @@ void TransitionAdjoint::look(const StateGroup& group, std::uint32_t mask, int st
       motion_.look(dual_, mask, [&] { transition_.find_motion(end); });
     }
     look_at_step(t, 0, mask);
-    // Where plugins have periods, what one that is not due leaves as it was shows in other steps.
+    // If plugins have periods, outputs kept by a plugin that is not due are visible in other steps.
     if (has_periods() && repeat_ > 1) look_at_step(t, 1, mask);
   }
 }
@@ -251,8 +252,8 @@ void TransitionAdjoint::color_columns() {
   add_block(changing, layout_.plugin_state);
   is_chain_constant_ = !chain_.depends_on(changing);
   if (step_adjoint_.has_closed_form()) return;
-  // All of a step depends on all: what is not seen in a few flights, such as a rope that gets taut,
-  // may be seen later.
+  // Assume a full dependence of the step: some dependences do not occur in a few trajectories, such
+  // as that on a rope that becomes taut later.
   step_ = step_map(layout_, effects_);
   step_.take_all();
   step_.color_columns();
@@ -286,7 +287,8 @@ void TransitionAdjoint::pull_back_step(const StateGroup& group, int t, int k, st
                                        double* adjoints) {
   const RecordedStep step = at(t, k, lanes);
   const bool is_quick = step_adjoint_.has_closed_form();
-  // What depends on the command alone is the same in all steps of an action: once for their sum.
+  // Dependences on the command alone are the same in all steps of an action: evaluate them once,
+  // for the sum.
   const bool has_chain = k == 0 || !is_chain_constant_;
   if (!is_quick || has_chain || effects_.set_count() > 0) records_.show(t, k, dual_);
   if (is_quick) {

@@ -1,11 +1,14 @@
-// Derivatives of transitions of a lane group, backwards through time: what a sum over observations,
-// rewards and states of some transitions changes by with actions and states before.
+// Derivatives of transitions of a lane group, backwards through time: the gradient of a sum over
+// observations, rewards and states of some transitions by the actions and states before.
 //
-// Forward, transitions are the engine's own, taken phase by phase, and what they go through is
-// remembered (transition_records.h). Backward, plugins go by their own code on dual numbers
-// (dual_transition.h, sparse_jacobian.h). A physics step goes by a closed form where one is known
-// (core/physics/step/step_adjoint.h), else by the engine's own step on dual numbers, one direction
-// at a time. Contact is left out of derivatives: a step near the ground counts as one in free air.
+// Forward: the engine's own transitions run phase by phase, and their values are recorded
+// (transition_records.h).
+//
+// Backward: plugins run their own code on dual numbers (dual_transition.h, sparse_jacobian.h). A
+// physics step uses a closed form where one is known (core/physics/step/step_adjoint.h), else the
+// engine's own step on dual numbers, one direction at a time.
+//
+// Limits: derivatives ignore contact. A step near the ground counts as one in free air.
 #pragma once
 
 #include <cstdint>
@@ -20,38 +23,39 @@
 
 namespace skybody {
 
-/// Goes with one group at a time: scratch of a thread, or of a slice.
+/// Works on one group at a time: scratch of a thread, or of a slice.
 class TransitionAdjoint {
  public:
   /// @param compiled  must outlive it
-  /// @param steps     transitions that it remembers, at most
-  /// @param with_reward  rewards have adjoints, too: they depend on much, which takes time
-  /// @throws Error (naming what) if derivatives are not known: integrators that choose their own
-  ///         steps, Simbody's dynamics, plugins that are not smooth, sensors that are observed,
-  ///         draws within an episode
+  /// @param steps     greatest number of recorded transitions
+  /// @param with_reward  rewards have adjoints, too: they depend on many values, which takes time
+  /// @throws Error (with the cause) if derivatives are not known: integrators that choose their own
+  ///   steps, Simbody's dynamics, plugins that are not smooth, sensors that are observed, draws
+  ///   within an episode
   TransitionAdjoint(const CompiledScenario& compiled, int steps, bool with_reward);
 
-  /// Transition `t` of the lanes in `mask`, as CompiledScenario::step, remembered.
+  /// Transition `t` of the lanes in `mask`, as CompiledScenario::step, with a record.
   void step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, const float* actions,
             int action_stride, const Rows& rows, int t);
 
-  /// Where the task wants its goal's body now.
-  /// @param out  7 rows in lanes: position and heading, and where the task says how its goal moves
-  ///             the velocity [m/s]; else that stays as it is
+  /// The task's present goal for its body.
+  /// @param out  7 rows in lanes: position and heading, and the goal's velocity [m/s] if the task
+  ///   provides it; else the last 3 rows remain unchanged
   void goal(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, double* out);
 
-  /// Learns from the remembered transitions which values of plugins depend on which.
+  /// Finds the dependences between values of plugins from the recorded transitions.
   void look(const StateGroup& group, std::uint32_t mask, int steps);
-  /// Instead of look(): the dependences that another adjoint of the same scenario has found.
+  /// Instead of look(): copies the dependences found by another adjoint of the same scenario.
   void copy_sparsity(const TransitionAdjoint& other);
-  /// After all look(): plugins are asked as seldom as these dependences allow.
+  /// Call it after all look(): reduces the evaluations of plugins to the number that these
+  /// dependences require.
   void color_columns();
 
-  /// Makes ready to go back through the transitions of a group.
+  /// Prepares the backward pass through the transitions of a group.
   void begin(const StateGroup& group, std::uint32_t lanes);
   /// Goes back through transition `t`.
   /// @param adjoints  row k of DualGroup at k * kGroupLanes: derivatives by values after the
-  ///                  transition; overwritten by those before it
+  ///   transition; overwritten by those before it
   /// @param action    action_size() rows: derivatives by the action, overwritten
   void pull_back(const StateGroup& group, int t, std::uint32_t lanes, double* adjoints,
                  double* action);
@@ -65,11 +69,11 @@ class TransitionAdjoint {
   /// These rows after transition `t`, before any reset.
   const double* goal_motion(int t) const { return records_.row(t, repeat_, goal_motion_); }
 
-  /// Evaluations on dual numbers: for a transition of the task; for a physics step of all else.
+  /// Evaluations on dual numbers: of the task per transition, of the others per physics step.
   struct Evaluations {
     int task, controllers, effects, physics;
   };
-  /// After color_columns().
+  /// Valid after color_columns().
   Evaluations evaluations() const;
 
  private:

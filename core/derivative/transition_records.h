@@ -1,5 +1,4 @@
-// What a lane group goes through in some transitions: its values before each physics step and
-// after the last one.
+// The values of a lane group in some transitions, before each physics step and after the last one.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +9,30 @@
 
 namespace skybody {
 
-/// What of a group is remembered.
+/// The recorded part of a group.
 enum class RecordPart {
   kAll,
-  kMotion,   ///< coordinates, rotors' speeds and bodies
-  kCommands  ///< what controllers have just given, and what effects hold
+  kMotion,   ///< coordinates, rotor speeds and bodies
+  kCommands  ///< the present outputs of controllers and effects
 };
 
 class TransitionRecords {
  public:
-  /// @param steps  transitions, at most
+  /// @param steps  greatest number of transitions
   TransitionRecords(const CompiledScenario& compiled, const DualGroup& dual, int steps);
 
   /// Physics steps of a transition.
   int repeat() const { return repeat_; }
 
-  /// @param t  transition; @param k  physics step, repeat() after the last one
+  /// @param t  transition
+  /// @param k  physics step, repeat() after the last one
   void remember(const StateGroup& group, int t, int k, RecordPart part);
-  /// Makes a record the values of a dual group; tangents stay.
+  /// Loads a record into the values of a dual group; tangents remain.
   void show(int t, int k, DualGroup& dual) const;
-  /// The words that plugins keep, likewise: what a call has changed is put back.
+  /// The same for the words of plugins only: restores the words that a call has changed.
   void show_plugin_state(int t, int k, DualGroup& dual) const;
 
-  /// A row of a dual group, of those that are remembered.
+  /// A recorded row of a dual group.
   const double* row(int t, int k, int row) const;
   const std::uint64_t* words(int t, int k, int row) const {
     return reinterpret_cast<const std::uint64_t*>(this->row(t, k, row));

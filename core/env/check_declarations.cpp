@@ -18,7 +18,7 @@ namespace {
 
 bool is_signal(int signal) { return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT; }
 
-/// Signals have one of the sizes that their row allows.
+/// Checks that a signal has one of the sizes in its row of SKYBODY_SIGNALS.
 void check_size(const PluginInstance& p, int signal, int count, const char* verb) {
   struct Size {
     int least, most;
@@ -72,7 +72,7 @@ void check_controller(const PluginInstance& p) {
 
 constexpr double kMostImageBytes = 1 << 28;
 
-/// An image's type, extents and size. Only sensors give images.
+/// Checks an image's type, extents and size. Only sensors may declare images.
 void check_image(const PluginInstance& p, const Channel& c) {
   const std::string what = "declares image `" + c.name + "` ";
   if (p.kind != SKYBODY_SENSOR) refuse(p, what + "and is no sensor");
@@ -126,7 +126,7 @@ void check_joint(const PluginInstance& p, const JointDrive& j, const Topology& t
   }
 }
 
-/// Bodies, obstacles and joints that there are.
+/// Checks that the requested bodies, obstacles and joints exist.
 void check_asked(const PluginInstance& p, const Topology& topology) {
   const auto bodies = static_cast<int>(topology.bodies.size());
   const auto obstacles = static_cast<int>(topology.scenario.obstacles.size());
@@ -148,7 +148,8 @@ void check_asked(const PluginInstance& p, const Topology& topology) {
   }
 }
 
-/// A task's own action: in robot order, with finite ranges, and process() to make commands of it.
+/// Checks a task's own action: in robot order, with finite ranges, and with a process() that
+/// converts it to commands.
 void check_actions(const PluginInstance& p, int robots) {
   int robot = 0;
   for (const Channel& c : p.actions) {
@@ -164,7 +165,7 @@ void check_actions(const PluginInstance& p, int robots) {
   }
 }
 
-/// What only plugins of some kinds declare.
+/// Rejects declarations that the plugin's kind may not make.
 void check_kind(const PluginInstance& p) {
   const auto demand = [&](bool is_declared, bool may, const char* what) {
     if (is_declared && !may) {
@@ -209,14 +210,14 @@ void check_names(const PluginInstance& p, const std::vector<Channel>& channels) 
   }
 }
 
-/// A policy must see something.
+/// Rejects a task without any observation for a policy.
 void check_observation(const PluginInstance& p) {
   const bool sees = std::any_of(p.channels.begin(), p.channels.end(),
                                 [](const Channel& c) { return !c.privileged; });
   if (!sees) refuse(p, "declares no observation for a policy");
 }
 
-/// For each value of the observation, whether it is one that a policy sees.
+/// For each value of the observation, whether a policy sees it.
 std::vector<bool> values_of_policy(const PluginInstance& p) {
   std::vector<bool> values;
   for (const Channel& c : p.channels) {

@@ -1,4 +1,4 @@
-// What a plugin declared in configure() is checked before anything relies on it.
+// Checks of a plugin's declarations, made in configure(), before the engine uses them.
 #pragma once
 
 #include "core/env/plugin_instance.h"
@@ -6,7 +6,7 @@
 
 namespace skybody {
 
-/// @throws Error that names the plugin, the declaration and what is allowed
+/// @throws Error with the plugin, the faulty declaration and the allowed values
 void check_declarations(const Topology& topology, const Layout& layout,
                         const PluginInstance& plugin);
 

@@ -12,7 +12,7 @@ const std::string& path_of(const Writers& w, int param) {
   return w.layout.param_info[static_cast<std::size_t>(param)].path;
 }
 
-/// Where a randomizer or the task is told to write it.
+/// The setting that makes a randomizer or the task write a parameter.
 SourceLocation mark_of(const Writers& w, const PluginInstance& p, int param) {
   const EnvParam& info = w.layout.param_info[static_cast<std::size_t>(param)];
   if (p.kind == SKYBODY_TASK) return mark_of_writer(w.scenario, w.scenario.task, info);
@@ -20,7 +20,7 @@ SourceLocation mark_of(const Writers& w, const PluginInstance& p, int param) {
   return mark_of_writer(w.scenario, w.scenario.randomization[place], info);
 }
 
-/// " (line 7)"; nothing for a mark that has no line.
+/// " (line 7)"; empty for a location without a line.
 std::string line_of(const SourceLocation& mark) {
   return mark.line == 0 ? "" : " (line " + std::to_string(mark.line) + ")";
 }
@@ -33,7 +33,8 @@ std::string described(const PluginInstance& first, const std::string& line,
   return "task `" + first.plugin + "`" + line + " and randomizer `" + second.name + "`";
 }
 
-/// A task has its turn when all else is drawn: what is not its own has been read by then.
+/// The task draws last, after everything else. Parameters other than its own have been read by
+/// then.
 void check_task(const Writers& w) {
   const Block& own = w.task_params;
   for (const int param : w.task.writes) {
@@ -43,7 +44,7 @@ void check_task(const Writers& w) {
   }
 }
 
-/// One value, one plugin that draws it.
+/// Checks that only one plugin draws each value.
 void check_single(const Writers& w) {
   std::map<int, const PluginInstance*> writers;
   const auto add = [&](const PluginInstance& p) {
@@ -63,7 +64,7 @@ void check_single(const Writers& w) {
   for (const PluginInstance& randomizer : w.randomizers) add(randomizer);
 }
 
-/// Nobody reads a start in mid-episode.
+/// Starts are read at resets only: rejects draws of starts during an episode.
 void check_starts_in_time(const Writers& w) {
   for (const PluginInstance& r : w.randomizers) {
     if (!r.draws_in_time) continue;

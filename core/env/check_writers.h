@@ -1,4 +1,4 @@
-// Who draws which EnvParam: one plugin each, and where it is read.
+// Checks that each EnvParam is drawn by at most one plugin, and at a time when it is still read.
 #pragma once
 
 #include <vector>
@@ -8,18 +8,19 @@
 
 namespace skybody {
 
-/// What writes EnvParams in a scenario.
+/// The plugins of a scenario that write EnvParams.
 struct Writers {
   const std::vector<PluginInstance>& randomizers;
   const PluginInstance& task;
-  Block task_params;  ///< the task's own, within the parameter block
+  Block task_params;  ///< the task's own EnvParams, within the parameter block
   const InitialStates& starts;
   const Layout& layout;
   const Scenario& scenario;
 };
 
-/// @throws LocatedError that names the parameter, who draws it and the remedy, where two draw one,
-///         a task draws another's, or a start is drawn in mid-episode
+/// @throws LocatedError with the parameter, its writers and the remedy if two plugins draw one
+///   parameter, the task draws a parameter that is not its own, or a start is drawn during an
+///   episode
 void check_writers(const Writers& writers);
 
 }  // namespace skybody

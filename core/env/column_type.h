@@ -1,4 +1,4 @@
-// The types that values of an observation may have.
+// Value types of observations.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace skybody {
 
-/// What learners take. Vectors are float32; images may be any.
+/// Value types that learners accept. Vectors are float32; images may have any of these types.
 enum class ColumnType { kFloat32, kUint8, kUint16 };
 
 struct ColumnTypeInfo {
   int abi;           ///< SkybodyColumnType
-  const char* name;  ///< as NumPy has it
-  int bytes;         ///< of a value
+  const char* name;  ///< NumPy's name
+  int bytes;         ///< per value
 };
 
 /// In the order of the enumerators.

@@ -1,5 +1,5 @@
 // The transition contract for one world (paper eq. 3): immutable, shared by all environments of a
-// scenario. Steps lane groups of state words; holds none itself.
+// scenario. Steps lane groups of state words and stores none itself.
 #pragma once
 
 #include <array>
@@ -27,96 +27,99 @@ class StartOverlaps;
 class StateValues;
 struct StartOverlap;
 
-/// Rows that a transition writes: the row of lane l lies l times its width further on.
+/// Output rows of a transition. The row of lane l begins at l times the row's width.
 struct Rows {
-  float* observation = nullptr;           ///< observation_size() wide
-  float* reward = nullptr;                ///< 1 wide
-  std::uint64_t* status = nullptr;        ///< EpisodeStatus bits, 1 wide
-  float* agent_reward = nullptr;          ///< agents().size() wide; optional
-  float* info = nullptr;                  ///< info_size() wide; optional
-  float* privileged = nullptr;            ///< privileged_size() wide; optional
-  std::uint8_t* const* images = nullptr;  ///< of each of images(), in its bytes; optional
+  float* observation = nullptr;           ///< width observation_size()
+  float* reward = nullptr;                ///< width 1
+  std::uint64_t* status = nullptr;        ///< EpisodeStatus bits, width 1
+  float* agent_reward = nullptr;          ///< width agents().size(); optional
+  float* info = nullptr;                  ///< width info_size(); optional
+  float* privileged = nullptr;            ///< width privileged_size(); optional
+  std::uint8_t* const* images = nullptr;  ///< one buffer per image, in bytes; optional
 };
 
-/// A part of the action row: of a task that has its own, or the command of a chain.
+/// A part of the action row: a channel of the task's own action, or the command of a chain.
 struct ActionChannel {
-  std::string name;  ///< the task's, or the signal's
-  std::string unit;  ///< of the task's
+  std::string name;  ///< the task channel's, or the signal's
+  std::string unit;  ///< of a task channel
   int robot = 0;
-  int first = 0;                  ///< within the action row
-  std::vector<double> low, high;  ///< what -1 and +1 mean
+  int first = 0;                  ///< first value within the action row
+  std::vector<double> low, high;  ///< physical values of the actions -1 and +1
 };
 
-/// Whether plugins are held to the values that they may touch. Slower, the same bits.
+/// Whether to check that plugins touch only the values that they may touch. Checked mode is slower
+/// and gives the same bits.
 enum class Checking { kNo, kYes };
 
-/// One scenario, ready to step. Const methods are safe to call from several threads on different
-/// groups and works. step(), reset(), update() and hash() want an FpEnvironment around them
-/// (reading the mode waits for all arithmetic before it, so it is done once for many groups); the
-/// others set the mode themselves and restore it.
+/// One compiled scenario, ready to step. Const methods are safe to call from several threads with
+/// different groups and workspaces. step(), reset(), update() and hash() require an FpEnvironment
+/// around them: reading the floating-point mode waits for all pending arithmetic, so callers do it
+/// once for many groups. The other methods set the mode themselves and restore it.
 class CompiledScenario {
  public:
   /// Configures the plugins and builds the world.
-  /// @throws LocatedError with the scenario's line if a plugin refuses or signals do not fit
   /// @param checking  kYes: checked mode. Groups have one lane, and calls throw LocatedError where
-  /// a
-  ///                  plugin touches values beyond those that it may
+  ///   a plugin touches values that it may not touch
+  /// @throws LocatedError with the scenario's line if a plugin refuses its configuration or signals
+  ///   do not match
   CompiledScenario(Scenario scenario, PluginFactory& factory, Checking checking = Checking::kNo);
   ~CompiledScenario();
 
   const World& world() const { return *world_; }
   const Layout& layout() const { return world_->layout; }
   const Scenario& scenario() const { return world_->scenario; }
-  /// In the order of the scenario; controllers in robot order.
+  /// Plugins in the order of the scenario; controllers in robot order.
   const std::vector<PluginInstance>& plugins(SkybodyKind kind) const { return plugins_[kind]; }
   const PluginInstance& task() const { return plugins_[SKYBODY_TASK][0]; }
   const std::vector<ControllerChain>& chains() const { return chains_; }
-  /// The command words of a robot: of its chains, one after the other. Size 0: it takes none.
+  /// The command words of a robot: those of its chains, in order. Size 0: the robot takes no
+  /// command.
   Block commands_of(int robot) const;
-  /// Values beside the observation: the task's, those that other plugins report, by instance, and
-  /// randomizable ones that the scenario names.
+  /// Values reported beside the observation: the task's, those of other plugins by instance, and
+  /// the randomizable values named in the scenario.
   const std::vector<Channel>& info_channels() const { return info_channels_; }
-  /// In the order of the row.
+  /// Channels in the order of the action row.
   const std::vector<ActionChannel>& action_channels() const { return action_channels_; }
   int action_size() const { return layout().action.size; }
-  /// The parts of the observation: the task's in order, then those that `observe` adds.
+  /// The columns of the observation: the task's in order, then those added by `observe`.
   const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
-  /// Values of a row of observations, which a policy sees.
+  /// Number of values in a row of observations, the input of a policy.
   int observation_size() const { return plan_.observation_size; }
-  /// Which of them are kept in the state, at Layout::last_observation, and which repeat others.
+  /// The values of that row that are stored in the state (Layout::last_observation), and those that
+  /// repeat others.
   const RowParts& observation_row() const { return plan_.row; }
-  /// Values of a privileged row, which only a critic sees.
+  /// Number of values in a privileged row, an input of the critic only.
   int privileged_size() const { return plan_.privileged_size; }
   /// The images of the observation, in the order of their columns.
   const std::vector<ObservedImage>& images() const { return plan_.images; }
   int info_size() const { return value_count(info_channels_); }
-  /// Where robots begin, as EnvParams.
+  /// The robots' initial states, as EnvParams.
   const InitialStates& starts() const { return starts_; }
-  /// Words of what a StateGroup saves of an environment: state words, then images.
+  /// Words per environment in a snapshot of a StateGroup: state words, then images.
   std::size_t saved_words() const {
     return static_cast<std::size_t>(layout().words) + image_words_;
   }
-  /// What can be read of an environment's state, by path.
+  /// Readable values of an environment's state, by path.
   const StateValues& state_values() const { return *state_values_; }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
-  /// Whether the motion of bodies is q, then u, value by value (one robot, a free body).
+  /// Whether the motion of bodies equals q, then u, value by value (one robot, a free body).
   bool bodies_are_coordinates() const { return physics_->bodies_are_coordinates(); }
 
-  /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
-  /// in packs (any world on the tree dynamics with fixed steps), else 1.
+  /// The fastest group size for this scenario: kGroupLanes where the physics runs in packs (any
+  /// world with the tree dynamics and fixed steps), else 1.
   int preferred_lanes() const { return is_checked_ ? 1 : physics_->preferred_lanes(); }
   /// @param lanes  1 or kGroupLanes
   StateGroup make_state(int lanes) const;
-  /// Scratch for groups of that size. Results never depend on which groups it served.
+  /// Scratch for groups of that size. Results never depend on the groups that used it before.
   std::unique_ptr<GroupWorkspace> make_workspace(int lanes) const;
 
-  /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
-  /// must follow.
+  /// Initializes one lane: nominal parameters, episode 0, the given random key. A reset must
+  /// follow.
   void initialize(StateGroup& group, int lane, std::uint64_t seed, std::uint64_t stream_env) const;
 
-  /// Begins the next episode of the lanes in `mask`; writes their first observation, reward 0.
+  /// Begins the next episode of the lanes in `mask`. Writes their first observation, with reward 0.
   void reset(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, const Rows& rows) const;
 
   /// One transition of the lanes in `mask`: exactly K physics steps, unless a fault ends the
@@ -126,41 +129,42 @@ class CompiledScenario {
             int action_stride, const Rows& rows) const;
 
   /// Physics steps of the lanes in `mask` under the commands in the group, without action and task.
-  /// Lanes whose physics gives up stay in their last finite state, their status a fault.
-  /// @returns the lanes that came through
+  /// Lanes whose physics fails keep their last finite state; their status becomes a fault.
+  /// @returns the lanes that succeeded
   std::uint32_t advance(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                         std::int64_t physics_steps) const;
 
-  /// Ends a transition made by advance(): counts one step and asks the task.
+  /// Ends a transition made by advance(): counts one step and evaluates the task.
   void evaluate(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                 const Rows& rows) const;
 
-  /// Draws from all randomizers now, whatever their schedule; episode and motion go on.
+  /// Draws from all randomizers now, regardless of their schedule. Episode and motion continue.
   void randomize(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const;
-  /// Does in one lane what a caller asks for; episode and motion go on. What is asked for at a
-  /// reset goes to GroupWorkspace::requests instead.
+  /// Applies a caller's request in one lane. Episode and motion continue. Requests for the next
+  /// reset go to GroupWorkspace::requests instead.
   void apply(StateGroup& group, GroupWorkspace& work, int lane, const ParamRequest& request) const;
 
-  /// Makes the work's bodies and sensors' view current after state words were changed from outside.
+  /// Updates the workspace's bodies and the sensors' inputs after state words were changed from
+  /// outside.
   void update(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const;
 
   /// Generalised accelerations of one lane now, with the rotor commands, wrenches and drives of the
   /// last physics step.
   /// @param udot  one per u
-  /// @throws std::runtime_error if the dynamics gives up
+  /// @throws std::runtime_error if the dynamics fails
   void accelerations(StateGroup& group, GroupWorkspace& work, int lane, double* udot) const;
 
-  /// What the bodies of one lane touch: the ground, obstacles and one another.
+  /// Contacts of the bodies of one lane with the ground, obstacles and one another.
   std::vector<Contact> contacts(StateGroup& group, GroupWorkspace& work, int lane) const;
 
-  /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
+  /// The task's goal for each of its goal bodies: 4 values per declared goal, one lane.
   void goal(StateGroup& group, GroupWorkspace& work, int lane, std::vector<double>& out) const;
-  /// How they move: 6 values per declared goal, velocity [m/s] and acceleration [m/s^2], W axes; 0
-  /// where the task does not say.
+  /// Motion of the goals: 6 values per declared goal, velocity [m/s] and acceleration [m/s^2], W
+  /// axes; 0 if the task does not provide it.
   void goal_motion(StateGroup& group, GroupWorkspace& work, int lane,
                    std::vector<double>& out) const;
 
-  /// Why an episode ended as a fault, in words. @param status  EpisodeStatus bits
+  /// The reason for an episode's fault, in words. @param status  EpisodeStatus bits
   /// @returns the reasons, separated by "; "; empty: no fault
   std::string fault_reason(std::uint64_t status) const;
 
@@ -169,12 +173,12 @@ class CompiledScenario {
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
 
  private:
-  /// goal() or goal_motion() of the task, `size` values per declared goal; null: zeros.
+  /// Calls the task's goal() or goal_motion(), `size` values per declared goal; null: zeros.
   template <class Function>
   void ask_goals(StateGroup& group, GroupWorkspace& work, int lane, Function function, int size,
                  const char* what, std::vector<double>& out) const;
-  friend class TransitionAdjoint;  // takes steps phase by phase, to go back through them
-  friend class DualTransition;     // goes through the same phases
+  friend class TransitionAdjoint;  // runs a step phase by phase, to differentiate it backwards
+  friend class DualTransition;     // runs the same phases
   struct Builder;
   SkybodyChecks make_checks() const;
   void apply_action(StateGroup&, GroupWorkspace&, const SkybodyLanes&, const float* actions,
@@ -233,7 +237,7 @@ class CompiledScenario {
   void settle_joint_drives(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
-  /// Whether a plugin asks for contacts.
+  /// Whether a plugin reads contacts.
   bool senses_contacts() const { return needs_contacts_ || !contact_pairs_.empty(); }
   void find_contacts(StateGroup&, GroupWorkspace&, int lane) const;
   void add_up_bodies(StateGroup&, const std::vector<Contact>&, int lane) const;
@@ -249,26 +253,26 @@ class CompiledScenario {
   std::vector<ControllerChain> chains_;
   std::vector<ActionChannel> action_channels_;
   std::vector<Channel> info_channels_;
-  std::vector<int> info_params_;  ///< EnvParams that are the last of them
+  std::vector<int> info_params_;  ///< EnvParams that are reported as the last infos
   bool is_checked_ = false;
   bool needs_bodies_before_ = false;
   bool needs_contacts_ = false;
-  bool draws_in_time_ = false;  ///< a randomizer does
-  bool draws_bodies_ = false;   ///< randomizers write what a rigid body is made of
+  bool draws_in_time_ = false;  ///< whether a randomizer draws during an episode
+  bool draws_bodies_ = false;   ///< whether randomizers write mass properties of bodies
   InitialStates starts_;
   Block task_params_;                       ///< the task's own, within the parameter block
-  std::vector<ContactPair> contact_pairs_;  ///< that plugins ask for
-  std::vector<int> joint_reactions_;        ///< bodies whose joints plugins ask about
-  int commanded_ = 0;                       ///< values of the command that action or task give
-  int signal_size_ = 0;                     ///< of the widest output of a controller
-  int scratch_size_ = 0;                    ///< of the plugin that asks for most
+  std::vector<ContactPair> contact_pairs_;  ///< requested by plugins
+  std::vector<int> joint_reactions_;        ///< bodies whose joint reactions plugins read
+  int commanded_ = 0;                       ///< command values set by the action or the task
+  int signal_size_ = 0;                     ///< size of the largest controller output
+  int scratch_size_ = 0;                    ///< largest scratch requested by a plugin
   ObservationPlan plan_;
-  std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
+  std::size_t image_words_ = 0;  ///< for all sensors' images of one environment
   std::vector<int> agents_;
   std::unique_ptr<const StateValues> state_values_;
-  std::unique_ptr<const StartOverlaps> start_overlaps_;  ///< null: starts are taken as drawn
-  std::vector<int> drawn_words_;  ///< state words that randomizers change and that outlive a reset
-  LaneState initial_;             ///< what every reset starts from; nominal parameters
+  std::unique_ptr<const StartOverlaps> start_overlaps_;  ///< null: starts are not checked
+  std::vector<int> drawn_words_;  ///< state words that randomizers change and a reset keeps
+  LaneState initial_;             ///< state at every reset before draws, with nominal parameters
 };
 
 }  // namespace skybody

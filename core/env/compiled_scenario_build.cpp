@@ -1,5 +1,5 @@
-// Building a CompiledScenario: parameters of plugins join state words, plugins are configured,
-// signals are checked, and every block gets its place.
+// Builds a CompiledScenario: adds parameters of plugins to the state words, configures plugins,
+// checks signals, and places every block.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -24,7 +24,7 @@
 namespace skybody {
 namespace {
 
-/// A plugin use with its values in C form.
+/// A plugin use with its values as C structures.
 struct BoundUse {
   BoundUse(const PluginUse& u, SkybodyKind k, std::vector<int> robots, std::string p)
       : use(&u), kind(k), team(std::move(robots)), path(std::move(p)), values(u.parameters) {}
@@ -93,7 +93,7 @@ struct CompiledScenario::Builder {
     uses.emplace_back(scenario.task, SKYBODY_TASK, none, "task");
   }
 
-  /// Randomizable parameters become EnvParams.
+  /// Adds randomizable parameters as EnvParams.
   void add_params(BoundUse& bound) {
     const int first = static_cast<int>(plan.layout.param_info.size());
     const std::vector<ParameterSpec>& specs = factory.parameters(bound.kind, bound.use->plugin);
@@ -117,7 +117,8 @@ struct CompiledScenario::Builder {
     }
   }
 
-  /// Of one value of a vector: "m, rad" is metres, and of the last value radians.
+  /// The unit of one value of a vector: with "m, rad", the last value has radians, the others
+  /// metres.
   static std::string unit_of(const std::string& units, bool is_last) {
     const std::size_t comma = units.find(", ");
     if (comma == units.npos) return units;
@@ -185,7 +186,7 @@ struct CompiledScenario::Builder {
     tables.set_chains(env.chains_);
   }
 
-  /// Quaternions do not go from one to another value by value.
+  /// Rejects interpolation of quaternions: interpolating their values one by one gives no rotation.
   void check_interpolation() const {
     if (!env.task().interpolates) return;
     for (const ControllerChain& chain : env.chains_) {
@@ -204,7 +205,7 @@ struct CompiledScenario::Builder {
     const auto add = [&](ActionChannel channel) {
       channel.first = size;
       size += static_cast<int>(channel.low.size());
-      const bool decides = !channel.low.empty();  // a chain that a reference begins takes nothing
+      const bool decides = !channel.low.empty();  // false: the chain begins with a reference
       if (decides && (env.agents_.empty() || env.agents_.back() != channel.robot)) {
         env.agents_.push_back(channel.robot);
       }
@@ -252,7 +253,8 @@ struct CompiledScenario::Builder {
     make_absolute();
   }
 
-  /// Sensors that others read in every physics step are called in every one.
+  /// Finds the sensors that other plugins read in every physics step: these are called in every
+  /// step.
   void find_readers() {
     for (PluginInstance& sensor : env.plugins_[SKYBODY_SENSOR]) {
       const auto is_of_sensor = [&](int first) {
@@ -284,7 +286,7 @@ struct CompiledScenario::Builder {
     for (const std::string& path : scenario.infos.paths) add_param_infos(path);
   }
 
-  /// Randomizable values that the scenario wants to see.
+  /// Reports randomizable values that the scenario names.
   void add_param_infos(const std::string& path) {
     try {
       for (const int param : find_params(scenario, plan.layout, path)) {
@@ -309,7 +311,8 @@ struct CompiledScenario::Builder {
     next += p.state_words + p.buffer_words;
   }
 
-  /// Of controllers that others follow and that are not called in every physics step.
+  /// Places the last outputs of controllers that others follow and that are not called in every
+  /// physics step.
   void place_outputs(int& next) {
     for (const ControllerChain& chain : env.chains_) {
       for (int i = chain.first; i + 1 < chain.first + chain.count; ++i) {
@@ -321,7 +324,7 @@ struct CompiledScenario::Builder {
     }
   }
 
-  /// Where several effects hold one input, each has words of its own.
+  /// If several effects contribute to one input, each gets words of its own.
   void place_held(int& next) {
     for (std::size_t i = 0; i < plan.holds.size(); ++i) {
       std::vector<PluginInstance*> holders;
@@ -336,7 +339,7 @@ struct CompiledScenario::Builder {
     }
   }
 
-  /// Places within plugin_state become places within all words.
+  /// Converts places within plugin_state to places within all words.
   void make_absolute() {
     const Layout& l = env.layout();
     for (PluginInstance& c : env.plugins_[SKYBODY_CONTROLLER]) {
@@ -371,7 +374,7 @@ CompiledScenario::~CompiledScenario() = default;
 Block CompiledScenario::commands_of(int robot) const {
   Block commands{layout().command.offset, 0};
   for (const ControllerChain& chain : chains_) {
-    if (chain.is_fed) break;  // behind those that action or task give
+    if (chain.is_fed) break;  // commands of fed chains come after those of action and task
     if (chain.robot < robot) commands.offset += chain.inputs;
     if (chain.robot == robot) commands.size += chain.inputs;
   }
@@ -385,7 +388,7 @@ StateGroup CompiledScenario::make_state(int lanes) const {
   return {layout(), bodies, lanes, static_cast<int>(image_words_), physics_->make_stepper(lanes)};
 }
 
-/// How many values plugins may touch.
+/// The numbers of values that plugins may touch.
 SkybodyChecks CompiledScenario::make_checks() const {
   SkybodyChecks checks{};
   checks.bodies = static_cast<int>(world_->bodies.size());

@@ -1,5 +1,5 @@
-// Direct control: physics steps and the task's judgement one by one, and what moves an environment
-// at this instant.
+// Direct control: physics steps and the task's evaluation one by one, and accelerations at the
+// current instant.
 #include "core/base/fp_environment.h"
 #include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"

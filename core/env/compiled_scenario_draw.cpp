@@ -1,5 +1,4 @@
-// What randomizers draw: at a reset, again where robots would begin inside something, and on
-// request.
+// Randomizer draws: at a reset, again if robots would begin inside something, and on request.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,20 +19,20 @@
 namespace skybody {
 namespace {
 
-/// Draws have counters in place of the physics step, beyond all that there are: of requested draws,
-/// and of a start that is drawn again.
+/// Draws outside the step loop use counters in place of the physics step, above all possible steps:
+/// one range for requested draws, one for repeated draws of a start.
 constexpr std::uint64_t kRequestedDraw = std::uint64_t{1} << 63;
 constexpr std::uint64_t kRepeatedDraw = std::uint64_t{1} << 62;
 
-/// Bodies that no rigid body can be are drawn again so often: drawn axis by axis, up to a quarter
-/// of all may be such.
+/// Greatest number of repeated draws for bodies whose mass properties are not physical. With
+/// inertia drawn axis by axis, up to a quarter of all draws may be such.
 constexpr int kMostBodyDraws = 64;
 
-/// After so many draws that left the worst overlap as it was, to the bit, nothing that is drawn
-/// moves it. Draws from a few places may well be the same several times.
+/// After this many draws that leave the worst overlap unchanged, to the bit, no drawn value can
+/// move it. Draws from a small set of places may well repeat several times.
 constexpr int kMostUnchanged = 4;
 
-/// The same number for all lanes.
+/// The number of a repetition, the same for all lanes.
 const std::uint64_t* number_repetition(GroupWorkspace& work, int repetition) {
   const std::uint64_t number = kRepeatedDraw | static_cast<std::uint64_t>(repetition);
   std::fill_n(work.request.data(), work.lanes, number);
@@ -42,7 +41,7 @@ const std::uint64_t* number_repetition(GroupWorkspace& work, int repetition) {
 
 }  // namespace
 
-/// Whether what is drawn may have to be drawn again; and what overlaps in the scenario's own start.
+/// Collects the state words that draws change, and the overlaps in the scenario's own start.
 void CompiledScenario::look_for_bad_starts() {
   const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
   const bool may_overlap = scenario().contact.redraws > 0 && count_bristles(*world_) > 0;
@@ -59,7 +58,7 @@ void CompiledScenario::look_for_bad_starts() {
   start_overlaps_ = std::make_unique<const StartOverlaps>(*world_, contacts(group, *work, 0));
 }
 
-/// Whether randomizers write what a rigid body is made of.
+/// Whether randomizers write mass properties of bodies.
 bool CompiledScenario::draws_bodies() const {
   for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
     for (const int param : r.writes) {
@@ -71,7 +70,7 @@ bool CompiledScenario::draws_bodies() const {
   return false;
 }
 
-/// kBadState, and behind it the index of the body whose inertia is not physical, or else the likely
+/// kBadState with the index of the body whose inertia is not physical, or else with the likely
 /// cause.
 std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane) const {
   std::array<double, kBodyParamCount> values;
@@ -86,7 +85,7 @@ std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane
   return kBadState | cause_bits(*world_, group, lane);
 }
 
-/// The drawn values of the body whose inertia is not physical. @param status  that names one
+/// The message about a body whose inertia is not physical. @param status  that contains its index
 std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
   const int number = impossible_body(status);
   const WorldBody& body = world_->bodies[static_cast<std::size_t>(number)];
@@ -100,7 +99,7 @@ std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
 }
 
 std::string CompiledScenario::fault_reason(std::uint64_t status) const {
-  std::uint64_t told = 0;  // bits that a fuller text speaks of
+  std::uint64_t told = 0;  // bits explained by a longer text
   std::string full;
   if (impossible_body(status) >= 0) {
     told = kBadState;
@@ -118,9 +117,9 @@ std::string CompiledScenario::fault_reason(std::uint64_t status) const {
 
 namespace {
 
-/// Which of the draws of a request.
+/// The number of a draw within a request.
 struct RequestNumber {
-  std::uint64_t request;  ///< of all that were asked for in this environment
+  std::uint64_t request;  ///< among all requests in this environment
   int repetition = 0;     ///< of a start that is drawn again
 
   std::uint64_t counter() const {
@@ -128,7 +127,7 @@ struct RequestNumber {
   }
 };
 
-/// Writes what a request gives. @param only  the parameters that may be written
+/// Writes the values of a request. @param only  the parameters that may be written
 void put_request(const Layout& layout, StateGroup& group, int lane, RequestNumber number,
                  const ParamRequest& request, Block only) {
   const RandomKey key{group.bits(kSeed)[lane], group.bits(kStreamEnv)[lane]};
@@ -152,7 +151,7 @@ void CompiledScenario::apply(StateGroup& group, GroupWorkspace& work, int lane,
   put_request(layout(), group, lane, {number}, request, {0, layout().params.size});
 }
 
-/// What randomizers draw at a reset, then what callers asked for.
+/// The randomizers' draws at a reset, then the callers' requests.
 void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWorkspace& work,
                                           const SkybodyLanes& lanes, int repetition) const {
   draw(group, lanes, SKYBODY_AT_RESET);
@@ -171,8 +170,8 @@ void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWorkspac
   });
 }
 
-/// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds, and
-/// robots go to the starts that they drew.
+/// Runs the randomizers in order. Clamps their values to each parameter's declared bounds and
+/// places the robots at the drawn starts.
 void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
                             SkybodyOccasion occasion) const {
   const Layout& l = layout();
@@ -187,8 +186,8 @@ void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
   }
 }
 
-/// Lets the randomizers that ask for it draw parameters before a physics step. Lanes in which
-/// nothing changes stay as they are, and so does what was made of their parameters.
+/// Runs the randomizers that draw before each physics step. Lanes without a change keep their
+/// parameters and all data derived from them.
 void CompiledScenario::draw_in_time(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& lanes) const {
   const Layout& l = layout();
@@ -226,11 +225,11 @@ void CompiledScenario::hold_to_bounds(StateGroup& group, std::uint32_t mask, int
   });
 }
 
-/// Draws the start of an episode. Lanes where anything may touch are looked at one by one: nearly
+/// Draws the start of an episode. Only lanes with possible contact are checked one by one: nearly
 /// all robots begin in the air.
 void CompiledScenario::draw_start(StateGroup& group, GroupWorkspace& work,
                                   std::uint32_t mask) const {
-  update(group, work, mask);  // randomizers may look at the bodies
+  update(group, work, mask);  // randomizers may read the bodies
   std::uint32_t asked = 0;
   each_lane(mask, [&](int lane) {
     if (!work.requests[static_cast<std::size_t>(lane)].empty()) asked |= 1u << lane;
@@ -250,8 +249,8 @@ void CompiledScenario::draw_start(StateGroup& group, GroupWorkspace& work,
   });
 }
 
-/// Lets the task draw parameters of its own, once the robots are placed. Callers have the last
-/// word.
+/// Lets the task draw its own parameters after the robots are placed. Callers' requests override
+/// these draws.
 void CompiledScenario::draw_task(StateGroup& group, GroupWorkspace& work,
                                  std::uint32_t mask) const {
   if (task().kernels.randomize == nullptr) return;
@@ -270,9 +269,10 @@ void CompiledScenario::draw_task(StateGroup& group, GroupWorkspace& work,
   });
 }
 
-/// As long as the lane's bodies are none that can be, or its robots begin inside something, all
-/// randomizers draw again from where they were before the reset, with the numbers of this
-/// repetition. What is still so then is a fault: of the first step, or of the start.
+/// Repeats the draws while the lane's bodies are not physical or its robots begin inside something.
+/// All randomizers draw again from the state before the reset, with the random numbers of this
+/// repetition. If the last repetition fails too, the lane gets a fault: of the first step for
+/// bodies, of the start for overlaps.
 void CompiledScenario::draw_again(StateGroup& group, GroupWorkspace& work, int lane) const {
   const std::uint32_t mask = 1u << lane;
   const auto is_unphysical = [&] { return (group.unphysical() & mask) != 0; };
@@ -307,7 +307,7 @@ void CompiledScenario::draw_again(StateGroup& group, GroupWorkspace& work, int l
   work.start_status[static_cast<std::size_t>(lane)] = start_overlaps_->status(*overlap);
 }
 
-/// Nothing where the dynamics gives up: the first step is a fault then.
+/// Empty if the dynamics fails: the first step is a fault then.
 std::optional<StartOverlap> CompiledScenario::find_overlap(StateGroup& group, GroupWorkspace& work,
                                                            int lane) const {
   try {
@@ -318,8 +318,8 @@ std::optional<StartOverlap> CompiledScenario::find_overlap(StateGroup& group, Gr
   return start_overlaps_->find(work.contacts);
 }
 
-/// Keeps what draws change and a reset does not put back: parameters that stay until they are due,
-/// and the randomizers' own words, which count resets.
+/// Saves the words that draws change and a reset does not restore: parameters that persist until
+/// the next due draw, and the randomizers' own words, which count resets.
 void CompiledScenario::keep_undrawn(const StateGroup& group, GroupWorkspace& work) const {
   std::uint64_t* to = work.undrawn.data();
   for (const int word : drawn_words_) to = std::copy_n(group.bits(word), group.lanes(), to);
@@ -334,7 +334,7 @@ void CompiledScenario::put_back_undrawn(StateGroup& group, const GroupWorkspace&
   }
 }
 
-/// So that requested draws differ from one another and from the reset's.
+/// Numbers requested draws, so that they differ from one another and from the draws at the reset.
 const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupWorkspace& work,
                                                        std::uint32_t mask) const {
   std::uint64_t* requests = group.writable(kRequests);
@@ -351,7 +351,7 @@ void CompiledScenario::randomize(StateGroup& group, GroupWorkspace& work,
   const FpEnvironment guard;
   update(group, work, mask);
   if (plugins_[SKYBODY_RANDOMIZER].empty()) return;
-  // Motion goes on: a randomizer that also places robots must not move them now.
+  // Motion continues: a randomizer that also places robots must not move them now.
   const Layout& l = layout();
   std::vector<double> motion;
   for (const Block& block : {l.q, l.u, l.rotor_speed}) {

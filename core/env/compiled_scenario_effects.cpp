@@ -1,6 +1,6 @@
-// What effects hold over a physics step. An effect adds to inputs of its own; where several hold
-// one input, these are put together afterwards. What is not due holds what it gave last, and so
-// does what is steady while nobody writes parameters.
+// Inputs held by effects over a physics step. Each effect adds to inputs of its own; if several
+// hold one input, their contributions are combined afterwards. An effect that is not due keeps its
+// last values; a steady effect keeps them until parameters are written.
 #include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_rows.h"
@@ -19,7 +19,7 @@ void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block)
                      group.writable(block, mask));
 }
 
-/// In checked mode: that an effect holds no NaN, but where nothing held is one.
+/// Checked mode: an effect may hold NaN only where the neutral value is NaN.
 void check_held(const StateGroup& group, const PluginInstance& effect) {
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     const Block& block = effect.held[static_cast<std::size_t>(i)];
@@ -36,7 +36,7 @@ void check_held(const StateGroup& group, const PluginInstance& effect) {
 
 }  // namespace
 
-/// Lets the effects that are due speak, in order.
+/// Calls the effects that are due, in order.
 void CompiledScenario::apply_effects(StateGroup& group, const SkybodyLanes& view) const {
   std::uint32_t changed[SKYBODY_HELD_COUNT] = {};
   for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
@@ -61,7 +61,7 @@ void CompiledScenario::apply_effects(StateGroup& group, const SkybodyLanes& view
   }
 }
 
-/// Puts together what several effects hold of one input.
+/// Combines the contributions of several effects to one input.
 void CompiledScenario::add_up_held(StateGroup& group, std::uint32_t mask, int input) const {
   const auto i = static_cast<std::size_t>(input);
   const Block& block = layout().held[i];
@@ -80,7 +80,7 @@ void CompiledScenario::add_up_held(StateGroup& group, std::uint32_t mask, int in
   }
 }
 
-/// Nothing is held, until the effects speak.
+/// Sets all held inputs to their neutral values, until effects are called.
 void CompiledScenario::clear_held(StateGroup& group, std::uint32_t mask) const {
   group.unsettle(mask);
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {

@@ -1,5 +1,10 @@
-// Beginning an episode: the scenario's start, randomizers (compiled_scenario_draw.cpp), what bodies
-// feel, reset() of controllers, task, effects and sensors, then sense, evaluate and conclude.
+// Begins an episode. Order:
+//
+// 1. the scenario's start
+// 2. randomizers (compiled_scenario_draw.cpp)
+// 3. contacts and joint reactions
+// 4. reset() of controllers, task, effects and sensors
+// 5. sense, evaluate and conclude
 #include "core/base/fp_environment.h"
 #include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
@@ -42,7 +47,7 @@ void CompiledScenario::reset(StateGroup& group, GroupWorkspace& work, std::uint3
   remember_bodies(group, mask);
   sense_contacts(group, work, mask);
   for (const PluginInstance& c : plugins_[SKYBODY_CONTROLLER]) reset_plugin(c, group, work, mask);
-  silence_rotors(group, mask);  // now that controllers have seen at which speed they began
+  silence_rotors(group, mask);  // after controllers have read the initial speeds
   update(group, work, mask);
   sense_joint_reactions(group, work, mask);
   for (const SkybodyKind kind : {SKYBODY_TASK, SKYBODY_EFFECT, SKYBODY_SENSOR}) {
@@ -54,8 +59,8 @@ void CompiledScenario::reset(StateGroup& group, GroupWorkspace& work, std::uint3
   finish_transition(group, work, mask, true, rows);
 }
 
-/// Counters, robots where their EnvParams put them, and no commands. Drawn parameters stay until a
-/// randomizer is due.
+/// Sets counters, places robots by their EnvParams, and clears commands. Drawn parameters persist
+/// until a randomizer is due.
 void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   each_lane(mask, [&](int lane) {
@@ -76,7 +81,7 @@ void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
   starts_.place(group, mask);
 }
 
-/// All words of plugins to 0, but those of randomizers, which keep theirs; and nothing is held.
+/// Sets all words of plugins to 0, except those of randomizers, and all held inputs to neutral.
 void CompiledScenario::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
     if (kind == SKYBODY_RANDOMIZER) continue;
@@ -102,8 +107,8 @@ void CompiledScenario::reset_plugin(const PluginInstance& plugin, StateGroup& gr
   call_plugin(plugin.kernels.reset, plugin, group, v, no_sizes);
 }
 
-/// Rotors stand still where a wrench or a drive moves the robot in their place: it would be pushed
-/// twice while they run down.
+/// Stops the rotors of robots that a wrench or a drive moves instead: otherwise rotors that run
+/// down would push them as well.
 void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) const {
   for (int r = 0; r < static_cast<int>(scenario().robots.size()); ++r) {
     bool is_moved = false, has_live_rotors = false;
@@ -124,7 +129,7 @@ void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) con
   }
 }
 
-/// Position drives begin where the joints are, drawn or not.
+/// Position drives begin at the joints' positions, drawn or not.
 void CompiledScenario::settle_joint_drives(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   for (std::size_t i = 0; i < world_->joint_drives.size(); ++i) {

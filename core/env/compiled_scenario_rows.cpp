@@ -1,7 +1,7 @@
-// How a transition ends: horizon and faults, and the rows that the learner gets.
+// The end of a transition: horizon and faults, and the rows for the learner.
 //
-// Every lane is concluded as if it had no fault. Faults are rare; they are corrected afterwards,
-// lane by lane.
+// Every lane is first finished as if it had no fault. Faults are rare; they are corrected
+// afterwards, lane by lane.
 #include <algorithm>
 #include <cstring>
 
@@ -14,7 +14,7 @@
 namespace skybody {
 namespace {
 
-/// Reason bits of a lane's fault, but for those of its state.
+/// Reason bits of a lane's fault, without those of its state.
 std::uint64_t reason_bits(const GroupWorkspace& work, int lane, std::uint32_t finite) {
   const auto bit = [lane](std::uint32_t lanes, std::uint64_t reason) {
     return ((lanes >> lane) & 1u) != 0 ? reason : std::uint64_t{0};
@@ -34,7 +34,7 @@ void CompiledScenario::finish_transition(StateGroup& group, GroupWorkspace& work
   std::uint32_t finite = write_observation(work, mask, rows) &
                          kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
   if (task().robot_rewards) finite &= finite_robot_rewards(work, mask);
-  if (is_reset) {  // no action was taken that reward or end could be about
+  if (is_reset) {  // no action was taken yet: no reward and no end
     work.clear_verdict();
     kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
   }
@@ -49,7 +49,7 @@ void CompiledScenario::finish_transition(StateGroup& group, GroupWorkspace& work
   if (rows.agent_reward != nullptr) write_agent_rewards(work, mask, rows);
 }
 
-/// Into the state; of values that repeat others nothing is kept.
+/// Stores the observation in the state, without values that repeat others.
 void CompiledScenario::keep_observation(StateGroup& group, const GroupWorkspace& work,
                                         std::uint32_t mask) const {
   const double* from = work.observation.data();
@@ -63,7 +63,7 @@ void CompiledScenario::keep_observation(StateGroup& group, const GroupWorkspace&
   keep_run(observation_size(), privileged_size());
 }
 
-/// Rows of observations from their values in lanes. @returns the lanes whose values are finite
+/// Writes rows of observations from values in lanes. @returns the lanes whose values are finite
 std::uint32_t CompiledScenario::write_row(std::uint32_t mask, int lanes, const double* values,
                                           float* rows) const {
   const RowKernels& kernels = row_kernels();
@@ -101,7 +101,7 @@ void CompiledScenario::write_images(const StateGroup& group, std::uint32_t mask,
   }
 }
 
-/// The rows of the last finite observation.
+/// Writes the rows of the last finite observation.
 void CompiledScenario::write_last_observation(const StateGroup& group, std::uint32_t mask,
                                               const Rows& rows) const {
   const int lanes = group.lanes();
@@ -112,7 +112,7 @@ void CompiledScenario::write_last_observation(const StateGroup& group, std::uint
                       rows.privileged);
 }
 
-/// The lanes whose agents all have a finite reward of their own.
+/// The lanes in which every agent's own reward is finite.
 std::uint32_t CompiledScenario::finite_robot_rewards(const GroupWorkspace& work,
                                                      std::uint32_t mask) const {
   for (const int robot : agents_) {
@@ -122,7 +122,8 @@ std::uint32_t CompiledScenario::finite_robot_rewards(const GroupWorkspace& work,
   return mask;
 }
 
-/// @param finite  lanes whose observation and rewards are: theirs is the last observation
+/// @param finite  lanes with finite observation and rewards: their current observation is also the
+///   last finite one
 void CompiledScenario::finish_faults(StateGroup& group, GroupWorkspace& work, std::uint32_t faults,
                                      std::uint32_t finite, const Rows& rows) const {
   write_last_observation(group, faults & ~finite, rows);
@@ -139,7 +140,7 @@ void CompiledScenario::finish_faults(StateGroup& group, GroupWorkspace& work, st
   });
 }
 
-/// Each agent's own reward where the task says it, else the team's.
+/// Each agent's own reward if the task provides it, else the team's.
 void CompiledScenario::write_agent_rewards(GroupWorkspace& work, std::uint32_t mask,
                                            const Rows& rows) const {
   double* to = work.agent_reward.data();

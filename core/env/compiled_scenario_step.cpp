@@ -1,6 +1,6 @@
 // One transition, phase by phase (paper eq. 3): update, act, K times (command, control, apply,
-// advance, feel, sense), evaluate, conclude. Each is said in "The way of an action" of
-// docs/architecture.md. Under direct control they are called one by one.
+// advance, feel, sense), evaluate, conclude. "The way of an action" in docs/architecture.md
+// describes each phase. Under direct control they are called one by one.
 #include <algorithm>
 
 #include "core/base/error.h"
@@ -45,8 +45,9 @@ void CompiledScenario::fly_action(StateGroup& group, GroupWorkspace& work,
   }
 }
 
-/// One physics step. Lanes that do not come through are active no longer.
-/// @param steps_left  behind this one, before anybody but plugins looks
+/// One physics step. Lanes that fail are removed from the active lanes.
+/// @param steps_left  physics steps after this one before the outputs are read by anything but
+///   plugins
 void CompiledScenario::physics_step(StateGroup& group, GroupWorkspace& work, SkybodyLanes& lanes,
                                     std::int64_t steps_left) const {
   if (draws_in_time_) draw_in_time(group, work, lanes);
@@ -94,8 +95,8 @@ void CompiledScenario::update(StateGroup& group, GroupWorkspace& work, std::uint
   group.refresh(mask, work.physics);
 }
 
-/// P_i: clip the action. A row that is not finite keeps the last action instead and makes this
-/// transition a fault.
+/// P_i: clips the action. A row that is not finite keeps the last action and makes this transition
+/// a fault.
 void CompiledScenario::apply_action(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& view, const float* actions,
                                     int action_stride) const {
@@ -105,7 +106,7 @@ void CompiledScenario::apply_action(StateGroup& group, GroupWorkspace& work,
                                                 action.size, group.writable(action, view.active));
 }
 
-/// Turns the action into the command.
+/// Converts the action to the command.
 void CompiledScenario::make_command(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& view) const {
   const Layout& l = layout();
@@ -121,7 +122,7 @@ void CompiledScenario::make_command(StateGroup& group, GroupWorkspace& work,
   if (task().interpolates) std::copy_n(group.reals(l.command), values, work.command_to.data());
 }
 
-/// From [-1, 1] to what the action's channels mean.
+/// Scales from [-1, 1] to the physical ranges of the action's channels.
 void CompiledScenario::scale_action(const StateGroup& group, std::uint32_t mask,
                                     double* out) const {
   const int lanes = group.lanes();
@@ -133,8 +134,8 @@ void CompiledScenario::scale_action(const StateGroup& group, std::uint32_t mask,
   }
 }
 
-/// The command on its way from the last one to the present one: for the first one of an episode
-/// there was none.
+/// Interpolates the command from the last one to the present one. The first action of an episode
+/// has no last command: its command applies at once.
 /// @param step      1..steps
 /// @param is_first  of the action
 void CompiledScenario::move_command(StateGroup& group, const GroupWorkspace& work,
@@ -153,7 +154,8 @@ void CompiledScenario::move_command(StateGroup& group, const GroupWorkspace& wor
   }
 }
 
-/// The task makes the command, from physical values where it has an action of its own.
+/// Calls the task's process(), which computes the command. A task with its own action gets its
+/// physical values.
 void CompiledScenario::process(StateGroup& group, GroupWorkspace& work,
                                const SkybodyLanes& view) const {
   const bool has_own = !task().actions.empty();
@@ -168,8 +170,7 @@ void CompiledScenario::process(StateGroup& group, GroupWorkspace& work,
       action, group.writable(layout().command, view.active));
 }
 
-/// The lanes in which a plugin that has a period is to be called before this physics step, or
-/// behind it.
+/// The lanes in which a plugin with a period is called before or after this physics step.
 std::uint32_t CompiledScenario::due(const PluginInstance& plugin, const StateGroup& group,
                                     std::uint32_t mask) const {
   if (plugin.period <= 1) return mask;
@@ -198,7 +199,8 @@ void CompiledScenario::control(StateGroup& group, GroupWorkspace& work, const Sk
     const ChainEnd& end = chain.ends[0];
     double* const target =
         is_last ? group.writable(layout().*end.block, v.active) + end.first * lanes : held;
-    // All lanes at once go where they belong; else others' values have to be spared.
+    // If all lanes are written at once, write to the target directly; else keep the other lanes'
+    // values.
     const bool is_direct = is_last && chain.ends.size() == 1 && v.active == group.occupied();
     double* const output = is_direct ? target : scratch;
     if (v.active != 0) {
@@ -224,9 +226,8 @@ void CompiledScenario::control(StateGroup& group, GroupWorkspace& work, const Sk
   }
 }
 
-/// x_{k-1} -> x_k with the command held; lanes whose physics gives up stay in their last finite
-/// state.
-/// @returns the lanes that came through
+/// x_{k-1} -> x_k with the command held. Lanes whose physics fails keep their last finite state.
+/// @returns the lanes that succeeded
 std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWorkspace& work,
                                         std::uint32_t mask) const {
   remember_bodies(group, mask);
@@ -238,17 +239,16 @@ std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWorkspace& work,
   return through;
 }
 
-/// For plugins that look at where bodies were before the last physics step.
+/// Stores the bodies before the physics step, for plugins that read them.
 void CompiledScenario::remember_bodies(StateGroup& group, std::uint32_t mask) const {
   if (!needs_bodies_before_) return;
   const Block& block = layout().bodies_before;
   keep(group, mask, block.size, group.bodies(), group.writable(block, mask));
 }
 
-/// Sensors that are due after this physics step, each lane by its own count; but those that are
-/// called only when they are read not if they will be due once more before that. A sensor may have
-/// to make up for what was left out, so that is not more than
-/// SKYBODY_LONGEST_LEFT_OUT steps.
+/// Calls the sensors that are due after this physics step, each lane by its own count. A sensor
+/// that is called only when read is skipped if it is due again before the next read. It may have to
+/// catch up on skipped calls, so at most SKYBODY_LONGEST_LEFT_OUT steps are skipped.
 void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
                              std::int64_t steps_left) const {
   for (const PluginInstance& s : plugins_[SKYBODY_SENSOR]) {
@@ -272,7 +272,7 @@ void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
       values);
 }
 
-/// Psi_i: what the task says about the final state.
+/// Psi_i: the task's evaluation of the final state.
 void CompiledScenario::evaluate(StateGroup& group, GroupWorkspace& work, const SkybodyLanes& view,
                                 bool wants_info) const {
   work.clear_outcome(wants_info);
@@ -295,8 +295,8 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWorkspace& work, const S
   gather_observation(group, work);
 }
 
-/// Values beside the observation that other plugins keep in their buffers, and randomizable ones,
-/// behind the task's.
+/// Appends to the task's infos: values that other plugins keep in their buffers, then randomizable
+/// values.
 void CompiledScenario::write_reports(const StateGroup& group, GroupWorkspace& work) const {
   const int lanes = group.lanes();
   double* to = work.info.data() + value_count(task().infos) * lanes;
@@ -313,7 +313,7 @@ void CompiledScenario::write_reports(const StateGroup& group, GroupWorkspace& wo
   }
 }
 
-/// Puts the observation together where the task has not written all of it to its place.
+/// Assembles the observation if the task has not written all of it in place.
 void CompiledScenario::gather_observation(const StateGroup& group, GroupWorkspace& work) const {
   const int lanes = group.lanes();
   for (const ValueCopy& copy : plan_.task_copies) {

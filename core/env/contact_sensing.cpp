@@ -1,5 +1,5 @@
-// What bodies feel, for plugins that ask: contacts added up by body and by pair, and what joints
-// exert. Found lane by lane after each physics step, and kept in state words until the next.
+// Contact forces summed by body and by pair, and joint reactions, for plugins that request them.
+// Computed lane by lane after each physics step and kept in state words until the next.
 #include "core/base/fp_environment.h"
 #include "core/base/lane_mask.h"
 #include "core/env/compiled_scenario.h"
@@ -8,10 +8,10 @@
 namespace skybody {
 namespace {
 
-/// Where a contact's force on one of its two bodies is added up.
+/// The body on which a contact's force is added up.
 struct FeltBy {
   int body;
-  double sign;  ///< -1: the contact tells the force on the other one
+  double sign;  ///< -1: the contact contains the force on the other body
 };
 
 /// Adds a contact to a sum.
@@ -29,14 +29,14 @@ void add_contact(const Contact& contact, FeltBy by, const StateGroup& group, int
   *sum = 1.0;
 }
 
-/// What a pair's partner is in a Contact.
+/// The partner of a pair in the notation of Contact::other.
 int partner_of(const ContactPair& pair) {
   if (pair.partner == SKYBODY_GROUND) return kGround;
   return pair.partner == SKYBODY_OBSTACLE ? kFirstObstacle - pair.other : pair.other;
 }
 
-/// Whether the dynamics does not give up. A lane where it does keeps what was felt before: its next
-/// step is a fault.
+/// Whether the dynamics succeeds. A lane in which it fails keeps its previous contact values: its
+/// next step is a fault.
 template <class Find>
 bool comes_through(const Find& find) {
   try {
@@ -61,7 +61,7 @@ std::vector<Contact> CompiledScenario::contacts(StateGroup& group, GroupWorkspac
   return work.contacts;
 }
 
-/// Those of a lane that is up to date, into the work.
+/// Computes the contacts of a lane that is up to date, into the workspace.
 void CompiledScenario::find_contacts(StateGroup& group, GroupWorkspace& work, int lane) const {
   work.contacts.clear();
   group.add_contacts(lane, work.physics, work.contacts);

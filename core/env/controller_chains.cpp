@@ -16,10 +16,10 @@ std::string with_size(int signal, int count) {
   return std::string(signal_name(signal)) + "[" + std::to_string(count) + "]";
 }
 
-/// Which actuators of a robot are commanded already, by signal.
+/// The actuators of a robot that are already commanded, by signal.
 using Claims = std::array<bool, SKYBODY_SIGNAL_COUNT>;
 
-/// The chains of a world while they are made.
+/// The chains of a world during construction.
 struct Chains {
   const Scenario& scenario;
   WorldPlan& plan;
@@ -33,7 +33,7 @@ class ChainMaker {
  public:
   /// @param uses         of its controllers
   /// @param controllers  the first of them
-  /// @param first        its place within all
+  /// @param first        its index among all controllers
   ChainMaker(Chains& all, int team, const std::vector<PluginUse>& uses, PluginInstance* controllers,
              int first)
       : all_(all),
@@ -67,7 +67,7 @@ class ChainMaker {
     throw LocatedError(uses_[static_cast<std::size_t>(i)].mark, message);
   }
 
-  /// The chain of the robot itself that takes a team's output, or null.
+  /// The robot's own chain that takes a team's output, or null.
   ControllerChain* fed_by(const PluginInstance& c, const PluginOutput& output) const {
     const bool has_ends = (output.signal == SKYBODY_WRENCH && !c.sites.empty()) ||
                           (output.signal == SKYBODY_JOINT && !c.joints.empty());
@@ -89,7 +89,8 @@ class ChainMaker {
                        });
   }
 
-  /// What drives actuators ends a chain, unless the next controller takes just that.
+  /// A controller that drives actuators ends a chain, unless the next controller takes the same
+  /// signal.
   bool is_end(int i) const {
     const PluginInstance &c = at(i), &after = at(i + 1);
     const PluginOutput& given = c.outputs[0];
@@ -99,7 +100,7 @@ class ChainMaker {
     return !is_taken && (actuates(given.signal) || fed_by(c, given) != nullptr);
   }
 
-  /// Controller i gives what the next one takes.
+  /// Checks that controller i's output matches the next controller's input.
   void check_link(int i) const {
     const PluginInstance &c = at(i), &after = at(i + 1);
     if (c.outputs.size() > 1) {
@@ -147,7 +148,7 @@ class ChainMaker {
     check_used(i, c.joints, SKYBODY_JOINT, "joint drives");
   }
 
-  /// Each site has its wrench, each drive its command: of an output to the robot that it is on.
+  /// Checks that each site has a wrench and each drive a command, from an output to its own robot.
   template <class T>
   void check_used(int i, const std::vector<T>& all, int signal, const char* what) const {
     const PluginInstance& c = at(i);
@@ -175,7 +176,7 @@ class ChainMaker {
     }
   }
 
-  /// Those of the sites or drives that are on the output's robot.
+  /// The sites or drives on the output's robot.
   template <class T>
   std::vector<T> of_robot(const std::vector<T>& all, const PluginOutput& output) const {
     const RobotLayout& bodies = layout(output);
@@ -202,7 +203,7 @@ class ChainMaker {
     }
   }
 
-  /// What passes its command on to others has the range of the first that has one.
+  /// A controller that passes its command on gets the range of the first one after it with a range.
   void take_range(int begin, int end) const {
     int from = begin;
     while (from < end && at(from).passes_on) ++from;
@@ -233,7 +234,7 @@ class ChainMaker {
     return chain;
   }
 
-  /// Two chains that command the same actuators would fight.
+  /// Rejects two chains that command the same actuators.
   void claim(int i, const PluginOutput& output) {
     const int what = drives_base(output.signal) ? int{SKYBODY_VELOCITY} : output.signal;
     const bool may_share = what == SKYBODY_WRENCH || what == SKYBODY_JOINT;
@@ -255,7 +256,7 @@ class ChainMaker {
     if (ControllerChain* chain = fed_by(c, output)) {
       chain->is_fed = true;
       end.block = &Layout::command;
-      end.feeds = chain->first;  // place_commands() knows the place of its command
+      end.feeds = chain->first;  // place_commands() sets the place of its command
       return end;
     }
     claim(i, output);
@@ -324,7 +325,7 @@ class ChainMaker {
   int first_;
 };
 
-/// In the order of evaluation, with the places of their commands.
+/// The chains in the order of evaluation, with the places of their commands.
 std::vector<ControllerChain> place_commands(Chains& all) {
   std::vector<ControllerChain> chains = std::move(all.of_robots);
   chains.insert(chains.end(), all.of_teams.begin(), all.of_teams.end());

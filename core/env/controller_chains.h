@@ -1,4 +1,4 @@
-// Chains of controllers: from a command to actuators.
+// Chains of controllers, from a command to actuators.
 #pragma once
 
 #include <string>
@@ -11,36 +11,36 @@
 
 namespace skybody {
 
-/// A part of the last controller's output, and where it goes.
+/// A part of the last controller's output, and its destination.
 struct ChainEnd {
-  int robot = 0;   ///< to whose actuators, or to whose own chain
+  int robot = 0;   ///< robot whose actuators or own chain receive it
   int signal = 0;  ///< SkybodySignal
-  int count = 0;   ///< values
+  int count = 0;   ///< number of values
   Block Layout::*block =
-      nullptr;  ///< rotor_command, wrench, drive, joint_command; of a chain that it feeds: command
-  int first = 0;   ///< within that block
+      nullptr;     ///< rotor_command, wrench, drive or joint_command; command if it feeds a chain
+  int first = 0;   ///< first value within that block
   int feeds = -1;  ///< the first controller of the chain that it feeds, or -1
 };
 
-/// Consecutive controllers of one robot or team, each taking what the one before it gives.
+/// Consecutive controllers of one robot or team. Each takes the output of the one before it.
 struct ControllerChain {
-  int robot = 0;             ///< whose action commands it: of a team its first robot's
+  int robot = 0;             ///< robot whose action commands it; for a team, its first robot
   int first = 0, count = 0;  ///< within the world's controllers
-  int signal = 0;            ///< SkybodySignal that the first one takes
+  int signal = 0;            ///< SkybodySignal of the first controller's input
   int command = 0;           ///< first word within the command block
-  int inputs = 0;            ///< number of these
-  int team = -1;             ///< of a team: its index
-  bool is_fed = false;       ///< a team's chain gives its command, and no action
+  int inputs = 0;            ///< number of command words
+  int team = -1;             ///< index of the team, or -1
+  bool is_fed = false;       ///< whether a team's chain, not the action, gives its command
   std::vector<ChainEnd> ends;
 };
 
-/// Levels of a chain that do not meet: nothing takes what a controller gives. Whoever knows all
-/// plugins can say which of them lead from one level to the other.
+/// Two levels of a chain do not match: nothing takes a controller's output. A caller with the list
+/// of all plugins can suggest controllers that lead from one level to the other.
 class ChainMismatchError : public LocatedError {
  public:
-  /// @param given  signal of the controller before the gap
-  /// @param taken  signal of the one behind it; -1: there is none, and actuators do not take
-  /// `given`
+  /// @param given  output signal of the controller before the gap
+  /// @param taken  input signal of the next controller; -1: there is no next controller, and
+  ///   actuators do not take `given`
   ChainMismatchError(SourceLocation where, const std::string& message, int given, int taken)
       : LocatedError(std::move(where), message), given_(given), taken_(taken) {}
   int given() const { return given_; }
@@ -50,27 +50,26 @@ class ChainMismatchError : public LocatedError {
   int given_, taken_;
 };
 
-/// Chains the controllers of each robot and team: behind one that gives signals to actuators
-/// another chain begins. A team's chain ends in actuators, too, or in robots' own chains, which it
-/// feeds. Gives commands, sites and drives their places in the plan.
-/// @param controllers  of all robots, in robot order, then those of teams; one that passes its
-///                     command on gets the range of the one that takes it
-/// @returns those that actions command, in robot order, then those that are fed: a chain comes
-///          behind the one that feeds it
-/// @throws LocatedError at the scenario's line where they do not fit; ChainMismatchError where
-/// levels do not
-///         meet
+/// Builds the chains of each robot and team. A controller with an output to actuators ends a chain;
+/// the next controller begins another. A team's chain ends in actuators or in robots' own chains,
+/// which it feeds. Assigns the places of commands, sites and drives in the layout.
+/// @param controllers  of all robots, in robot order, then those of teams; a controller that passes
+///   its command on gets the range of the controller that takes it
+/// @returns first the chains that actions command, in robot order, then the chains that are fed; a
+///   chain always follows the one that feeds it
+/// @throws LocatedError at the scenario's line where controllers do not match; ChainMismatchError
+///   where levels do not match
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
                                                  std::vector<PluginInstance>& controllers,
                                                  WorldPlan& plan);
 
-/// Whether actuators take a signal: rotors, wrench sites, joints' drives or the base's drive.
+/// Whether actuators take a signal: rotors, wrench sites, joint drives or the base's drive.
 bool actuates(int signal);
 
-/// The word for a signal, such as "rotor_speed".
+/// The name of a signal, such as "rotor_speed".
 const char* signal_name(int signal);
 
-/// Its values in words, with units and frames.
+/// The signal's values in words, with units and frames.
 const char* signal_meaning(int signal);
 
 }  // namespace skybody

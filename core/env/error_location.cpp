@@ -9,7 +9,7 @@
 namespace skybody {
 namespace {
 
-/// The words of a message that stand in backticks.
+/// The words in backticks of a message.
 std::vector<std::string> quoted_words(const std::string& message) {
   std::vector<std::string> words;
   for (std::size_t from = message.find('`'); from != std::string::npos;) {
@@ -21,13 +21,13 @@ std::vector<std::string> quoted_words(const std::string& message) {
   return words;
 }
 
-/// Something of the scenario that a message names.
+/// An item of the scenario that a message names.
 struct Named {
   SourceLocation mark;
   bool is_given = true;  ///< false: a parameter's default
 };
 
-/// The parameter that a word such as `range`, `range[1]` or `kind: hold` names, or null.
+/// The parameter named by a word such as `range`, `range[1]` or `kind: hold`, or null.
 const ParameterValue* parameter_of(const PluginUse& use, const std::string& word) {
   const std::string name = word.substr(0, word.find_first_of("[:"));
   for (const ParameterValue& value : use.parameters) {
@@ -44,7 +44,8 @@ const Obstacle* obstacle_of(const Scenario& scenario, const std::string& word) {
   return nullptr;
 }
 
-/// What the words name, in their order: parameters, and obstacles if the message begins with one.
+/// The items that the words name, in order: parameters, and obstacles if the message begins with
+/// one.
 std::vector<Named> named_by(const std::vector<std::string>& words, const Scenario& scenario,
                             const PluginUse& use) {
   std::vector<Named> all;

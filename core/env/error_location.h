@@ -1,4 +1,4 @@
-// Where in the scenario the mistakes are that plugins find, and that are found about them.
+// Scenario lines for errors that plugins report, and for errors found in plugins.
 #pragma once
 
 #include <string>
@@ -7,21 +7,25 @@
 
 namespace skybody {
 
-/// Whether the user says it: in the scenario's own file and no included one, or by `--set`.
+/// Whether a location is the user's own: in the scenario's main file (not an included one) or in a
+/// `--set` option.
 bool is_own(const Scenario& scenario, const SourceLocation& mark);
 
-/// Where the mistake is that a plugin finds, by the words of its message in backticks: at an
-/// obstacle if the first word names one, or at a parameter (`range`, `kind: hold`); of several, at
-/// the first that is_own(), else at the first. If there is none, at the parameter whose text the
-/// message repeats, such as a robot's name or a path; else where the scenario names the plugin.
+/// The location of an error that a plugin reports, found from the words in backticks in its
+/// message:
+///
+/// 1. A parameter that the words name (`range`, `kind: hold`), or an obstacle if the first word
+///    names one. Of several, the first that is_own(), else the first.
+/// 2. Else the parameter whose text the message repeats, such as a robot's name or a path.
+/// 3. Else the line where the scenario names the plugin.
 SourceLocation blamed(const Scenario& scenario, const PluginUse& use, const std::string& message);
 
-/// The message; where it says that a path names nothing, with the path that is spelled most like
-/// it, which plugins do not know.
+/// The message. If it reports that a path names nothing, the nearest existing path is appended,
+/// because plugins have no list of paths.
 std::string with_nearest_param(const Layout& layout, const std::string& message);
 
-/// Where a plugin is told to write an EnvParam: at its parameter whose texts name it, else where
-/// the scenario names the plugin.
+/// The location of the setting that makes a plugin write an EnvParam: its parameter whose texts
+/// name the EnvParam, else the line where the scenario names the plugin.
 SourceLocation mark_of_writer(const Scenario& scenario, const PluginUse& use,
                               const EnvParam& param);
 

@@ -12,11 +12,11 @@
 namespace skybody {
 namespace {
 
-/// Kinds of causes: the list that the number counts, and the words.
+/// The kinds of causes. Each determines the list that the number indexes, and the text.
 enum class Cause { kNone, kRotor, kJoint, kWrench, kDrive, kHeld, kVelocity, kSpin, kJointRate };
 
 /// Bits of a status: 1 + the number, the cause, and the value as a float. A status with a number
-/// and no cause is about a body that cannot be (impossible_body()).
+/// but no cause is about a body that is not physical (impossible_body()).
 constexpr StatusField kNumber{kBadStartPlace, 10}, kCause{kBadStartPlace + 10, 4},
     kValue{kBadStartPlace + 14, 32};
 
@@ -48,7 +48,7 @@ std::string value_text(double value) {
   return text;
 }
 
-/// Looks through a lane's values.
+/// Searches a lane's values for the cause.
 class Search {
  public:
   Search(const World& world, const StateGroup& group, int lane)
@@ -78,14 +78,14 @@ class Search {
   }
 
  private:
-  /// Some inputs are not finite where nothing is held.
+  /// Whether a held value is allowed: some inputs have a neutral value that is not finite.
   static bool is_allowed(int input, int k, double value) {
     const double neutral =
         neutral_value(input, k % kHeldInputs[static_cast<std::size_t>(input)].size);
     return std::isfinite(value) || value == neutral || (value != value && neutral != neutral);
   }
 
-  /// Of velocities, turns and rates of joints the greatest number, or the first that is none.
+  /// The greatest velocity, angular velocity or joint rate, or the first that is NaN.
   std::uint64_t fastest() const {
     double most = 0.0;
     std::uint64_t bits = 0;

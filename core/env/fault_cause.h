@@ -1,5 +1,5 @@
-// The likely cause of a physics step that gave up: its first input that is no finite number, or the
-// link or joint that moved fastest; and how an episode's status tells it.
+// The likely cause of a failed physics step: its first input that is not finite, or the link or
+// joint that moved fastest. The cause is encoded in the episode's status.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,13 @@
 
 namespace skybody {
 
-/// The bits of a status that say so, behind kBadState.
-/// @param group  with the lane as it was before the step
+/// The status bits of the cause, above kBadState.
+/// @param group  with the lane in its state before the step
 std::uint64_t cause_bits(const World& world, const StateGroup& group, int lane);
 
-/// The same in words, such as "link `arm` of robot `quad` turned at 5.8e+04 rad/s before".
-/// @param status  @returns empty: the status tells of none
+/// The cause in words, such as "link `arm` of robot `quad` turned at 5.8e+04 rad/s before".
+/// @param status  EpisodeStatus bits
+/// @returns empty: the status contains no cause
 std::string cause_text(const World& world, std::uint64_t status);
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// Random keys of copies: what makes `fork(rekey)` give every copy random numbers of its own.
+// Random keys of copies: `fork(rekey)` gives every copy its own random numbers.
 #pragma once
 
 #include "core/base/hash.h"
@@ -6,11 +6,11 @@
 
 namespace skybody {
 
-/// Notes in the parent that one more copy with a key of its own is about to be made.
+/// Counts in the parent one more copy with its own key. Call it before the copy is made.
 inline void count_fork(StateGroup& group, int lane) { ++group.writable(kForks)[lane]; }
 
-/// Gives a fresh copy of a parent, counted by count_fork, its own key: a function of the parent's
-/// key and of how many such copies the parent has made.
+/// Gives a fresh copy of a parent (counted by count_fork) its own key: a function of the parent's
+/// key and of the number of such copies made so far.
 inline void give_fork_key(StateGroup& group, int lane) {
   HashChain key;
   key.update(group.bits(kStreamEnv)[lane]);

@@ -13,10 +13,10 @@ void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
 
 void keep(const StateGroup& group, std::uint32_t mask, int count, const double* from, double* to) {
   const int lanes = group.lanes();
-  // Empty lanes may be written: one call to memcpy is quicker than a loop over few values. With
-  // many (formation of 20: 6440) half of what it moved would be for nothing.
+  // Lanes without an environment may be overwritten: for few values, one memcpy is faster than a
+  // loop. For many values (formation of 20: 6440), half of the copied memory would be empty lanes.
   constexpr int kFew = 64;
-  const bool is_full = mask == first_lanes(lanes);  // as the only lane of a small group is
+  const bool is_full = mask == first_lanes(lanes);  // such as the lane of a group of one
   if (mask == 0) return;
   if (is_full || (mask == group.occupied() && count <= kFew)) {
     std::memcpy(to, from, static_cast<std::size_t>(count * lanes) * sizeof(double));

@@ -1,10 +1,12 @@
-// Needs: a batch moves every row in every step, so whole groups must be quick. A lane must get the
-// same bits whether it goes alone or beside others.
-// Idea: whole octets (core/base/lane_mask.h) go in packs. Every other lane goes alone, by the same
-// template with Real = double. Only rows of floats need code of their own for packs: there four
-// values of several lanes are transposed in registers.
-// Limits: groups have 1 or kGroupLanes lanes. Only the latter have octets, so that the distance
-// from value to value is a constant wherever packs are used.
+// Needs: a batch moves every row in every step, so whole groups must be fast. A lane must get the
+// same bits alone and beside others.
+//
+// Idea: whole blocks of eight lanes (core/base/lane_mask.h) are processed in packs. Every other
+// lane is processed alone, by the same template with Real = double. Only rows of floats need
+// separate code for packs: four values of several lanes are transposed in registers.
+//
+// Limits: groups have 1 or kGroupLanes lanes. Only the latter have blocks of eight lanes, so the
+// stride between values is a constant wherever packs are used.
 #include "core/env/group_rows.h"
 
 #include <algorithm>
@@ -21,7 +23,7 @@ namespace skybody {
 namespace {
 
 // A piece of a table: W lanes times four values, transposed in registers. Two pieces of four lanes,
-// or one of eight, make an octet.
+// or one of eight, form a block of eight lanes.
 template <int W>
 struct FloatPack;
 template <>
@@ -47,8 +49,8 @@ SKYBODY_INLINE void store(float* p, const Vector& v) {
   std::memcpy(p, &v, sizeof(v));
 }
 
-/// Calls f(first lane, Real) for the lanes of a mask: whole octets in packs of W, what is left lane
-/// by lane, as double.
+/// Calls f(first lane, Real) for the lanes of a mask: whole blocks of eight lanes in packs of W,
+/// the rest lane by lane, as double.
 template <int W, class F>
 SKYBODY_INLINE void serve(std::uint32_t mask, F&& f) {
   const std::uint32_t octets = whole_octets(mask);
@@ -58,8 +60,8 @@ SKYBODY_INLINE void serve(std::uint32_t mask, F&& f) {
   each_lane(mask & ~octets, [&](int lane) SKYBODY_INLINE_LAMBDA { f(lane, 0.0); });
 }
 
-/// The lanes of a mask of which something holds: of whole octets if octet(first lane) says so, of
-/// all others if lane(lane) does.
+/// The lanes of a mask that satisfy a predicate. octet(first lane) tests whole blocks of eight
+/// lanes; lane(lane) tests all others, and the lanes of blocks that fail.
 template <class Octet, class Lane>
 SKYBODY_INLINE std::uint32_t lanes_where(std::uint32_t mask, Octet&& octet, Lane&& lane) {
   std::uint32_t those = 0;
@@ -72,8 +74,8 @@ SKYBODY_INLINE std::uint32_t lanes_where(std::uint32_t mask, Octet&& octet, Lane
   return those;
 }
 
-/// The same where octet(first lane, bits) can also serve some lanes of an octet, which are `bits`:
-/// cheaper than one by one from two lanes on.
+/// The same if octet(first lane, bits) can also test some lanes of a block of eight, given by
+/// `bits`. This is cheaper than lane by lane from two lanes on.
 template <class Octet, class Lane>
 SKYBODY_INLINE std::uint32_t lanes_where_some(std::uint32_t mask, int lanes, Octet&& octet,
                                               Lane&& lane) {
@@ -88,8 +90,8 @@ SKYBODY_INLINE std::uint32_t lanes_where_some(std::uint32_t mask, int lanes, Oct
   return those;
 }
 
-// Columns a, b, c, d of four lanes become rows a0 b0 c0 d0, a1 b1 c1 d1, ...; and back. Of eight
-// lanes, row i is followed by row i + 4.
+// Transposes columns a, b, c, d of four lanes to rows a0 b0 c0 d0, a1 b1 c1 d1, ...; and back. With
+// eight lanes, row i is followed by row i + 4.
 SKYBODY_INLINE void transpose(Floats<4> (&v)[4]) {
   const Floats<4> a = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5);
   const Floats<4> b = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5);
@@ -111,7 +113,7 @@ SKYBODY_INLINE void transpose(Floats<8> (&v)[4]) {
   v[3] = __builtin_shufflevector(c, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/// Four values of lane i, and of lane i + 4 where there are eight.
+/// Four values of lane i, and of lane i + 4 if there are eight.
 SKYBODY_INLINE void load_rows(const float* row, std::ptrdiff_t, Floats<4>& v) { load(row, v); }
 SKYBODY_INLINE void load_rows(const float* row, std::ptrdiff_t stride, Floats<8>& v) {
   Floats<4> low, high;
@@ -119,7 +121,7 @@ SKYBODY_INLINE void load_rows(const float* row, std::ptrdiff_t stride, Floats<8>
   load(row + 4 * stride, high);
   v = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
-/// @param bits  which of the rows to write: bit 0 and bit 4
+/// @param bits  the rows to write: bit 0 and bit 4
 SKYBODY_INLINE void store_rows(float* row, std::ptrdiff_t, const Floats<4>& v, std::uint32_t bits) {
   if ((bits & 1u) != 0) store(row, v);
 }
@@ -135,8 +137,9 @@ SKYBODY_INLINE void to_floats(const double* lanes, Vector& v) {
   v = __builtin_convertvector(load_lanes<Pack<W>>(lanes).v, Vector);
 }
 
-/// Whether a float, or each of a vector, is finite. Of a sum: if it is, all its terms were. (Finite
-/// ones whose sum is not are rare: then each is looked at.)
+/// Whether a float, or each float of a vector, is finite. Applied to a sum: if the sum is finite,
+/// so are all its terms. (Finite terms with a sum that is not finite are rare: then each is
+/// tested.)
 SKYBODY_INLINE bool is_finite(float value) { return value - value == 0.0f; }
 template <class Vector>
 SKYBODY_INLINE bool is_finite(const Vector& sum) {
@@ -175,7 +178,7 @@ SKYBODY_INLINE Real clipped(const Real& value) {
   return clamp(value, Real(-1.0), Real(1.0));
 }
 
-/// One lane's values, from the k-th on.
+/// One lane's values from index k on.
 SKYBODY_INLINE void read_row(const float* row, int lanes, int k, int count, double* values) {
   for (; k < count; ++k) values[k * lanes] = clipped(static_cast<double>(row[k]));
 }
@@ -251,7 +254,7 @@ struct Copy {
   }
 
  private:
-  /// The usual case: without masks, value after value, as memory has them.
+  /// The common case: no masks, value after value in memory order.
   template <int W>
   static SKYBODY_INLINE void copy_octets(std::uint32_t octets, const double* from, int count,
                                          double* to) {
@@ -287,7 +290,8 @@ struct Multiples {
     std::uint32_t multiples = 0;
     serve<W>(mask, [&]<class Real>(int l, const Real&) SKYBODY_INLINE_LAMBDA {
       const Real count = to_real(load_words<Real>(counts + l));
-      // Of a multiple the product is the quotient up to 2^-52 of it; the test itself is exact.
+      // For a multiple, the product is the quotient up to a relative error of 2^-52; the test
+      // itself is exact.
       const Real quotient = round_half_even(count * inverse);
       multiples |= bits_from_mask(quotient * period == count) << l;
     });
@@ -334,7 +338,7 @@ struct AreFinite {
   }
 };
 
-/// Writes a run of the values of an octet to its rows, and adds them to `sum`.
+/// Writes a run of the values of a block of eight lanes to its rows, and adds them to `sum`.
 /// @param bits  the lanes whose rows are written
 template <int W>
 SKYBODY_INLINE void write_run(const double* values, int size, const ValueRun& run, float* rows,
@@ -355,7 +359,7 @@ SKYBODY_INLINE void write_run(const double* values, int size, const ValueRun& ru
     int k = run.first;
     for (; k + 4 <= last; k += 4) write_four(k);
     if (k < last && run.count >= 4) {
-      write_four(last - 4);  // some of them once more
+      write_four(last - 4);  // writes some values twice
       continue;
     }
     for (; k < last; ++k) {
@@ -388,7 +392,7 @@ SKYBODY_INLINE void copy_by(const float* from, int count, float* to) {
 }
 
 /// Copies within rows of `size` values.
-/// @param bits  which of the rows
+/// @param bits  the rows to copy in
 SKYBODY_INLINE void copy_within(const ValueCopy& copy, std::uint32_t bits, int size, float* rows) {
   const auto each_row = [&](const auto& f) SKYBODY_INLINE_LAMBDA {
     if (bits == 0xffu) {
@@ -451,7 +455,7 @@ struct WriteParts {
         write_run<kPiece<W>>(values + first, parts.size, piece.written, own, bits, sum);
         copy_within(piece.copied, bits, parts.size, own);
       }
-      return is_finite(sum);  // where a lane that is not served is not, lanes go one by one
+      return is_finite(sum);  // else lanes are tested one by one
     };
     const auto octet = [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
       return bits == 0xffu ? rows_of(first, 0xffu) : rows_of(first, bits);
@@ -478,7 +482,7 @@ struct End {
     const std::uint64_t last = horizon > 0 ? horizon : std::uint64_t{1} << 62;
     serve<W>(mask, [&]<class Real>(int l, const Real&) SKYBODY_INLINE_LAMBDA {
       using Words = Word<Real>;
-      // All ones where the step is not below the last: their difference has no sign then.
+      // All ones if the step is not below the last: their difference has no sign bit then.
       const Words over = ((load_words<Real>(step + l) - Words(last)) >> 63) - 1;
       const Words result = (load_words<Real>(by_task + l) & int{kTerminated | kTruncated}) |
                            (over & Words(int{kTruncated}));

@@ -1,4 +1,4 @@
-// Scratch of one thread while it steps groups of a compiled scenario.
+// Scratch of one thread for stepping groups of a compiled scenario.
 #pragma once
 
 #include <algorithm>
@@ -13,44 +13,45 @@
 
 namespace skybody {
 
-/// Made by CompiledScenario::make_workspace for groups of one size. Nothing in it survives a call:
-/// any group may be stepped with any work of its compiled scenario.
+/// Made by CompiledScenario::make_workspace for groups of one size. No content survives a call: any
+/// group may be stepped with any workspace of its compiled scenario.
 class GroupWorkspace {
  public:
-  /// Before the task speaks: what it leaves out is 0.
+  /// Called before the task's evaluate(): values that the task does not write are 0.
   void clear_outcome(bool wants_info) {
     clear_verdict();
     if (wants_info) info.fill_zero();
   }
 
-  /// A transition begins: no lane has a fault.
+  /// Begins a transition: no lane has a fault.
   void clear_faults() { bad_action = bad_state = bad_start = 0; }
 
-  /// Nothing is asked for at a reset.
+  /// Removes all requests for a reset.
   void clear_requests() { std::fill(requests.begin(), requests.end(), Requests()); }
 
-  /// Rewards and end to 0.
+  /// Sets rewards and end bits to 0.
   void clear_verdict() {
     reward.fill_zero();
     end.fill_zero();
     robot_reward.fill_zero();
   }
 
-  /// In order.
+  /// Requests of one lane, in order.
   using Requests = std::span<const std::shared_ptr<const ParamRequest>>;
 
   int lanes = 1;
   std::vector<Requests> requests;  ///< for the next reset, one per lane: set and cleared by callers
-  bool is_checked = false;         ///< plugins are held to the values that they may touch
-  SkybodyChecks checks{};          ///< of a checked work
+  bool is_checked = false;         ///< checked mode: plugins may touch only their own values
+  SkybodyChecks checks{};          ///< limits in checked mode
   PhysicsScratch physics;
   AlignedArray<double> signal[2];       ///< between controllers, in lanes
-  AlignedArray<double> scratch;         ///< of one call of a plugin, in lanes
+  AlignedArray<double> scratch;         ///< for one call of a plugin, in lanes
   AlignedArray<double> action;          ///< in the task's units, in lanes
-  AlignedArray<double> command_from;    ///< where commands that change begin, in lanes
-  AlignedArray<double> command_to;      ///< and where they go
+  AlignedArray<double> command_from;    ///< start values of interpolated commands, in lanes
+  AlignedArray<double> command_to;      ///< their end values, in lanes
   AlignedArray<double> observation;     ///< in lanes, the privileged values last
-  AlignedArray<double> task_values;     ///< of the task, where they have other places there
+  AlignedArray<double> task_values;     ///< the task's values, if their order differs from the
+                                        ///< observation's
   AlignedArray<double> reward;          ///< 1 per lane
   AlignedArray<double> robot_reward;    ///< 1 per robot, in lanes
   AlignedArray<double> agent_reward;    ///< 1 per agent, in lanes
@@ -60,13 +61,14 @@ class GroupWorkspace {
   std::vector<Contact> contacts;        ///< of one lane
   std::vector<SpatialForce<double>> joint_reactions;  ///< of one lane, one per body
   std::vector<std::uint8_t*> image_rows;     ///< for Rows::images, one per image of the observation
-  AlignedArray<double> drawn;                ///< what a randomizer writes, before it draws in time
-  AlignedArray<std::uint64_t> undrawn;       ///< words that a reset's draws change, before them, in
-                                             ///< lanes; empty: no start is drawn again
-  AlignedArray<std::uint64_t> start_status;  ///< of lanes of bad_start: the status bits, 1 per lane
-  std::uint32_t bad_action = 0;              ///< lanes of the present transition with such a fault
-  std::uint32_t bad_state = 0;               ///< likewise
-  std::uint32_t bad_start = 0;               ///< likewise
+  AlignedArray<double> drawn;                ///< parameters of a randomizer before it draws during
+                                             ///< an episode
+  AlignedArray<std::uint64_t> undrawn;       ///< words that a reset's draws change, before the
+                                             ///< draws, in lanes; empty: no start is drawn again
+  AlignedArray<std::uint64_t> start_status;  ///< status bits of the lanes in bad_start, 1 per lane
+  std::uint32_t bad_action = 0;              ///< lanes with this fault in the current transition
+  std::uint32_t bad_state = 0;               ///< as above
+  std::uint32_t bad_start = 0;               ///< as above
 };
 
 }  // namespace skybody

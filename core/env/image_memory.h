@@ -1,4 +1,4 @@
-// The images that sensors have made, of a group of environments.
+// Images made by the sensors of a group of environments.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 
 namespace skybody {
 
-/// One run of words per environment. Sensors write bytes into it, and a sensor that is not due
-/// leaves its images as they are. Saving, restoring and hashing take words, as they do state words.
+/// One run of words per environment. Sensors write bytes into it; a sensor that is not due keeps
+/// its images. Saving, restoring and hashing use words, as for state words.
 class ImageMemory {
  public:
-  /// @param words  of each environment; 0: there are no images
+  /// @param words  per environment; 0: no images
   ImageMemory(int words, int lanes)
       : words_(static_cast<std::size_t>(words)),
         memory_(words_ * static_cast<std::size_t>(lanes)) {}
@@ -28,7 +28,7 @@ class ImageMemory {
   const unsigned char* bytes_of(int lane) const {
     return reinterpret_cast<const unsigned char*>(of(lane).data());
   }
-  /// First byte of the first environment; from one to the next there are 8 words() bytes.
+  /// First byte of the first environment. Consecutive environments are 8 words() bytes apart.
   unsigned char* bytes() { return reinterpret_cast<unsigned char*>(memory_.data()); }
 
   void clear(int lane) { std::fill_n(start_of(lane), words_, std::uint64_t{0}); }

@@ -14,8 +14,8 @@ bool is_floating(const WorldBody& body) {
   return body.parent < 0 && body.model->joint.type == JointType::kFree;
 }
 
-/// A joint's position as numbers that may be drawn one by one: none of a ball joint, which has a
-/// quaternion, and of a link that floats.
+/// Number of a joint position's values that can be drawn one by one: 0 for a ball joint (its
+/// position is a quaternion) and for a floating link.
 int drawn_position_size(JointType type) {
   const bool has =
       type == JointType::kPin || type == JointType::kSlider || type == JointType::kUniversal;
@@ -24,7 +24,7 @@ int drawn_position_size(JointType type) {
 
 }  // namespace
 
-/// Writes the lists.
+/// Fills the EnvParams and places.
 struct InitialStates::Author {
   const Topology& world;
   Layout& layout;
@@ -155,7 +155,9 @@ void InitialStates::place(StateGroup& group, std::uint32_t mask, const Layout& l
   const double* turn = param(place.turn);
   each_lane(mask, [&](int lane) {
     const Vec3<double> rpy{turn[lane], turn[width + lane], turn[2 * width + lane]};
-    if (rpy.x == 0.0 && rpy.y == 0.0 && rpy.z == 0.0) return;  // the bits of the scenario's own
+    if (rpy.x == 0.0 && rpy.y == 0.0 && rpy.z == 0.0)
+      return;  // keep the bits of the scenario's
+               // own rotation
     double* q = to + lane;
     const Quat<double> turned =
         from_rpy(rpy.x, rpy.y, rpy.z) * Quat<double>{q[0], q[width], q[2 * width], q[3 * width]};

@@ -1,4 +1,4 @@
-// Where robots begin an episode, as EnvParams: pose and motion of floating bases, rotors' speeds,
+// Initial states of robots, as EnvParams: pose and motion of floating bases, rotor speeds,
 // positions and velocities of joints.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace skybody {
 
-/// The EnvParams of starts, and the words of q, u and rotor speeds that a reset takes from them.
-/// Immutable. `places` below are indices of such pieces: a position, a rotation with its turn, a
-/// velocity, the speed of a rotor, a joint's position or velocity.
+/// The EnvParams of initial states, and the words of q, u and rotor speeds that a reset computes
+/// from them. Immutable. `places` below are indices of such pieces: a position, a rotation with its
+/// turn, a velocity, the speed of a rotor, a joint's position or velocity.
 class InitialStates {
  public:
   InitialStates() = default;
@@ -24,24 +24,25 @@ class InitialStates {
   /// The places that these EnvParams belong to, each once, in order.
   std::vector<int> places_of(const std::vector<int>& params) const;
 
-  /// Puts the lanes' robots where their EnvParams say: all of them, or some places alone.
+  /// Places the lanes' robots according to their EnvParams: at all places, or only at the given
+  /// ones.
   void place(StateGroup& group, std::uint32_t mask) const;
   void place(StateGroup& group, std::uint32_t mask, const std::vector<int>& places) const;
 
  private:
   struct Place {
     Block Layout::*block;  ///< q, u or rotor_speed
-    int first;             ///< within the block
+    int first;             ///< first word within the block
     int param, count;      ///< EnvParams that are copied there
-    int turn = -1;         ///< of a rotation: three EnvParams of the turn; else -1
-    int limit = -1;        ///< of a rotor: the EnvParam of its greatest speed; else -1
+    int turn = -1;         ///< for a rotation: the first of three EnvParams of the turn; else -1
+    int limit = -1;        ///< for a rotor: the EnvParam of its greatest speed; else -1
   };
   struct Author;
   static void place(StateGroup& group, std::uint32_t mask, const Layout& layout,
                     const Place& place);
 
   std::vector<Place> places_;
-  int first_ = 0, end_ = 0;  ///< EnvParams
+  int first_ = 0, end_ = 0;  ///< range of EnvParams
 };
 
 }  // namespace skybody

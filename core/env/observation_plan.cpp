@@ -50,7 +50,7 @@ class Planner {
     plan.columns.push_back(std::move(column));
   }
 
-  /// Gives every column its place, the policy's before the privileged ones.
+  /// Places every column, the policy's before the privileged ones.
   void place() {
     for (ObservationColumn& column : plan.columns) {
       if (channel_of(column.source).is_image()) {
@@ -72,7 +72,7 @@ class Planner {
     }
   }
 
-  /// Where a row of observations is written, and where copied.
+  /// Determines the written and the copied parts of a row of observations.
   void place_repeats() {
     std::vector<ValueCopy> copies = task_.repeats;
     std::sort(copies.begin(), copies.end(),
@@ -95,7 +95,7 @@ class Planner {
   ObservationPlan plan;
 
  private:
-  /// Those that follow one another are one.
+  /// Merges consecutive copies into one.
   void add_copy(const ValueCopy& copy) {
     if (!plan.row.copies.empty()) {
       ValueCopy& last = plan.row.copies.back();
@@ -157,7 +157,7 @@ class Planner {
         {index, sensor.images + image_bytes(before), channel_of(column.source).bytes()});
   }
 
-  /// A column's first value among all of the observation.
+  /// A column's first value within the whole observation.
   int place_of(const ObservationColumn& column) const {
     return column.first + (column.privileged ? plan.observation_size : 0);
   }
@@ -172,7 +172,7 @@ class Planner {
     return (is_of_task ? 0 : owner.output) + value_count(before);
   }
 
-  /// Runs that follow one another are one part.
+  /// Merges consecutive runs into one part.
   void add_part(const ObservationColumn& column) {
     const bool is_of_task = column.source.sensor < 0;
     if (is_of_task && plan.is_task_in_place) return;

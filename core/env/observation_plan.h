@@ -1,4 +1,4 @@
-// Which columns an observation has, and where the values of each come from.
+// The columns of an observation, and the sources of their values.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ namespace skybody {
 
 /// A run of values that is copied into the observation's values before rows are written.
 struct ObservationPart {
-  bool is_of_task = false;  ///< from what the task wrote, else from the outputs of the sensors
-  int from = 0;             ///< first value there
+  bool is_of_task = false;  ///< from the task's values, else from the sensors' outputs
+  int from = 0;             ///< first value of the source
   int to = 0;               ///< first value of the observation
   int count = 0;
 };
@@ -25,27 +25,29 @@ struct ObservedImage {
   int bytes = 0;
 };
 
-/// The columns of an observation: the task's channels in order, then those that `observe` adds.
+/// The columns of an observation: the task's channels in order, then those added by `observe`.
 ///
-/// The values of an environment are the row of observations, which the policy sees, and after it
-/// the privileged row. A task writes its values straight to their place where they are one run;
-/// else, and for sensors, `parts` says what is copied.
+/// The values of an environment are the row of observations, which the policy sees, followed by the
+/// privileged row. If the task's values are one run of the observation, the task writes them
+/// directly to their place. Else, and for sensors, `parts` lists the copies.
 struct ObservationPlan {
   std::vector<ObservationColumn> columns;
   std::vector<ObservationPart> parts;
   std::vector<ObservedImage> images;
   bool is_task_in_place = true;  ///< the task's values are the first of the observation
-  /// Of a row of observations: repeats of a task in place are copied from row to row's end alone.
+  /// Layout of a row of observations. Repeats of a task in place are copied only at the end, within
+  /// rows.
   RowParts row;
-  std::vector<ValueCopy> task_copies;  ///< else they are copied within the task's values, in lanes
-  int observation_size = 0;            ///< values of a row of observations
-  int privileged_size = 0;             ///< values of a privileged row
+  std::vector<ValueCopy> task_copies;  ///< repeats of a task not in place: copied within the task's
+                                       ///< values, in lanes
+  int observation_size = 0;            ///< values in a row of observations
+  int privileged_size = 0;             ///< values in a privileged row
 
   int size() const { return observation_size + privileged_size; }
 };
 
-/// @throws LocatedError at the entry of `observe` that names no channel of a sensor, gives a column
-///         the name of another one or bounds upside down, or makes an image privileged
+/// @throws LocatedError at the entry of `observe` if it names no channel of a sensor, reuses a
+///   column's name, has a lower bound above the upper bound, or makes an image privileged
 ObservationPlan plan_observation(const PluginInstance& task,
                                  const std::vector<PluginInstance>& sensors,
                                  const std::vector<ObservedChannel>& observe);

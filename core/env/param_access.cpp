@@ -11,7 +11,7 @@
 namespace skybody {
 namespace {
 
-/// The path without the index at its end, if it has one there.
+/// The path without the index at its end, if there is one.
 std::string stem_of(const std::string& path) {
   return path.empty() || path.back() != ']' ? path : path.substr(0, path.rfind('['));
 }

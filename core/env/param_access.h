@@ -8,29 +8,29 @@
 
 namespace skybody {
 
-/// The parameters that a path names, as randomizers name them (docs/scenarios.md), in order.
+/// The parameters that match a path, in the notation of randomizers (docs/scenarios.md), in order.
 /// @throws Error if there are none
 std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
                              const std::string& path);
 
-/// What a message adds about a path that names nothing: "; did you mean `x`?" with the one that is
-/// spelled most like it (of vectors without an index), and where all of them are listed.
+/// The end of a message about a path that names nothing: "; did you mean `x`?" with the most
+/// similar path (for vectors without an index), and the place where all paths are listed.
 std::string nearest_param(const Layout& layout, const std::string& path);
 
-/// Refuses a list of `count` values for a path that names something else than vectors of so many.
-/// @throws Error with the size that is needed
+/// Checks a list of `count` values: the path must name vectors of that size only.
+/// @throws Error with the required size
 void check_vector_size(const Scenario& scenario, const Layout& layout, const std::string& path,
                        std::size_t count);
 
-/// Refuses one number for a path that names a vector without an index: of gravity, x, y and z would
-/// all become it. @throws Error with the size and the first index
+/// Rejects one number for a path that names a vector without an index: for gravity, x, y and z
+/// would all get it. @throws Error with the size and the first index
 void check_one_value(const Scenario& scenario, const Layout& layout, const std::string& path);
 
-/// Value of a randomizable parameter in one lane. @throws Error if there is none at `path`
+/// Value of a randomizable parameter in one lane. @throws Error if `path` names none
 double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,
                  const std::string& path);
 
-/// Sets one. @throws Error if unknown or outside its bounds
+/// Sets a randomizable parameter. @throws Error if the path is unknown or the value out of bounds
 void set_param(const CompiledScenario& compiled, StateGroup& group, int lane,
                const std::string& path, double value);
 

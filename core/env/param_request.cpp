@@ -33,7 +33,7 @@ int place_in(const std::array<const char*, N>& names, const std::string& name) {
   return static_cast<int>(found - names.begin());
 }
 
-/// The numbers that make a distribution.
+/// The numbers that define a distribution.
 std::vector<double> numbers_of(const Distribution& d) {
   switch (d.kind) {
     case DistributionKind::kConstant:

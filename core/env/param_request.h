@@ -1,4 +1,4 @@
-// What a caller asks to become of randomizable values: now, or when the next episode begins.
+// A caller's changes of randomizable values: applied now, or when the next episode begins.
 #pragma once
 
 #include <cstdint>
@@ -14,50 +14,51 @@ namespace skybody {
 
 class CompiledScenario;
 
-/// What a drawn number is to a value.
+/// Meaning of a drawn number.
 enum class ChangeForm {
-  kValue,  ///< the value itself
+  kValue,  ///< the new value
   kScale,  ///< a factor on the nominal value
-  kShift   ///< is added to the nominal value
+  kShift   ///< added to the nominal value
 };
 
-/// When what is asked for is done.
+/// When a request is applied.
 enum class RequestTime {
   kNextStep,  ///< with the next transition that is sent
   kNextReset  ///< when the next episode begins
 };
 
-/// One setpoint: values by path, and what they are drawn from.
+/// One change: values by path, and their distribution.
 struct ParamChange {
-  std::string path;  ///< of one or several, as randomizers name them (docs/scenarios.md)
+  std::string path;  ///< of one or several values, in the notation of randomizers
+                     ///< (docs/scenarios.md)
   Distribution distribution;
   ChangeForm form = ChangeForm::kValue;
-  bool is_shared = false;  ///< one draw for all of them, not one for each
+  bool is_shared = false;  ///< one draw for all values, not one for each
 
-  /// One line that read_param_change() takes: `path form distribution numbers`.
+  /// The change as one line for read_param_change(): `path form distribution numbers`.
   std::string text() const;
 };
 
-/// @throws Error if it is no such line
+/// @throws Error if the text is not such a line
 ParamChange read_param_change(const std::string& text);
 std::vector<ParamChange> read_param_changes(const std::vector<std::string>& lines);
 
-/// Wishes, resolved and checked for one compiled scenario. Immutable.
+/// Changes, resolved and checked for one compiled scenario. Immutable.
 class ParamRequest {
  public:
   /// @param redraws  all randomizers draw as well, before the changes
-  /// @throws Error (naming the path) if nothing is called so, two changes name one value, or a
-  ///         value may come out beyond its bounds
+  /// @throws Error (with the path) if the path names nothing, two changes name the same value, or a
+  ///   value may leave its bounds
   ParamRequest(const CompiledScenario& compiled, std::span<const ParamChange> changes,
                bool redraws);
 
   bool redraws() const { return redraws_; }
-  /// Places of starts (core/env/initial_states.h) that it changes.
+  /// Changed places of initial states (core/env/initial_states.h).
   const std::vector<int>& starts() const { return starts_; }
-  /// What it was made of.
+  /// The changes from which the request was made.
   const std::vector<ParamChange>& changes() const { return changes_; }
 
-  /// Calls f(parameter index, value) for every value that it names.
+  /// Calls f(parameter index, value) for every changed value.
   /// @param random  the request's own numbers
   template <class F>
   void each_value(Random<double> random, const F& f) const {
@@ -70,10 +71,10 @@ class ParamRequest {
 
  private:
   struct Target {
-    int param;           ///< in the parameter block
-    std::size_t change;  ///< of `changes_`
+    int param;           ///< index within the parameter block
+    std::size_t change;  ///< index within `changes_`
     double factor, offset;
-    bool draws;  ///< else it has the number of the one before
+    bool draws;  ///< false: uses the number of the previous value
   };
   void add(const EnvParam& info, int param, std::size_t change, bool is_first);
 

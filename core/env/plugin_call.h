@@ -1,4 +1,4 @@
-// The one way in which the engine calls a plugin's step functions.
+// Calls of plugins' step functions. The engine calls them only here.
 #pragma once
 
 #include <algorithm>
@@ -15,26 +15,26 @@
 
 namespace skybody {
 
-/// At the line that names the plugin.
-/// @param what  such as "throws `x`"
+/// Throws a LocatedError at the line that names the plugin.
+/// @param what  the predicate of the message, such as "throws `x`"
 [[noreturn]] inline void throw_plugin_error(const PluginInstance& plugin, const std::string& what) {
   throw LocatedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name + ") " + what +
                                       "; this is a mistake in the plugin");
 }
 
-/// What a call hands over, for checked mode.
+/// Sizes and buffers of a call, for checked mode.
 struct CallSizes {
   int input = 0;
   int output = 0;
   int info = 0;
-  const char* word = "output";   ///< what the author calls the output
-  double* written = nullptr;     ///< of one lane: `output` values that the call has to write
-  double* informed = nullptr;    ///< likewise `info` values
-  const double* kept = nullptr;  ///< of one lane: `output` values that it may leave as they are
+  const char* word = "output";   ///< the author's word for the output
+  double* written = nullptr;     ///< of one lane: `output` values that the call must write
+  double* informed = nullptr;    ///< of one lane: `info` values that the call must write
+  const double* kept = nullptr;  ///< of one lane: `output` values that it may leave unchanged
 };
 
-/// How this thread's floating-point mode differs from the one that the bits of all flights rest on,
-/// such as "rounding"; empty: it does not.
+/// The difference between this thread's floating-point mode and the required one, on which the bits
+/// of all trajectories depend, such as "rounding"; empty: no difference.
 inline std::string changed_fp_mode() {
   std::string parts;
   if (has_standard_fp_environment()) return parts;
@@ -52,7 +52,7 @@ inline std::string changed_fp_mode() {
   return parts;
 }
 
-/// Of a call that hands over nothing behind the buffer.
+/// Sizes of a call with no values after the buffer.
 inline CallSizes no_sizes() { return {}; }
 
 /// One call in checked mode, on groups of one lane.
@@ -77,8 +77,8 @@ class CheckedCall {
     mark(sizes.informed, sizes.info);
   }
 
-  /// @throws LocatedError if the plugin touched values beyond those that it may, left one out, gave
-  /// a NaN, or changed the floating-point mode
+  /// @throws LocatedError if the plugin touched values that it may not touch, left one unwritten,
+  ///   gave a NaN, or changed the floating-point mode
   void finish() const {
     check_fp_mode();
     if (checks_.what != nullptr) blame_touch();
@@ -88,7 +88,7 @@ class CheckedCall {
   }
 
  private:
-  /// A NaN that no computation gives.
+  /// A NaN that no computation produces.
   static constexpr std::uint64_t kUnwritten = 0x7ff45eed0badf00dull;
   static double unwritten() { return bit_cast_real(kUnwritten); }
   static std::string phase_of(const PluginInstance& plugin) {
@@ -98,7 +98,7 @@ class CheckedCall {
   static void mark(double* values, int count) {
     if (values != nullptr) std::fill_n(values, count, unwritten());
   }
-  /// @param values  null: none that have to be written
+  /// @param values  null: no values to check
   void check(const double* values, int count, const char* word) const {
     for (int k = 0; values != nullptr && k < count; ++k) {
       if (bit_cast_word(values[k]) != kUnwritten) continue;
@@ -107,8 +107,7 @@ class CheckedCall {
     }
   }
 
-  /// A NaN among values that others compute with. Infos are for people, for whom it may mean
-  /// something.
+  /// Rejects NaN in values that others compute with. Infos are for people and may be NaN.
   void check_numbers() const {
     const double* const values = sizes_.written != nullptr ? sizes_.written : sizes_.kept;
     for (int k = 0; values != nullptr && k < sizes_.output; ++k) {
@@ -121,7 +120,7 @@ class CheckedCall {
   void check_fp_mode() const {
     const std::string changed = changed_fp_mode();
     if (changed.empty()) return;
-    set_fp_environment();  // what tells of it computes, too
+    set_fp_environment();  // the error report below computes, too
     throw_plugin_error(
         plugin_, "changes the floating-point mode in a step (" + changed +
                      "), on which the bits of all flights rest: what a method changes it puts "
@@ -146,8 +145,9 @@ class CheckedCall {
 
 /// Calls one step function of an instance.
 /// @param view   of the group
-/// @param sizes  sizes() gives those of the arguments behind the buffer; asked in checked mode only
-/// @throws LocatedError where the plugin throws; in checked mode as CheckedCall, too
+/// @param sizes  sizes() returns the sizes of the arguments after the buffer; called in checked
+///   mode only
+/// @throws LocatedError if the plugin throws; in checked mode also as CheckedCall
 template <class Function, class Sizes, class... Arguments>
 void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& group,
                  const SkybodyLanes& view, const Sizes& sizes, Arguments... arguments) {

@@ -8,7 +8,7 @@
 namespace skybody {
 namespace {
 
-/// Whether an enumerator of ours crosses to plugins, and back, as the number it has there.
+/// Whether an enumerator of ours has the same number as its counterpart in the plugin API.
 template <class Ours>
 constexpr bool is_number(Ours ours, int theirs) {
   return static_cast<int>(ours) == theirs;
@@ -114,7 +114,7 @@ SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int 
   return info;
 }
 
-/// A shape that belongs to nothing so far.
+/// A shape without an owner.
 SkybodyShapeInfo shape_info(const Shape& shape, const std::string& name) {
   SkybodyShapeInfo info{};
   info.name = name.c_str();

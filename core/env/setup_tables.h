@@ -1,4 +1,4 @@
-// Topology and parameters of a world in the C form that plugins see in configure().
+// Topology and parameters of a world in the C structures that plugins receive in configure().
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@
 
 namespace skybody {
 
-/// Values of parameters in C form. Points into them.
+/// Values of parameters as C structures, which point into the originals.
 class BoundValues {
  public:
   explicit BoundValues(const std::vector<ParameterValue>& values);
   const std::vector<SkybodyValue>& table() const { return table_; }
-  /// Says that a value is the EnvParams from `param` on.
+  /// Marks a value as the EnvParams from `param` on.
   void set_env_param(std::size_t index, int param) { table_[index].env_param = param; }
 
  private:
@@ -24,15 +24,16 @@ class BoundValues {
   std::vector<SkybodyValue> table_;
 };
 
-/// Tables behind SkybodySetup. They point into topology and layout and stay valid as long as
-/// those do.
+/// Tables behind SkybodySetup. They point into topology and layout and are valid as long as these
+/// live.
 class SetupTables {
  public:
   /// @param layout  with all EnvParams
   SetupTables(const Topology& topology, const Layout& layout);
 
-  /// The setup for one plugin use. `values` are its parameters with their EnvParam indices.
-  /// @param team  robots that a controller serves; as long as the setup
+  /// The setup for one plugin use.
+  /// @param team    robots that a controller serves; must outlive the setup
+  /// @param values  its parameters with their EnvParam indices
   SkybodySetup setup(const std::string& instance, const std::vector<int>& team,
                      const std::vector<SkybodyValue>& values) const;
 
@@ -41,7 +42,7 @@ class SetupTables {
 
   /// Makes a configured sensor's channels visible to those configured later.
   void add_sensor(const PluginInstance& sensor);
-  /// Tells the chains that the action commands, once the controllers are configured.
+  /// Sets the chains that the action commands, once the controllers are configured.
   void set_chains(const std::vector<ControllerChain>& chains);
 
  private:
@@ -55,7 +56,7 @@ class SetupTables {
   std::vector<SkybodyChainInfo> chains_;
   std::vector<SkybodyShapeInfo> shapes_;
   std::vector<SkybodyEnvParamInfo> params_;
-  std::vector<std::unique_ptr<std::string>> names_;  ///< texts of sensors_
+  std::vector<std::unique_ptr<std::string>> names_;  ///< texts referenced by sensors_
 };
 
 /// A SkybodyDeclare that writes into `instance`.

@@ -1,4 +1,4 @@
-// Advice where two controllers of a chain agree on the signal, but not on its size.
+// Advice for two controllers of a chain with the same signal but different sizes.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// Which parameters set the sizes, as the end of a message.
+/// The parameters that set the sizes, as the end of a message.
 /// @param given, taken  numbers of values
 inline std::string size_mismatch_hint(int signal, int given, int taken) {
   constexpr int kPoint = SKYBODY_REFERENCE_VALUES;
@@ -17,7 +17,7 @@ inline std::string size_mismatch_hint(int signal, int given, int taken) {
            std::to_string(taken / kPoint) +
            "; for `nmpc` with `preview` set `spacing` to its `node_step`, too";
   }
-  constexpr int kAttitude = 5, kWithRates = 8;  // thrust and quaternion; body rates besides
+  constexpr int kAttitude = 5, kWithRates = 8;  // thrust and quaternion; with body rates
   if (signal == SKYBODY_ATTITUDE && given == kWithRates && taken == kAttitude) {
     return ": rates are the last three. Give `attitude` the parameter `feed_forward: true`";
   }

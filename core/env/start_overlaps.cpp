@@ -10,12 +10,12 @@
 namespace skybody {
 namespace {
 
-/// Behind kBadStart: the body, what it begins in, and the depth in units of 10 um.
+/// Bits above kBadStart: the body, the thing that it begins in, and the depth in units of 10 um.
 constexpr StatusField kBodyField{kBadStartPlace, 10}, kOtherField{kBadStartPlace + 10, 15},
     kDepthField{kBadStartPlace + 25, 21};
 constexpr double kDepthUnit = 1e-5;
 
-/// What a body touches as a number: 0 the ground, then the obstacles, then the bodies.
+/// Contact::other as a number: 0 the ground, then the obstacles, then the bodies.
 int number_of(int other, int obstacles) {
   if (other == kGround) return 0;
   return is_obstacle(other) ? 1 + obstacle_of(other) : 1 + obstacles + other;
@@ -60,7 +60,7 @@ StartOverlaps::StartOverlaps(const World& world, std::vector<Contact> nominal)
   }
 }
 
-/// Whether forces do not move a body.
+/// Whether a body is not moved by forces.
 bool StartOverlaps::stands(int body) const {
   const WorldBody& b = world_.bodies[static_cast<std::size_t>(body)];
   return b.parent < 0 && world_.drives[static_cast<std::size_t>(b.robot)] != DriveKind::kNone;
@@ -74,8 +74,8 @@ double StartOverlaps::nominal_depth(int body, int other) const {
   return depth;
 }
 
-/// Thin things would be passed in kDeepStart times what robots sink in: no deeper than contact lets
-/// anything get into them, but as deep as robots may stand.
+/// The allowed depth. kDeepStart times the rest depth would let robots pass through thin things, so
+/// it is bounded by the depth that contact allows, but it is at least twice the rest depth.
 double StartOverlaps::allowed_depth(int body, int other) const {
   double give = give_of_bodies_[static_cast<std::size_t>(body)];
   if (other == kGround) give = kInfinity;

@@ -1,5 +1,5 @@
-// Where robots begin an episode inside something: how deep is too deep, and how an episode's status
-// tells it.
+// Robots that begin an episode inside something: the allowed depth, and the encoding of an overlap
+// in the episode's status.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace skybody {
 
-/// A start is bad where something begins deeper in something else than so many times
-/// ContactSettings::penetration, which is what robots sink in by their own weight.
+/// A start is rejected if one thing begins deeper inside another than this many times
+/// ContactSettings::penetration, the depth to which robots sink in by their own weight.
 inline constexpr double kDeepStart = 10.0;
 
-/// The deepest place of two things of which one begins too deep in the other.
+/// The deepest point of an overlap that is too deep.
 struct StartOverlap {
   int body = 0;                       ///< world body index
   int other = kGround;                ///< as in Contact
@@ -29,16 +29,17 @@ struct StartOverlap {
 /// Immutable; refers to the world, which must outlive it.
 class StartOverlaps {
  public:
-  /// @param nominal  contacts in the start that the scenario describes: what overlaps there is the
-  ///                 scenario's, and may overlap in drawn starts, too
+  /// @param nominal  contacts of the start in the scenario file; overlaps there are intended and
+  ///   allowed in drawn starts, too
   StartOverlaps(const World& world, std::vector<Contact> nominal);
 
-  /// Of a start with these contacts the overlap that is too deep by most, if there is one.
+  /// The overlap that exceeds its limit most, given the contacts of a start; none if all are
+  /// allowed.
   std::optional<StartOverlap> find(const std::vector<Contact>& contacts) const;
 
-  /// The bits of a status that say so: kBadStart and what reason() needs.
+  /// The status bits of an overlap: kBadStart and the data for reason().
   std::uint64_t status(const StartOverlap& overlap) const;
-  /// What begins inside what, how deep, and what to do. @param status  with kBadStart
+  /// The message: the overlapping things, the depth and the remedy. @param status  with kBadStart
   std::string reason(std::uint64_t status) const;
 
  private:
@@ -49,8 +50,9 @@ class StartOverlaps {
 
   const World& world_;
   std::vector<Contact> nominal_;
-  std::vector<double> give_of_bodies_;     ///< how deep contact lets things get into them [m]
-  std::vector<double> give_of_obstacles_;  ///< likewise
+  std::vector<double> give_of_bodies_;     ///< greatest depth before contact lets things pass
+                                           ///< through a body [m]
+  std::vector<double> give_of_obstacles_;  ///< the same for obstacles
 };
 
 }  // namespace skybody

@@ -1,5 +1,5 @@
-// State words of one lane group: L environments side by side, every value a 64-bit word; and what
-// follows from it.
+// State words of one lane group: L environments side by side, every value a 64-bit word; and data
+// derived from them.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@
 
 namespace skybody {
 
-/// Owns the words of L environments: word k of lane l is at k * L + l. Who may touch it when is the
-/// caller's business (one worker at a time).
+/// Owns the words of L environments: word k of lane l is at k * L + l. Not synchronized: callers
+/// must let one worker at a time use a group.
 ///
-/// Bodies and stepper follow from q, u, rotor speeds and constants. Whoever writes gets the memory
-/// from writable(), which notes for which lanes they are stale; refresh() makes those right again.
-/// The stepper moves coordinates and bodies together.
+/// Bodies and stepper are derived from q, u, rotor speeds and constants. Writers get the memory
+/// from writable(), which marks the derived data of their lanes as stale; refresh() recomputes it.
+/// The stepper advances coordinates and bodies together.
 class StateGroup {
  public:
-  /// @param bodies   of the world; 0: they are q and u (GroupPhysics::bodies_are_coordinates)
+  /// @param bodies   of the world; 0: they equal q and u (GroupPhysics::bodies_are_coordinates)
   /// @param lanes    L >= 1; all words start as zero
   /// @param image_words  of the sensors' images of each environment
   /// @param stepper  the physics of this group
@@ -32,15 +32,15 @@ class StateGroup {
   const Layout& layout() const { return *layout_; }
   int lanes() const { return lanes_; }
   int words() const { return layout_->words; }
-  /// Lanes that hold an environment: those that were cleared.
+  /// Lanes that hold an environment: those on which clear() was called.
   std::uint32_t occupied() const { return occupied_; }
 
   // --- reading; stride L ------------------------------------------------------------------------
 
-  /// First value of a block of doubles, or from any word on.
+  /// First value of a block of doubles, or the double at any word.
   const double* reals(Block block) const { return reals(block.offset); }
   const double* reals(int word) const { return reinterpret_cast<const double*>(at(word)); }
-  /// First value of words as they are.
+  /// First value of words as raw bits.
   const std::uint64_t* bits(int word) const { return at(word); }
   const ImageMemory& images() const { return images_; }
   /// Copies one lane's block of doubles.
@@ -48,7 +48,8 @@ class StateGroup {
   /// All words of one lane, in order, then those of its images.
   std::vector<std::uint64_t> save(int lane) const;
 
-  /// The lanes whose parameters no rigid body has: known where they are current (refresh()).
+  /// The lanes with parameters that no rigid body can have. Valid for lanes that are current
+  /// (refresh()).
   std::uint32_t unphysical() const { return stepper_->unphysical(); }
 
   // --- writing; stride L ------------------------------------------------------------------------
@@ -59,24 +60,25 @@ class StateGroup {
     return start_of(block);
   }
   std::uint64_t* writable(HeaderWord word) { return at(word); }
-  /// The same without a note: whoever changes a lane's values calls writable() for it afterwards.
+  /// As writable(), but without marking: callers that change a lane's values must call writable()
+  /// for it afterwards.
   double* unmarked(Block block) { return reinterpret_cast<double*>(at(block.offset)); }
   /// A plugin's words. @param k  place within the block plugin_state
   std::uint64_t* plugin_bits(int k) { return at(layout_->plugin_state.offset + k); }
   double* plugin_reals(int k) { return reinterpret_cast<double*>(plugin_bits(k)); }
-  /// The lanes whose parameters no one has written since settle() was called for them.
+  /// The lanes whose parameters have not been written since settle() was called for them.
   std::uint32_t settled() const { return settled_; }
   void settle(std::uint32_t lanes) { settled_ |= lanes; }
   void unsettle(std::uint32_t lanes) { settled_ &= ~lanes; }
-  /// What plugins keep beside the state (SkybodyDeclare::memo): never saved, restored or hashed.
+  /// Memory of plugins beside the state (SkybodyDeclare::memo): never saved, restored or hashed.
   double* memo(int k) { return memo_.data() + static_cast<std::ptrdiff_t>(k) * lanes_; }
 
   /// Copies one lane's block of doubles into the group.
   void scatter(int lane, Block block, const double* in);
-  /// All words of a lane, which is occupied from then on, to zero.
+  /// Sets all words of a lane to zero; the lane is occupied from then on.
   void clear(int lane);
   ImageMemory& images() { return images_; }
-  /// What save() gave.
+  /// @param saved  result of save()
   void restore(int lane, const std::vector<std::uint64_t>& saved);
 
   // --- physics ----------------------------------------------------------------------------------
@@ -89,7 +91,7 @@ class StateGroup {
     current_ |= stale;
     derived_ |= stale;
   }
-  /// One physics step. @returns the lanes that came through, see GroupStepper::advance
+  /// One physics step. @returns the lanes that succeeded, see GroupStepper::advance
   std::uint32_t advance(std::uint32_t lanes, PhysicsScratch& scratch) {
     refresh(lanes, scratch);
     return stepper_->advance(blocks_, lanes, scratch);
@@ -113,9 +115,9 @@ class StateGroup {
   }
   const StepCounts& step_counts() const { return stepper_->counts(); }
 
-  /// 13 per body (BodyState), stride L: right for lanes that are refreshed.
+  /// 13 per body (BodyState), stride L. Valid for lanes that are refreshed.
   const double* bodies() const { return blocks_.bodies; }
-  /// Motion of all bodies of one lane, which is refreshed.
+  /// Motion of all bodies of one lane, which must be refreshed.
   std::vector<BodyState> body_states(int lane) const;
 
  private:
@@ -127,7 +129,7 @@ class StateGroup {
   }
   double* start_of(Block block) { return reinterpret_cast<double*>(at(block.offset)); }
 
-  /// Notes what no longer holds when a block, or a part of one, is written.
+  /// Marks the data that becomes stale when a block, or a part of one, is written.
   void note_write(Block block, std::uint32_t lanes) {
     const int begin = block.offset, end = block.offset + block.size;
     if (begin < layout_->rotor_command.offset) current_ &= ~lanes;  // q, u, rotor speeds
@@ -149,8 +151,8 @@ class StateGroup {
   ImageMemory images_;
   GroupBlocks blocks_;
   std::unique_ptr<GroupStepper> stepper_;
-  std::uint32_t current_ = 0;  ///< lanes whose bodies are right
-  std::uint32_t derived_ = 0;  ///< lanes whose parameters the stepper knows
+  std::uint32_t current_ = 0;  ///< lanes whose bodies are up to date
+  std::uint32_t derived_ = 0;  ///< lanes whose parameters the stepper has read
   std::uint32_t settled_ = 0;
   std::uint32_t occupied_ = 0;
 };

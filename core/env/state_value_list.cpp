@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// A few values within a run of them.
+/// A part of a run of values.
 struct Part {
   const char* name;
   const char* unit;
@@ -19,7 +19,7 @@ struct Part {
   const char* doc;
 };
 
-/// Of a BodyState.
+/// Parts of a BodyState.
 constexpr Part kMotion[] = {
     {"position", "m", "W", 0, 3, "of the origin"},
     {"rotation", "", "W from B", 3, 4, "unit quaternion w x y z"},
@@ -27,14 +27,14 @@ constexpr Part kMotion[] = {
     {"angular_velocity", "rad/s", "B", 10, 3, "against the world"},
 };
 
-/// Of what touches a body (SKYBODY_CONTACT_VALUES).
+/// Parts of a body's contact (SKYBODY_CONTACT_VALUES).
 constexpr Part kContact[] = {
     {"force", "N", "W", 0, 3, "sum over all contacts of the body, after the last physics step"},
     {"moment", "N m", "W", 3, 3, "likewise, about the body's origin"},
     {"touching", "", "", 6, 1, "1 where anything touches the body, else 0"},
 };
 
-/// What a joint's coordinates are.
+/// Texts about a joint's coordinates.
 struct JointText {
   const char* unit;
   const char* velocity_unit;
@@ -83,7 +83,7 @@ class List {
   }
 
  private:
-  /// Leaves out what this scenario does not keep.
+  /// Adds the value unless its block is empty in this scenario.
   void add_words_if_any(std::string path, std::string unit, const char* frame, Block block,
                         std::vector<int> shape, const char* doc) {
     if (block.size == 0) return;
@@ -107,7 +107,7 @@ class List {
     values_.back().source = source;
   }
 
-  /// @param bodies  more than 0: an array over so many bodies, from `body` on
+  /// @param bodies  more than 0: an array over that many bodies, from `body` on
   void add_motion(const std::string& prefix, int body, int bodies, const Pose& pose) {
     for (const Part& part : kMotion) {
       StateValue& value = values_.emplace_back();
@@ -189,7 +189,7 @@ class List {
     values_.back().alias = alias + "velocity";
   }
 
-  /// What effects make of the air around a body.
+  /// The air around a body, as held by effects.
   void add_wind(const std::string& prefix, int index) {
     const Block& wind = layout_.held[SKYBODY_HELD_WIND];
     if (wind.size == 0) return;
@@ -209,7 +209,7 @@ class List {
     }
   }
 
-  /// @param rotors  their place within the world's
+  /// @param rotors  their place within the world's rotors
   void add_rotors(const std::string& path, Block rotors, const std::vector<Rotor>& models) {
     if (rotors.size == 0) return;
     const auto add = [&](const std::string& prefix, const std::string& alias, Block place,
@@ -236,7 +236,7 @@ class List {
     }
   }
 
-  /// The command of a team's chains. What they give to robots' chains is under
+  /// The command of a team's chains. Their outputs to robots' chains are under
   /// `robots.NAME.command`.
   void add_teams() {
     const std::vector<TeamUse>& teams = world_.scenario.teams;

@@ -1,4 +1,4 @@
-// Makes the list of an environment's state values. For StateValues alone.
+// Builds the list of an environment's state values. For StateValues alone.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// In the order of StateValues::all(). Paths may be there twice: the first one counts.
+/// In the order of StateValues::all(). A path may occur twice: the first one counts.
 std::vector<StateValue> list_state_values(const CompiledScenario& compiled);
 
 }  // namespace skybody

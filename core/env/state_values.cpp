@@ -19,7 +19,7 @@ void read_motion(const StateGroup& group, int lane, int body, int part, int coun
   for (int k = 0; k < count; ++k) out[k] = values[k * lanes];
 }
 
-/// Motion of a frame that is fixed to a body. Angular velocity is in the axes of that frame.
+/// Motion of a frame fixed to a body. Angular velocity is in the axes of that frame.
 BodyState motion_of_link(const BodyState& body, const Pose& pose) {
   const Vec3<double> arm = rotate(body.rotation, pose.position);
   BodyState link;
@@ -30,7 +30,7 @@ BodyState motion_of_link(const BodyState& body, const Pose& pose) {
   return link;
 }
 
-/// The word of a path that begins at a place; empty at or beyond its end.
+/// The word of a path that begins at an index; empty at or beyond its end.
 std::string word_at(const std::string& path, std::size_t from) {
   if (from >= path.size()) return "";
   return path.substr(from, path.find('.', from) - from);
@@ -56,7 +56,7 @@ const StateValue& StateValues::at(std::string_view path) const {
   return values_[static_cast<std::size_t>(found->second)];
 }
 
-/// Whether some path begins so.
+/// Whether some path begins with a prefix.
 bool StateValues::has_prefix(const std::string& prefix) const {
   return std::any_of(values_.begin(), values_.end(), [&](const StateValue& value) {
     return value.path.starts_with(prefix) || value.alias.starts_with(prefix);
@@ -77,7 +77,7 @@ std::vector<std::string> StateValues::words_after(const std::string& prefix) con
   return words;
 }
 
-/// Names what there is in the place of the first unknown word.
+/// Throws an Error that lists the existing words in place of the first unknown one.
 void StateValues::refuse(std::string_view path) const {
   const std::string whole(path);
   std::string known, word = word_at(whole, 0);

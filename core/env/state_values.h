@@ -1,6 +1,6 @@
-// The values of an environment's state that can be asked for by path: motion, rotors, sensors,
-// contacts, counters and EnvParams. This list is the only one: Pool, SimulationPool, Simulation,
-// Python and `skybody check --states` read through it.
+// The values of an environment's state that can be read by path: motion, rotors, sensors, contacts,
+// counters and EnvParams. This list is the only one: Pool, SimulationPool, Simulation, Python and
+// `skybody check --states` read through it.
 #pragma once
 
 #include <functional>
@@ -15,12 +15,12 @@ namespace skybody {
 
 class CompiledScenario;
 
-/// What a state value is read from.
+/// The source of a state value.
 enum class StateSource {
-  kReals,   ///< state words as doubles, one after the other
+  kReals,   ///< consecutive state words, as doubles
   kHeader,  ///< a counter or status of the header, as a double
   kTime,    ///< physics steps of the episode times dt
-  kBodies,  ///< a part of the BodyState of one body, or of several one after another
+  kBodies,  ///< a part of the BodyState of one body, or of several consecutive bodies
   kLink,    ///< a part of the motion of a link, which lies in its body at `pose`
 };
 
@@ -29,14 +29,14 @@ struct StateValue {
   std::string path;        ///< such as robots.quad.base.position
   std::string unit;        ///< SI; empty for a pure number
   std::string alias = {};  ///< the same by a rotor's name or a joint's index; may be empty
-  const char* frame = "";  ///< W: world axes, B: axes of the body or link; empty: has none
-  std::vector<int> shape;  ///< of one environment; empty: a single number
+  const char* frame = "";  ///< W: world axes, B: axes of the body or link; empty: no frame
+  std::vector<int> shape;  ///< for one environment; empty: a single number
   const char* doc = "";    ///< one line
 
   StateSource source = StateSource::kReals;
   int first = 0;  ///< kReals, kHeader: state word; kBodies, kLink: world body index
   int part = 0;   ///< kBodies, kLink: first of the 13 values of a BodyState
-  Pose pose;      ///< kLink: of the link in its body
+  Pose pose;      ///< kLink: pose of the link in its body
 
   /// Number of doubles for one environment.
   int count() const {
@@ -44,7 +44,7 @@ struct StateValue {
     for (const int extent : shape) product *= extent;
     return product;
   }
-  /// Whether it follows from the bodies, which must then be current in the group.
+  /// Whether it depends on the bodies, which must then be current in the group.
   bool needs_bodies() const {
     return source == StateSource::kBodies || source == StateSource::kLink;
   }
@@ -52,18 +52,18 @@ struct StateValue {
 
 /// All values of one environment, found by path. Immutable.
 ///
-/// A sensor's channel comes before an EnvParam of the same path, which then is left to param().
+/// A sensor's channel hides an EnvParam of the same path, which can then be read by param() only.
 class StateValues {
  public:
   explicit StateValues(const CompiledScenario& compiled);
 
   /// World first, then robots, sensors and EnvParams.
   const std::vector<StateValue>& all() const { return values_; }
-  /// Does not allocate where there is such a value.
-  /// @throws Error with the nearest paths if there is none
+  /// Does not allocate if the value exists.
+  /// @throws Error with the nearest paths if there is no such value
   const StateValue& at(std::string_view path) const;
 
-  /// Reads a value of one lane. With needs_bodies() the lane must be up to date
+  /// Reads a value of one lane. If needs_bodies(), the lane must be up to date
   /// (CompiledScenario::update).
   /// @param out  room for value.count() doubles
   void read(const StateValue& value, const StateGroup& group, int lane, double* out) const;

@@ -1,4 +1,4 @@
-// Numbers within an episode's status, behind the bits that say how it ended.
+// Numbers within an episode's status, above the bits that describe its end.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace skybody {
 
-/// All fields together end below 2^53, so that a status stays whole where it is read as a double.
+/// All fields together end below 2^53, so that a double represents a status exactly.
 struct StatusField {
   int place, bits;
 

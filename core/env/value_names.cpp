@@ -14,7 +14,7 @@ void append(std::vector<std::string>& names, const std::string& name, int count)
   for (int k = 0; k < count; ++k) names.push_back(count == 1 ? name : indexed(name, k));
 }
 
-/// The columns of the row of observations, or of the privileged one.
+/// The columns of the row of observations, or of the privileged row.
 void append_observation(std::vector<std::string>& names, const std::string& prefix,
                         const CompiledScenario& compiled, bool privileged) {
   for (const ObservationColumn& column : compiled.columns()) {
@@ -23,7 +23,7 @@ void append_observation(std::vector<std::string>& names, const std::string& pref
   }
 }
 
-/// Names the words one after the other, as the layout has them.
+/// Names the words one by one, in the order of the layout.
 class StateNames {
  public:
   explicit StateNames(const CompiledScenario& compiled)

@@ -1,4 +1,4 @@
-// What each word of state words and each value of an observation is called, for people.
+// Names of state words and of observation values, for people.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ std::vector<std::string> state_names(const CompiledScenario& compiled);
 
 /// One per value of a row of observations: "velocity[2]", "height".
 std::vector<std::string> observation_names(const CompiledScenario& compiled);
-/// Who gives a column's values: "task", or a sensor and its channel, "imu.angular_rate".
+/// The source of a column's values: "task", or a sensor and its channel, "imu.angular_rate".
 std::string source_of(const CompiledScenario& compiled, const ObservationColumn& column);
 
 /// One per column: "velocity float32 [3] from task", "gyro float32 [3] from imu.angular_rate,

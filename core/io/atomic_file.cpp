@@ -1,5 +1,5 @@
-// Needs: POSIX, for fsync() of files and of folders. A name is durable only once its folder has
-// been synced, and a rename only replaces a file at once where both lie in one folder.
+// Needs POSIX's fsync() for files and folders. A name is durable only after its folder is synced,
+// and a rename is atomic only within one folder.
 #include "core/io/atomic_file.h"
 
 #include <fcntl.h>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
   throw Error("cannot write " + file.string() + ": " + std::strerror(error));
 }
 
-/// A descriptor that is closed at the end.
+/// A file descriptor, closed by the destructor.
 class Opened {
  public:
   Opened(const fs::path& path, int flags) : number_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {

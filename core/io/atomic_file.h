@@ -1,4 +1,4 @@
-// Files that are there whole or not at all, also after a power cut or kill -9.
+// Atomic file writes: the complete file or none, also after a power cut or kill -9.
 #pragma once
 
 #include <filesystem>
@@ -6,13 +6,15 @@
 
 namespace skybody {
 
-/// A name in the folder of `file` for what is not whole yet. Nobody can foresee it and put a link
-/// there, through which another file would be written.
+/// A name for an incomplete file in the folder of `file`. It is random, so that nobody can place a
+/// link there in advance to redirect the write to another file.
 std::filesystem::path partial_name(const std::filesystem::path& file);
 
-/// Replaces `file`: the bytes are written under another name in its folder, brought to the disk,
-/// and get the file's name last.
-/// @throws Error with the file and the operating system's reason; the file is then as it was
+/// Replaces `file` in three steps:
+/// 1. write the bytes under another name in the same folder
+/// 2. sync them to the disk
+/// 3. rename to `file`
+/// @throws Error with the file and the operating system's reason; `file` is then unchanged
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace skybody

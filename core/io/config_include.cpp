@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// One file under way, and where it was asked for.
+/// A file that is being loaded, with the location of the reference to it.
 struct OpenFile {
   std::string path;
   std::string identity;  ///< canonical path
@@ -27,7 +27,7 @@ class Loader {
   Loader(InputBudget& budget, Diagnostics& diagnostics)
       : budget_(budget), diagnostics_(diagnostics) {}
 
-  /// The file with what it includes, or null after errors. It stays the loader's.
+  /// The file merged with its includes, or null after errors. Owned by the loader.
   ConfigNode* load(const std::string& path, const SourceLocation& used_at, Quoting quoting) {
     const std::string identity = identity_of(path);
     const auto same = [&](const OpenFile& file) { return file.identity == identity; };
@@ -69,7 +69,7 @@ class Loader {
     return std::nullopt;
   }
 
-  /// A system file may look like a map: its lines must not come out as unknown keys.
+  /// A system file may parse as a map. Its lines must not appear in messages as unknown keys.
   bool has_words_for_keys(const ConfigNode& root) {
     for (const ConfigEntry& entry : root.entries) {
       if (is_identifier(entry.key)) continue;
@@ -87,7 +87,7 @@ class Loader {
     return join(names, " -> ");
   }
 
-  /// The files that `include` names; an error for what is not text.
+  /// The file names of `include`; an error for values that are not texts.
   std::optional<std::vector<const ConfigNode*>> included(const ConfigNode& include) {
     std::vector<const ConfigNode*> files;
     if (include.is_scalar()) files.push_back(&include);
@@ -124,7 +124,7 @@ class Loader {
     return merged;
   }
 
-  /// Relative to the file that includes it, else a shipped scenario: `hover` or `hover.yaml`.
+  /// The path relative to the including file, else a shipped scenario: `hover` or `hover.yaml`.
   static std::string path_of(const ConfigNode& name) {
     std::string path = resolve_path(name.scalar, name.mark);
     std::error_code ignored;
@@ -137,7 +137,7 @@ class Loader {
     return shipped ? shipped->string() : path;
   }
 
-  /// Merges the file that `name` says into `merged`.
+  /// Merges the file called `name` into `merged`.
   bool take(const ConfigNode& name, ConfigNode& merged) {
     if (!budget_.take_include()) {
       diagnostics_.error(name.mark, "more than " + std::to_string(InputBudget::kMostIncludes) +
@@ -157,7 +157,7 @@ class Loader {
   InputBudget& budget_;
   Diagnostics& diagnostics_;
   std::vector<OpenFile> chain_;
-  std::map<std::string, std::optional<ConfigNode>> loaded_;  ///< by path; nothing: it has errors
+  std::map<std::string, std::optional<ConfigNode>> loaded_;  ///< by path; nullopt: it has errors
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kLongestMark = 200;  // [bytes] of an override; every value of it has a copy
+constexpr std::size_t kLongestMark = 200;  // [bytes] of an override; each of its values has a copy
 
 /// One step of a path: a key, or an index into a list.
 struct PathStep {
@@ -18,7 +18,7 @@ struct PathStep {
   std::string text() const { return index < 0 ? key : '[' + std::to_string(index) + ']'; }
 };
 
-/// Splits `a.b[2].c`; nothing if that is not a path.
+/// Splits `a.b[2].c`; nullopt if the text is not a path.
 std::optional<std::vector<PathStep>> split_path(const std::string& path) {
   std::vector<PathStep> steps;
   std::size_t i = 0;
@@ -97,7 +97,7 @@ class Override {
     return false;
   }
 
-  /// Takes a value out of the map or list that has it, as `~` does in a file that includes others.
+  /// Removes a value from its map or list, like `~` in an including file.
   static void remove(ConfigNode& owner, const ConfigNode* value) {
     std::erase_if(owner.items, [&](const ConfigNode& item) { return &item == value; });
     std::erase_if(owner.entries, [&](const ConfigEntry& entry) { return &entry.value == value; });

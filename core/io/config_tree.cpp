@@ -105,8 +105,8 @@ bool has_names(const ConfigNode& list) {
                                            [](const ConfigNode& i) { return !name_of(i).empty(); });
 }
 
-/// Looks the names up once, since both may be long; where that does not settle it, entry_called()
-/// says what is wrong.
+/// Patches entries of a list by name. Indexes the names once, since both lists may be long; reports
+/// missing and ambiguous names through entry_called().
 bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnostics,
                 const std::string& path) {
   std::unordered_map<std::string, int> count;
@@ -144,7 +144,7 @@ bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnos
     return true;
   }
   base.mark = over.mark;
-  // Names stay where they are: a vector that grows moves its entries, and with them short names.
+  // Reserve first: reallocation would move the entries and invalidate the views of short names.
   base.entries.reserve(base.entries.size() + over.entries.size());
   std::unordered_map<std::string_view, std::size_t> places;
   for (std::size_t i = 0; i < base.entries.size(); ++i) places.emplace(base.entries[i].key, i);

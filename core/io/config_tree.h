@@ -1,7 +1,7 @@
-// A YAML document as a tree in which every key and value knows where it was written.
+// A YAML document as a tree whose keys and values carry their source locations.
 //
 // Keys keep their order. Anchors and aliases are expanded, duplicate keys are errors. Files can
-// include others, and single values can be overridden from the command line.
+// include others, and the command line can override single values.
 #pragma once
 
 #include <optional>
@@ -22,9 +22,9 @@ struct ConfigNode {
   Kind kind = Kind::kNull;
   SourceLocation mark;
   std::string scalar;                ///< text of a scalar, unquoted
-  bool quoted = false;               ///< the scalar was quoted: it is text whatever it spells
+  bool quoted = false;               ///< the scalar was quoted: always a text
   std::vector<ConfigNode> items;     ///< of a sequence
-  std::vector<ConfigEntry> entries;  ///< of a map, in the order in which they were written
+  std::vector<ConfigEntry> entries;  ///< of a map, in the order of the file
 
   bool is_null() const { return kind == Kind::kNull; }
   bool is_scalar() const { return kind == Kind::kScalar; }
@@ -36,7 +36,7 @@ struct ConfigNode {
   ConfigNode* find(const std::string& key);
   /// The keys of a map.
   std::vector<std::string> keys() const;
-  /// What the node is, for messages: "a map", "a list", "the number 3", "the text `abc`",
+  /// The node's description for messages: "a map", "a list", "the number 3", "the text `abc`",
   /// "a text, \"3\"" for a number in quotes.
   std::string describe() const;
 };
@@ -48,11 +48,11 @@ struct ConfigEntry {
   ConfigNode value;
 };
 
-/// Whether messages may quote a file that turns out not to be a map of keys and values. Files that
-/// a scenario names (by `include`, `rotors`) are not quoted: they may be any file of the system.
+/// Whether messages may quote a file that is not a map of keys and values. Files named in a
+/// scenario (by `include`, `rotors`) are not quoted: the name may point to any file of the system.
 enum class Quoting { kNo, kYes };
 
-/// What a tree costs of an InputBudget, and how many levels it has.
+/// The cost of a tree against an InputBudget, and its number of levels.
 struct ConfigCost {
   long values = 0;
   std::size_t bytes = 0;
@@ -60,14 +60,14 @@ struct ConfigCost {
 };
 ConfigCost cost_of(const ConfigNode& node);
 
-/// "the YAML holds more than ...", for messages about a budget that is spent.
+/// "the YAML holds more than ...", for messages about an exhausted budget.
 std::string too_many_values();
-/// "the files hold more than ...", likewise.
+/// "the files hold more than ...", for messages about an exhausted budget.
 std::string too_much_text();
 
-/// Parses YAML. Marks name `file`; with `file` starting "--set" they carry no position. Nothing and
-/// an error on bad syntax, duplicate keys, several documents, too many levels, or where `budget` is
-/// spent; aliases count with all that they repeat.
+/// Parses YAML. Locations name `file`; they have no position if `file` starts with "--set".
+/// Returns nullopt and an error for bad syntax, duplicate keys, several documents, too many levels,
+/// or an exhausted `budget`. Each use of an alias counts in full.
 std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
                                      Diagnostics& diagnostics, InputBudget& budget,
                                      Quoting quoting = Quoting::kYes);
@@ -76,43 +76,43 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
 std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
                                      Diagnostics& diagnostics);
 
-/// Reads `file` and what it includes by its top-level key `include` (a file or a list of files,
-/// relative to the including file). Later files override earlier ones and the including file
-/// overrides all: maps are merged deeply, entries of lists by their name, everything else is
-/// replaced. Nothing and errors where a
-/// file is missing, broken or includes itself, or where `budget` is spent. A file that is included
-/// several times is read once.
+/// Reads `file` and the files of its top-level key `include` (a file or a list of files, relative
+/// to the including file). Later files override earlier ones, and the including file overrides all.
+/// Maps are merged deeply, entries of lists by name; all other values are replaced. A file that is
+/// included several times is read once.
+/// Returns nullopt and errors if a file is missing, invalid or includes itself, or if `budget` is
+/// exhausted.
 std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics,
                                       InputBudget& budget, Quoting quoting = Quoting::kYes);
 
 /// The same with a budget of its own.
 std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics);
 
-/// What an entry of a list is called: its name, or else its plugin; empty: nothing.
+/// The name of a list's entry, or else its plugin's name; empty if it has neither.
 const std::string& name_of(const ConfigNode& item);
 
-/// The entry of a list that is called `name`. Null and an error, which calls the list `path`, where
-/// there is none or several.
+/// The entry of a list called `name`. Null and an error if there is none or several; the error
+/// calls the list `path`.
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
                          const SourceLocation& mark, Diagnostics& diagnostics);
 
-/// Merges `over` into `base`. A map over a list of named entries patches those that its keys name.
-/// A key without a value (`~`) removes what `base` has under it, as in JSON merge patches (RFC
-/// 7396).
-/// @param path  of both, for messages
+/// Merges `over` into `base`. A map merged into a list of named entries patches the entries named
+/// by its keys. A key without a value (`~`) removes the key from `base`, as in JSON merge patches
+/// (RFC 7396).
+/// @param path  path of both, for messages
 /// @returns false after errors
 bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnostics,
                   const std::string& path = "");
 
-/// Applies `PATH=VALUE`, where PATH is like `robots[0].controllers[0].plugin`, `task.horizon` or
-/// `robots.quad.pose.position` (entries of a list by their name, or by their plugin's name) and
-/// VALUE is YAML. A key that is not there yet is added, for the reader to judge. Errors are marked
-/// with the override's text. Returns whether it was applied.
+/// Applies `PATH=VALUE`. PATH is like `robots[0].controllers[0].plugin`, `task.horizon` or
+/// `robots.quad.pose.position` (entries of a list by their name, or by their plugin's name); VALUE
+/// is YAML. A missing key is added; the reader checks it later. The location of errors is the
+/// override's text. Returns whether the override was applied.
 bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics,
                     InputBudget& budget);
 bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics);
 
-/// Writes the tree as YAML that reads back as the same tree.
+/// Writes the tree as YAML that parses to the same tree.
 std::string to_yaml(const ConfigNode& node);
 
 }  // namespace skybody

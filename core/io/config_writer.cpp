@@ -1,4 +1,4 @@
-// YAML out of a tree: block maps and block lists of maps, flow style for lists of scalars.
+// Writes a tree as YAML: block maps and block lists of maps, flow style for lists of scalars.
 #include <cstdio>
 
 #include "core/io/config_tree.h"

@@ -36,14 +36,14 @@ class CouplingReader {
   void read_kind() {
     kind_ = reader_.text("kind");
     const ConfigNode* written = reader_.node("kind");
-    if (written != nullptr && written->scalar != kind_) return;  // refused: another one stands in
+    if (written != nullptr && written->scalar != kind_) return;  // rejected: kind_ is the default
     const auto found = std::find(kCouplingNames.begin(), kCouplingNames.end(), kind_);
-    if (found == kCouplingNames.end()) return;  // refused
+    if (found == kCouplingNames.end()) return;  // rejected
     coupling_.kind = static_cast<CouplingKind>(found - kCouplingNames.begin());
     is_kind_known_ = true;
   }
 
-  /// No kind takes what it has no use for, and a spring does something.
+  /// Rejects constants that do not apply to the kind, and springs without stiffness and damping.
   void check_constants() {
     if (coupling_.kind == CouplingKind::kSpring && reader_.node("stiffness") == nullptr &&
         reader_.node("damping") == nullptr) {
@@ -98,7 +98,7 @@ class CouplingReader {
     return -1;
   }
 
-  /// The body that the link is part of, and the point in its frame.
+  /// Sets the body that contains the link, and the point in the body's frame.
   void place(const RobotModel& model, const MapReader& reader, CouplingEnd& end) {
     const std::string name = reader.text("link");
     if (name.empty()) return;
@@ -134,7 +134,7 @@ class CouplingReader {
                                                "`; a coupling joins two");
   }
 
-  /// Whether nothing can move it: the world, or a base that is welded to it.
+  /// Whether the end cannot move: on the world, or on a base welded to it.
   bool stands(const CouplingEnd& end) const {
     if (end.robot < 0) return true;
     const RobotModel& model = robots_[static_cast<std::size_t>(end.robot)].model;

@@ -1,4 +1,4 @@
-// `couplings` of a scenario: what joins robots, bodies and the world.
+// Reads `couplings` of a scenario: connections between robots, bodies and the world.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace skybody {
 
-/// One entry of `couplings`; what is wrong with it goes to `diagnostics`.
-/// @param robots  that it may join
+/// Reads one entry of `couplings`; errors go to `diagnostics`.
+/// @param robots  the robots that it may connect
 std::optional<Coupling> read_coupling(const ConfigNode& node, const std::vector<RobotUse>& robots,
                                       Diagnostics& diagnostics);
 

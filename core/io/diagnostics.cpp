@@ -7,7 +7,7 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kLongestMessage = 2000;  // [bytes]; lists of names in messages stay below
+constexpr std::size_t kLongestMessage = 2000;  // [bytes]; longer than lists of names in messages
 constexpr std::size_t kLongestPlace = 500;     // [bytes] of a file's name or an override
 
 bool is_same(const Diagnostic& a, const Diagnostic& b) {

@@ -1,5 +1,5 @@
-// Keys of scenario files and rotor files, each declared once: reading with validation, messages
-// about unknown keys, the JSON schema and the documentation all come from these declarations.
+// Keys of scenario files and rotor files, each declared once. The declarations define reading and
+// validation, messages about unknown keys, the JSON schema and the documentation.
 #pragma once
 
 #include <optional>
@@ -21,20 +21,20 @@ struct MapSpec;
 struct Field {
   enum class Kind {
     kValue,       ///< described by `value`
-    kMap,         ///< one map as `map` says
+    kMap,         ///< one map with the keys of `map`
     kMapList,     ///< a list of such maps
     kNamedMaps,   ///< a map from names to such maps
     kPlugin,      ///< one plugin use
     kPluginList,  ///< a list of plugin uses
   };
 
-  ParameterSpec value;  ///< name, doc and required hold for every kind
+  ParameterSpec value;  ///< name, doc and required apply to every kind
   Kind kind = Kind::kValue;
   const MapSpec* map = nullptr;
   SkybodyKind plugin = SKYBODY_TASK;
-  std::string word;         ///< kValue: this text is allowed in place of the number
+  std::string word;         ///< kValue: a text allowed in place of the number
   std::string short_key;    ///< kMapList: a text in place of a map is the value of this key
-  bool identifier = false;  ///< kValue: a text that can be part of a path
+  bool identifier = false;  ///< kValue: a text that must be valid in a path
 };
 
 /// A map with a fixed set of keys.
@@ -62,15 +62,15 @@ Field vector_field(std::string name, std::string unit, std::vector<double> value
 Field map_field(std::string name, Field::Kind kind, const MapSpec& map, std::string doc);
 Field plugin_field(std::string name, Field::Kind kind, SkybodyKind plugin, std::string doc);
 Field required(Field field);
-/// A list of maps whose entries may be texts, which are the values of `key`.
+/// A list of maps. An entry may be a text: the value of `key`.
 Field short_form(std::string key, Field field);
 
-/// Reads the values of one map. Asking for a key that the spec does not declare is our bug (throws
-/// std::logic_error). After an error a value is its default, so that reading goes on.
+/// Reads the values of one map. Reading a key that the spec does not declare is a bug of Skybody
+/// (std::logic_error). After an error a value is its default, so that reading continues.
 class MapReader {
  public:
-  /// `node` may be null (absent): everything is its default then, and a missing required key is an
-  /// error at `owner`. Unknown keys are reported here. The arguments must outlive the reader.
+  /// If `node` is null (absent), all values are defaults, and a missing required key is an error at
+  /// `owner`. Reports unknown keys. The arguments must outlive the reader.
   MapReader(const ConfigNode* node, const MapSpec& spec, const SourceLocation& owner,
             Diagnostics& diagnostics);
 
@@ -81,14 +81,14 @@ class MapReader {
   std::vector<std::string> texts(const std::string& key) const;
   Vec3<double> vec3(const std::string& key) const;
   std::vector<double> numbers(const std::string& key) const;
-  /// The number, or nothing where the field's word stands instead.
+  /// The number, or nullopt if the file has the field's word.
   std::optional<double> real_or_word(const std::string& key) const;
 
-  /// Whether the map has such a key.
+  /// Whether the spec declares the key.
   bool knows(const std::string& key) const { return spec_.find(key) != nullptr; }
   /// The node of `key`, or null.
   const ConfigNode* node(const std::string& key) const;
-  /// Where `key` was written, or else the map.
+  /// The location of `key`, or else of the map.
   SourceLocation mark(const std::string& key) const;
   SourceLocation mark() const { return mark_; }
 

@@ -1,6 +1,6 @@
-// Needs: POSIX files, since only open() with O_NONBLOCK is sure not to wait on a pipe that takes a
-// regular file's place between a look at the name and the opening. Limits: what is read is counted,
-// because files of /proc and /sys give a size of 0 and may never end.
+// Needs POSIX files: only open() with O_NONBLOCK is sure not to block on a pipe that replaces a
+// regular file between the check of the name and the opening. The bytes read are counted against
+// the limit, because files of /proc and /sys report a size of 0 and may never end.
 #include "core/io/file.h"
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 16u << 20;  // [bytes]; the largest shipped file has 8 kB
 
-/// An open file, closed at the end.
+/// A file descriptor, closed by the destructor.
 class Descriptor {
  public:
   explicit Descriptor(const std::string& path)
@@ -43,7 +43,7 @@ std::string too_large(std::size_t most_bytes) {
   return "is larger than " + std::to_string(most_bytes >> 20) + " MiB";
 }
 
-/// Why what has this status is not read, or an empty text.
+/// The reason why a file with this status is not read, or an empty text.
 std::string obstacle(const struct stat& status, std::size_t most_bytes) {
   if (S_ISDIR(status.st_mode)) return "is a folder";
   if (!S_ISREG(status.st_mode)) return "is not a regular file";
@@ -51,7 +51,7 @@ std::string obstacle(const struct stat& status, std::size_t most_bytes) {
   return fits ? "" : too_large(most_bytes);
 }
 
-/// Why `path` is not even opened, or an empty text.
+/// The reason why `path` is not opened, or an empty text.
 std::string obstacle_to_opening(const std::string& path, std::size_t most_bytes) {
   if (path.find('\0') != path.npos) return "cannot exist: its name has a NUL character";
   struct stat status;
@@ -59,7 +59,7 @@ std::string obstacle_to_opening(const std::string& path, std::size_t most_bytes)
   return errno == ENOENT || errno == ENOTDIR ? "does not exist" : reason_of_errno();
 }
 
-/// Reads `path` into `text`; why not, or an empty text.
+/// Reads `path` into `text`. @returns the reason of a failure, or an empty text
 std::string read_into(const std::string& path, std::size_t most_bytes, std::string& text) {
   const Descriptor file(path);
   if (!file.is_open()) return reason_of_errno();

@@ -1,4 +1,4 @@
-// Reading files whole, and paths relative to the file in which they are written.
+// Reads whole files, and resolves paths relative to the files that contain them.
 #pragma once
 
 #include <cstddef>
@@ -9,31 +9,31 @@
 
 namespace skybody {
 
-/// What marks a position on the command line: the text before the override.
+/// Prefix of a command-line location: the text before the override.
 inline constexpr const char* kOverridePrefix = "--set ";
 
-/// The same of a reference that the command line names.
+/// Prefix of a location in the command line's --reference.
 inline constexpr const char* kReferencePrefix = "--reference ";
 
-/// Whether a mark's file is one of these: such texts have no lines, and paths in them start at the
-/// working directory.
+/// Whether a location's file is one of these. Such texts have no lines, and their paths are
+/// relative to the working directory.
 bool is_from_command_line(const std::string& file);
 
-/// Reads a regular file of up to `most_bytes` into `text`. Nothing is waited for, also where a pipe
-/// takes the file's place meanwhile. Returns why it was not read ("is a folder"), or an empty text.
+/// Reads a regular file of up to `most_bytes` into `text`. Never blocks, even if a pipe replaces
+/// the file meanwhile. Returns the reason of a failure ("is a folder"), or an empty text.
 std::string read_regular_file(const std::string& path, std::size_t most_bytes, std::string& text);
 
-/// The contents of `path`, or nothing and an error at `used_at` (or at the file, if `used_at` names
-/// none). Only regular files of up to 16 MiB are read; anything else (folders,
-/// devices, pipes) is an error, and nothing is waited for.
+/// The contents of `path`, or nullopt and an error at `used_at` (at the file, if `used_at` is
+/// empty). Reads only regular files of up to 16 MiB; folders, devices and pipes are errors. Never
+/// blocks.
 std::optional<std::string> read_file(const std::string& path, const SourceLocation& used_at,
                                      Diagnostics& diagnostics);
 
-/// `path` as written at `mark`: relative paths start at the folder of the file that holds them, or
-/// at the working directory when they come from the command line.
+/// Resolves `path`, written at `mark`: relative paths start at the folder of the file of `mark`, or
+/// at the working directory if they come from the command line.
 std::string resolve_path(const std::string& path, const SourceLocation& mark);
 
-/// `path` from the root of the file system on, for files that are read from another folder.
+/// `path` as an absolute path, for files that are read from another folder.
 std::string absolute_path(const std::string& path);
 
 /// Whether `path` names an existing regular file.

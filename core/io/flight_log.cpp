@@ -69,7 +69,7 @@ FlightLog::FlightLog(const std::filesystem::path& file, const FlightLogHeader& h
 FlightLog::~FlightLog() {
   try {
     close();
-  } catch (const Error&) {  // the caller has its own failure to report
+  } catch (const Error&) {  // the caller reports its own failure
   }
 }
 

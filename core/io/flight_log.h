@@ -1,4 +1,4 @@
-// The flight log: an HDF5 file with everything that happened in some episodes of one environment.
+// The flight log: an HDF5 file with the complete record of some episodes of one environment.
 // docs/flight-log.md describes the file for readers.
 #pragma once
 
@@ -18,7 +18,7 @@ struct LogColumn {
   std::string unit;
 };
 
-/// What holds for the whole flight. The columns fix the width of every row.
+/// Data of the whole flight. The columns define the width of every row.
 struct FlightLogHeader {
   std::string scenario_name;
   std::string scenario_file;  ///< absolute
@@ -32,7 +32,7 @@ struct FlightLogHeader {
 
   std::vector<std::string> bodies;      ///< `robot.body`
   std::vector<std::string> goals;       ///< the body of each goal, as in `bodies`
-  std::vector<std::string> references;  ///< kinds of path that robots follow
+  std::vector<std::string> references;  ///< kinds of path that the robots follow
   std::vector<LogColumn> q, u, rotors, action, command, observation, sensors, info;
   std::vector<LogColumn> params;       ///< randomizable values, by path
   std::vector<double> nominal_params;  ///< in the order of `params`
@@ -49,31 +49,31 @@ struct FlightLogRow {
   std::span<const float> observation;  ///< the privileged values last
   float reward = 0.0f;
   std::uint64_t status = 0;   ///< EpisodeStatus bits
-  std::uint8_t touching = 0;  ///< 1: something touches the ground, an obstacle or a robot, 0: no
+  std::uint8_t touching = 0;  ///< 1: a body touches the ground, an obstacle or a robot; 0: none
   std::span<const double> sensors;
-  std::span<const float> info;   ///< as the task and other plugins report
+  std::span<const float> info;   ///< reported by the task and other plugins
   std::span<const double> goal;  ///< 4 per goal: position (W) [m], yaw [rad]
 };
 
-/// Writes the file while the flight goes on: rows are kept until a chunk is full, then compressed
-/// and written, so that memory does not grow with the flight.
+/// Writes the file during the flight. Rows are buffered until a chunk is full, then compressed and
+/// written: memory use does not grow with the flight.
 class FlightLog {
  public:
-  /// Creates the file, replacing one that exists.
+  /// Creates the file, or replaces an existing one.
   /// @throws Error with the file and the reason, here and in all members
   FlightLog(const std::filesystem::path& file, const FlightLogHeader& header);
-  /// Closes the file as it is; call close() to hear of errors.
+  /// Closes the file and ignores errors; call close() to get them.
   ~FlightLog();
   FlightLog(const FlightLog&) = delete;
   FlightLog& operator=(const FlightLog&) = delete;
 
-  /// Ends the episode before, if any, and begins the next. @param params  drawn values
+  /// Ends the current episode, if any, and begins the next. @param params  drawn values
   void begin_episode(std::span<const double> params);
   /// Appends a row to the episode.
   void add(const FlightLogRow& row);
-  /// Notes what happened at the row added last: "reset", "terminated", ...
+  /// Adds an event at the last row: "reset", "terminated", ...
   void event(const std::string& text);
-  /// Writes what is left and closes the file.
+  /// Writes the remaining rows and closes the file.
   void close();
 
  private:
@@ -81,8 +81,8 @@ class FlightLog {
   std::unique_ptr<File> file_;
 };
 
-/// For programs whose only HDF5 files are flight logs; to be called before the first. HDF5's own
-/// clean-up at exit would try again, and complain, where a log could not be closed on a full disk.
+/// For programs whose only HDF5 files are flight logs; call it before the first. If a log could not
+/// be closed on a full disk, HDF5's own clean-up at exit would fail again and print errors.
 void skip_hdf5_cleanup_at_exit();
 
 }  // namespace skybody

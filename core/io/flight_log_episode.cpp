@@ -20,7 +20,7 @@ const std::vector<LogColumn>& goal_columns() {
   return columns;
 }
 
-/// A line of the table of events as HDF5 takes it.
+/// A row of the table of events in HDF5's memory layout.
 struct EventRecord {
   std::uint64_t row;
   double time;

@@ -14,15 +14,15 @@ namespace skybody {
 std::vector<std::string> names_of(const std::vector<LogColumn>& columns);
 std::vector<std::string> units_of(const std::vector<LogColumn>& columns);
 
-/// The datasets of one episode. Neither the writer nor the group may go before it.
+/// The datasets of one episode. The writer and the group must outlive it.
 class FlightLogEpisode {
  public:
   FlightLogEpisode(const Hdf5Writer& writer, Hdf5Id group, const FlightLogHeader& header);
 
   void add(const FlightLogRow& row);
-  /// Notes what happened at the row added last.
+  /// Adds an event at the last row.
   void event(const std::string& text);
-  /// Writes what is still in memory.
+  /// Writes the buffered rows and events.
   void finish();
 
  private:
@@ -35,7 +35,7 @@ class FlightLogEpisode {
   std::array<FlightLogSeries*, 15> all();
   void write_events() const;
 
-  /// One line of the table of events.
+  /// One row of the table of events.
   struct Event {
     std::uint64_t row;
     double time;

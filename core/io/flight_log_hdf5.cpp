@@ -9,13 +9,13 @@
 namespace skybody {
 namespace {
 
-/// Keeps the first message that it is shown: the one nearest to the cause.
+/// Stores the first message of the error stack: the one nearest to the cause.
 herr_t take_first(unsigned n, const H5E_error2_t* error, void* text) {
   if (n == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
   return 0;
 }
 
-/// What the operating system says where HDF5's text names an errno, else the text.
+/// The operating system's message if HDF5's text contains an errno, else the text.
 std::string shorten(const std::string& text) {
   const std::string key = "error message = '";
   const std::size_t begin = text.find(key);

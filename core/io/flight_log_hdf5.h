@@ -1,4 +1,4 @@
-// HDF5's C API as far as our files need it: ids that close themselves, failures as Error.
+// A thin wrapper of HDF5's C API: ids that close themselves, failures as Error.
 #pragma once
 
 #include <hdf5.h>
@@ -10,7 +10,7 @@
 
 namespace skybody {
 
-/// Owns an HDF5 id and closes it by the function that belongs to its kind.
+/// Owns an HDF5 id and closes it with the function of its kind.
 class Hdf5Id {
  public:
   using Close = herr_t (*)(hid_t);
@@ -27,7 +27,7 @@ class Hdf5Id {
   ~Hdf5Id() { reset(); }
 
   operator hid_t() const { return id_; }
-  /// Closes it now. Returns whether that went well.
+  /// Closes it now. Returns whether closing succeeded.
   bool reset() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
     return id < 0 || close_(id) >= 0;
@@ -38,7 +38,7 @@ class Hdf5Id {
   Close close_ = nullptr;
 };
 
-/// Keeps HDF5 from printing its error stack while it lives; we report errors ourselves.
+/// Suppresses HDF5's printed error stack during its lifetime; Skybody reports the errors itself.
 class QuietHdf5 {
  public:
   QuietHdf5();
@@ -51,11 +51,11 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
-/// Creates things inside one file. Every member throws Error with the file's name and HDF5's
+/// Creates objects inside one file. Every member throws Error with the file's name and HDF5's
 /// reason.
 class Hdf5Writer {
  public:
-  /// @param what  the kind of file, for messages
+  /// @param what  kind of file, for messages
   explicit Hdf5Writer(std::filesystem::path path, std::string what = "flight log")
       : path_(std::move(path)), what_(std::move(what)) {}
 
@@ -63,8 +63,8 @@ class Hdf5Writer {
   Hdf5Id create_group(hid_t parent, const std::string& name) const;
 
   void write_attribute(hid_t object, const char* name, const std::string& value) const;
-  /// The same as a text of fixed length, which lies where it is named. Texts of any length lie in a
-  /// heap of HDF5's whose reader does not survive every damaged file.
+  /// The same as a text of fixed length, stored inside the object. HDF5 stores texts of variable
+  /// length in a heap whose reader crashes on some damaged files.
   void write_text(hid_t object, const char* name, const std::string& value) const;
   void write_attribute(hid_t object, const char* name, double value) const;
   void write_attribute(hid_t object, const char* name, std::int64_t value) const;
@@ -74,13 +74,13 @@ class Hdf5Writer {
   void write_dataset(hid_t parent, const char* name, const std::vector<double>& values) const;
   void write_dataset(hid_t parent, const char* name, const std::vector<std::string>& values) const;
 
-  /// The id or status, if it is not negative.
+  /// The id or status; fails if it is negative.
   template <class Result>
   Result check(Result result) const {
     if (result < 0) fail();
     return result;
   }
-  /// @throws Error with what HDF5 says last
+  /// @throws Error with HDF5's last message
   [[noreturn]] void fail() const;
 
  private:
@@ -88,12 +88,12 @@ class Hdf5Writer {
   std::string what_;
 };
 
-/// What HDF5 said last, in short.
+/// HDF5's last message, shortened.
 std::string hdf5_reason();
 
-/// HDF5's type of a UTF-8 text of any length.
+/// HDF5's type of a UTF-8 text of variable length.
 Hdf5Id hdf5_text_type();
-/// Of `size` bytes at most, padded with zeros.
+/// HDF5's type of a UTF-8 text of at most `size` bytes, padded with zeros.
 Hdf5Id hdf5_text_type(std::size_t size);
 
 }  // namespace skybody

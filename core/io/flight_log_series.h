@@ -1,4 +1,4 @@
-// One dataset of the flight log that grows by a row a step, buffered by chunks.
+// One dataset of the flight log that grows by one row per step, buffered by chunks.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// Appends rows of a fixed shape. A series of zero width keeps nothing and makes no dataset.
+/// Appends rows of a fixed shape. A series of zero width stores nothing and creates no dataset.
 class FlightLogSeries {
  public:
   /// @param type        HDF5's native type of one value
@@ -22,7 +22,7 @@ class FlightLogSeries {
   void add(std::span<const T> values) {
     add_bytes(values.data(), values.size_bytes());
   }
-  /// Writes what is buffered.
+  /// Writes the buffered rows.
   void flush();
 
   bool empty() const { return row_bytes_ == 0; }

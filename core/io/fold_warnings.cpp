@@ -10,13 +10,13 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kMostLines = 5;  // that a folded warning lists
+constexpr std::size_t kMostLines = 5;  // listed in a folded warning
 
 bool is_digit_at(const std::string& text, std::size_t at) {
   return at < text.size() && text[at] >= '0' && text[at] <= '9';
 }
 
-/// The place behind a number such as 2.5e-07 that begins at `at`.
+/// The position after a number such as 2.5e-07 that begins at `at`.
 std::size_t end_of_number(const std::string& text, std::size_t at) {
   while (is_digit_at(text, at) || (text[at] == '.' && is_digit_at(text, at + 1))) ++at;
   const bool has_exponent =
@@ -27,8 +27,7 @@ std::size_t end_of_number(const std::string& text, std::size_t at) {
   return at;
 }
 
-/// The message without numbers and without what stands in ``. Elements of other names are of
-/// another kind.
+/// The kind of a message: its text without numbers and without names in ``.
 std::string warning_kind(const std::string& message) {
   std::string kind;
   for (std::size_t at = 0; at < message.size();) {
@@ -41,7 +40,7 @@ std::string warning_kind(const std::string& message) {
     ++at;
     if (c != '`') continue;
     at = std::min(message.find('`', at), message.size());
-    if (at < message.size()) ++at;  // a closing backtick is no opening one
+    if (at < message.size()) ++at;  // skip the closing backtick
   }
   return kind;
 }
@@ -53,7 +52,7 @@ struct Fold {
   std::vector<std::string> lines = {};  ///< of the others, each once
 };
 
-/// Notes its line, one more of them than a folded warning lists at most.
+/// Stores the line of another warning; at most one line more than a folded warning lists.
 void add_other(Fold& fold, const Diagnostic& other) {
   const std::string line = std::to_string(other.mark.line);
   ++fold.others;
@@ -75,13 +74,13 @@ std::string folded_text(const Fold& fold) {
 }  // namespace
 
 Diagnostics fold_warnings(const Diagnostics& diagnostics) {
-  // A list with more errors than are shown has a note of them, which has no place.
+  // A note without a location stands for the errors omitted from the list.
   const auto& all = diagnostics.all();
   const bool leaves_errors_out = std::any_of(all.begin(), all.end(), [](const Diagnostic& d) {
     return d.severity == Severity::kError && d.mark.file.empty();
   });
   if (leaves_errors_out) return diagnostics;
-  std::vector<Fold> folds;  // errors each for itself
+  std::vector<Fold> folds;  // each error has its own
   std::map<std::string, std::size_t> known;
   for (const Diagnostic& d : all) {
     const bool may_fold = d.severity == Severity::kWarning && d.mark.line > 0;

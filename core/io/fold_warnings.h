@@ -1,14 +1,14 @@
-// One warning for each kind, in place of one for each element.
+// Folds similar warnings into one, instead of one for each element.
 #pragma once
 
 #include "core/io/diagnostics.h"
 
 namespace skybody {
 
-/// The messages with warnings of one kind folded into the first of them, which then says in which
-/// lines the others are. Of one kind are warnings about one file whose texts differ in nothing but
-/// names in `` and numbers. Errors stay as they are. A list from which errors were left out, since
-/// there were too many, is returned unchanged.
+/// Folds warnings of one kind into the first of them, which then lists the lines of the others.
+/// Warnings are of one kind if they concern one file and their texts differ only in names in `` and
+/// numbers. Errors stay unchanged. A list from which errors were omitted, because there were too
+/// many, is returned unchanged.
 Diagnostics fold_warnings(const Diagnostics& diagnostics);
 
 }  // namespace skybody

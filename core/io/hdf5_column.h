@@ -1,4 +1,4 @@
-// A dataset of rows that grows, written in bursts.
+// A growing dataset of rows, written in bursts.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace skybody {
 
-/// Buffers rows until write(). Nothing that was written is touched again (which is why it is not
-/// compressed: a compressed block moves when it grows), and between two bursts the file is left
-/// alone, so that a flush after each leaves it whole whatever happens to the program.
+/// Buffers rows until write(). Written data is never changed, so the dataset is not compressed: a
+/// compressed chunk moves when it grows. Between two bursts the file is not accessed. A flush after
+/// each burst therefore leaves a valid file, even if the program ends abnormally.
 template <class T>
 class Hdf5Column {
  public:
-  /// @param type  HDF5's of T   @param width  values a row; a column of width 0 is not there
+  /// @param type  HDF5's type of T   @param width  values per row; 0: the column does not exist
   Hdf5Column(const Hdf5Writer& writer, hid_t parent, const char* name, hid_t type, int width = 1)
       : writer_(&writer), type_(type), width_(static_cast<hsize_t>(width)) {
     if (width > 0) create(parent, name);
@@ -28,10 +28,10 @@ class Hdf5Column {
   }
   std::size_t waiting_bytes() const { return buffer_.size() * sizeof(T); }
   const T* waiting() const { return buffer_.data(); }
-  /// Rows written and waiting.
+  /// Number of rows, written and buffered.
   std::uint64_t rows() const { return rows_ + (width_ == 0 ? 0 : buffer_.size() / width_); }
 
-  /// Appends what was added.
+  /// Writes the buffered rows to the file.
   void write() {
     if (buffer_.empty() || width_ == 0) return;
     const hsize_t count[2] = {buffer_.size() / width_, width_}, start[2] = {rows_, 0};

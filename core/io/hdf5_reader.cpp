@@ -10,7 +10,7 @@ namespace skybody {
 namespace {
 
 constexpr std::size_t kMemoryIncrement = 1 << 16;  // of a file in memory, which does not grow
-// HDF5 allocates a chunk whole. Ours have 64 KiB, or one row where a row is longer.
+// HDF5 allocates whole chunks. Skybody's chunks have 64 KiB, or one row if a row is longer.
 constexpr std::size_t kLargestChunk = 16 << 20;
 
 }  // namespace
@@ -29,7 +29,7 @@ Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string what, const std::
   H5Pset_fapl_core(access, kMemoryIncrement, false);
   // HDF5 copies the bytes and does not write to them.
   H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size());
-  open(path_ / "in memory", access);  // HDF5 demands a name under which there is no file
+  open(path_ / "in memory", access);  // HDF5 requires the name of a file that does not exist
 }
 
 void Hdf5Reader::open(const std::filesystem::path& name, hid_t access) {
@@ -100,7 +100,7 @@ Hdf5Id Hdf5Reader::open_dataset(const std::string& dataset) const {
   return id;
 }
 
-/// Refuses storage that reads other files, runs other filters or needs unbounded memory.
+/// Rejects storage that reads other files, runs other filters or needs unbounded memory.
 void Hdf5Reader::check_storage(const std::string& dataset, hid_t id) const {
   const Hdf5Id properties(H5Dget_create_plist(id), H5Pclose);
   const Hdf5Id type(H5Dget_type(id), H5Tclose);
@@ -144,7 +144,7 @@ void Hdf5Reader::check_rows(const std::string& dataset, const Shape& shape, std:
        std::to_string(count) + " are needed from row " + std::to_string(first) + " on");
 }
 
-/// The length of texts of `type`, all alike.
+/// The length of texts of `type`, which must be fixed.
 std::size_t Hdf5Reader::check_text_type(const std::string& name, hid_t type) const {
   if (H5Tget_class(type) != H5T_STRING) fail(name + " is not a text");
   if (H5Tis_variable_str(type) != 0) {

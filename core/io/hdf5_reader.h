@@ -1,4 +1,4 @@
-// Reads HDF5 files that others may have written: every failure is one message that names the file.
+// Reads untrusted HDF5 files: every failure is one message with the file's name.
 #pragma once
 
 #include <cstdint>
@@ -11,30 +11,31 @@
 namespace skybody {
 
 /// One file, open for reading. Objects are named by their path within it ("/" is the root). Numbers
-/// are converted to the type that is asked for. Every member throws LocatedError with the file's
-/// name where something is missing or of another kind or shape.
+/// are converted to the requested type. Every member throws LocatedError with the file's name if an
+/// object is missing or of another kind or shape.
 ///
-/// The file may be hostile. Nothing outside of it is opened: links other than hard ones, external
-/// and virtual storage and filters other than Fletcher's checksum are refused. Nothing is allocated
-/// for more values than the file has bytes for. Texts of variable length are refused: they lie in a
-/// heap whose reader in HDF5 does not survive every damaged file.
+/// The file may be malicious:
+/// - No other file is opened: links other than hard ones, external and virtual storage, and filters
+///   other than Fletcher's checksum are rejected.
+/// - No memory is allocated for more values than the file's bytes can hold.
+/// - Texts of variable length are rejected: HDF5's reader of their heap crashes on some damaged
+///   files.
 class Hdf5Reader {
  public:
-  /// @param what  the kind of file, for messages: "policy"
+  /// @param what  kind of file, for messages: "policy"
   Hdf5Reader(std::filesystem::path path, std::string what);
   /// Reads the file's bytes from memory; `path` is for messages.
   Hdf5Reader(std::filesystem::path path, std::string what, const std::string& bytes);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Whether there is such an object. @throws LocatedError where a link on the way is not a hard
-  /// one
+  /// Whether the object exists. @throws LocatedError if the path contains a link that is not hard
   bool has(const std::string& object) const;
 
   std::string text(const std::string& object, const char* attribute) const;
   std::vector<std::string> texts(const std::string& dataset) const;
   std::int64_t integer(const std::string& object, const char* attribute) const;
-  /// Refuses a file whose attributes `format` and `version` are not `skybody-KIND` and `version`.
-  /// @param remedy  what to do about another version
+  /// Rejects a file whose attributes `format` and `version` are not `skybody-KIND` and `version`.
+  /// @param remedy  advice for files of another version
   void check_format(std::int64_t version, const std::string& remedy) const;
   double real(const std::string& object, const char* attribute) const;
 
@@ -44,7 +45,7 @@ class Hdf5Reader {
     int rank = 1;
   };
   Shape shape(const std::string& dataset) const;
-  /// `count` rows from `first` on, in the type of `out`, which has room for them.
+  /// Reads `count` rows from `first` on, converted to the type of `out`, which must have room.
   void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
                  double* out) const;
   void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
@@ -95,7 +96,7 @@ class Hdf5Reader {
   Hdf5Id file_;
 };
 
-/// @throws LocatedError unless `file` is a regular file, which devices, pipes and folders are not
+/// @throws LocatedError unless `file` is a regular file (not a device, pipe or folder)
 void check_regular_file(const std::filesystem::path& file);
 
 }  // namespace skybody

@@ -11,18 +11,18 @@
 
 namespace skybody {
 
-/// Most heights of a field: a mebi of them takes 8 MiB.
+/// Largest number of heights of a field: 2^20, which take 8 MiB.
 inline constexpr std::size_t kMostHeights = 1u << 20;
 
-/// Reads `height_field` of an obstacle into its shape; false, and errors, if anything is wrong.
+/// Reads `height_field` of an obstacle into its shape. Returns false after errors.
 /// @param node  the value of the key
 bool read_height_field(const ConfigNode& node, InputBudget& budget, Diagnostics& diagnostics,
                        Shape& shape);
 
-/// Heights of a file: a line for each row, in the order of rising y, with a number for each column,
-/// in the order of rising x, and commas between them. Lines that are empty or start with # do not
-/// count. Nothing, and errors with the line, if anything is wrong; what the file says is not
-/// quoted, since it may be any file of the system.
+/// Parses the heights of a file: one line per row, in ascending order of y; one number per column,
+/// in ascending order of x, separated by commas. Empty lines and lines that start with # are
+/// skipped. Returns null and errors with the line for invalid files. Messages do not quote the
+/// file, which may be any file of the system.
 /// @param file  for messages
 std::shared_ptr<const HeightField> parse_heights(const std::string& text, const std::string& file,
                                                  Diagnostics& diagnostics);

@@ -65,7 +65,7 @@ std::string json_indented(std::string_view json) {
     } else if (c == '}' && json[i - 1] != '{') {
       out += '\n' + std::string(2 * --level, ' ') + '}';
     } else if (c == ',' && json[i + 1] == ' ' && json[i + 2] == '"' && out.find('{') != out.npos) {
-      // Members of objects get a line each; arrays of words stay on one line.
+      // Members of objects get one line each; arrays of words stay on one line.
       std::size_t end = i + 3;
       while (end < json.size() && json[end] != '"') end += json[end] == '\\' ? 2 : 1;
       const bool member = end + 1 < json.size() && json[end + 1] == ':';

@@ -1,4 +1,4 @@
-// JSON text out of parts: just enough to write a schema.
+// Builds JSON text from parts, for schemas.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace skybody {
 
-/// `text` as a JSON string, in quotes. Bytes beyond ASCII pass through as UTF-8.
+/// `text` as a quoted JSON string. Non-ASCII bytes stay as UTF-8.
 std::string json_string(std::string_view text);
 
 /// An array of JSON values.
@@ -29,7 +29,7 @@ class JsonObject {
   std::vector<std::pair<std::string, std::string>> members_;
 };
 
-/// The same JSON with one member a line, two spaces a level.
+/// The same JSON with one member per line, indented by two spaces per level.
 std::string json_indented(std::string_view json);
 
 }  // namespace skybody

@@ -7,10 +7,10 @@
 namespace skybody {
 namespace {
 
-/// To micrometres: the rounding of a decimal text to a double, and of turned corners, is no size.
+/// Rounds to micrometres: removes round-off of decimal texts and of rotated corners.
 double rounded(double length) { return round_half_even(length * 1e6) / 1e6; }
 
-/// The largest coordinate of a box's corners, by size.
+/// The largest magnitude of a coordinate of the box's corners.
 double farthest(const MeshBox& box) {
   const auto largest = [](const Vec3<double>& v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); };
   return max(largest(box.low), largest(box.high));

@@ -1,4 +1,4 @@
-// The box about a mesh, for contact. Internal to core/io.
+// The bounding box of a mesh, for contact. Internal to core/io.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace skybody {
 
-/// Largest file of a mesh that is read [bytes].
+/// Size limit of a mesh file [bytes].
 inline constexpr std::size_t kLargestMesh = 32u << 20;
 
-/// Most files of meshes that are read for one URDF.
+/// Largest number of mesh files that are read for one URDF.
 inline constexpr std::size_t kMostMeshes = 100;
 
 /// A box along the axes of a mesh.
@@ -21,15 +21,15 @@ struct MeshBox {
   Vec3<double> center() const { return 0.5 * (low + high); }
 };
 
-/// Reads the box about the vertices of a mesh file of up to kLargestMesh: those that its faces,
-/// lines and points use, or all where the format does not say (PLY) or the file has none of these.
-/// Nothing but this one file is read, whatever it names. COLLADA's unit counts, its upward
-/// direction does not, as in RViz.
-/// @returns why there is no box ("is a folder"), or an empty text
+/// Reads the bounding box of the vertices of a mesh file of up to kLargestMesh. Only vertices used
+/// by faces, lines and points count; all vertices count if the format has no such reference (PLY)
+/// or the file has no faces, lines and points. No other file is read, even if this file names one.
+/// COLLADA's unit is applied; its upward direction is ignored, as in RViz.
+/// @returns the reason if there is no box ("is a folder"), or an empty text
 std::string read_mesh_box(const std::string& file, const MeshFormat& format, MeshBox& box);
 
-/// The box about a mesh that is scaled along its axes, rounded to micrometres.
-/// @returns why contact cannot do with it ("is flat"), or an empty text
+/// Scales the box along the mesh's axes and rounds it to micrometres.
+/// @returns the reason if contact cannot use the box ("is flat"), or an empty text
 std::string scale_mesh_box(const Vec3<double>& scale, MeshBox& box);
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// Numbers of a mesh's bytes. Internal to core/io.
+// Reads numbers from a mesh's bytes. Internal to core/io.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// The number at `bytes`, which are in the order `order`.
+/// The number at `bytes`, stored in the byte order `order`.
 template <class Number>
 Number read_bytes(const char* bytes, std::endian order = std::endian::little) {
   std::array<char, sizeof(Number)> own;

@@ -1,7 +1,8 @@
-// COLLADA (.dae): the scene's nodes, each with a transformation, place geometries. Nodes may stand
-// for others (<instance_node>), so that a small file may ask for many: what is placed is counted.
+// COLLADA (.dae): the scene's nodes place geometries, each with a transformation. Nodes may
+// reference other nodes (<instance_node>), so a small file can expand to many: the placed nodes and
+// points are counted.
 //
-// Skins and morphs are as their geometry is before bones move it.
+// Skins and morphs use their undeformed geometry.
 #include <cmath>
 
 #include "core/io/mesh_dae_geometry.h"
@@ -13,10 +14,10 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr int kDeepest = 100;                    // nodes in each other: place() calls itself
+constexpr int kDeepest = 100;                    // nested nodes: place() is recursive
 constexpr int kMostControllers = 10;             // of a geometry
-constexpr long kMostNodes = 1'000'000;           // with what instances repeat
-constexpr std::size_t kMostPoints = 50'000'000;  // likewise; some 0.3 s
+constexpr long kMostNodes = 1'000'000;           // including repetitions by instances
+constexpr std::size_t kMostPoints = 50'000'000;  // including repetitions; about 0.3 s
 
 double unit_of(const XMLElement& root) {
   const XMLElement* const asset = root.FirstChildElement("asset");
@@ -28,7 +29,7 @@ double unit_of(const XMLElement& root) {
   refuse_element(*unit, "`meter` of <unit> is no number above 0");
 }
 
-/// What an element of nodes holds.
+/// The contents of a <node> or <visual_scene>.
 struct DaeNode {
   DaeTransform transform;
   std::vector<const DaeGeometry*> geometries;
@@ -103,7 +104,7 @@ class DaeScene {
     }
   }
 
-  /// The geometry that skins and morphs are of.
+  /// The geometry of a skin or morph, through its controllers.
   const XMLElement& geometry_of(const XMLElement& instance) const {
     const XMLElement* e = &document_.find(instance, "url", {"controller"});
     for (int k = 0; k < kMostControllers; ++k) {

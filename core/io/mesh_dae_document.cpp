@@ -12,7 +12,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Elements that others name by their ids.
+/// Elements that other elements reference by their ids.
 constexpr std::array<const char*, 7> kNamed = {"float_array", "source", "vertices",    "geometry",
                                                "controller",  "node",   "visual_scene"};
 

@@ -13,7 +13,7 @@
 
 namespace skybody {
 
-/// A document with its ids.
+/// A document with an index of its ids.
 class DaeDocument {
  public:
   /// @throws MeshError
@@ -21,9 +21,9 @@ class DaeDocument {
 
   const tinyxml2::XMLElement& root() const { return *document_.RootElement(); }
 
-  /// The element that an attribute of `user` names, "#ID".
-  /// @param kinds  names that this element may have
-  /// @throws MeshError where there is none or several, or the attribute names another file
+  /// The element referenced by an attribute of `user`, "#ID".
+  /// @param kinds  allowed names of the element
+  /// @throws MeshError if there is none or several, or the attribute names another file
   const tinyxml2::XMLElement& find(const tinyxml2::XMLElement& user, const char* attribute,
                                    std::initializer_list<const char*> kinds) const;
 
@@ -37,13 +37,13 @@ class DaeDocument {
 
 [[noreturn]] void refuse_element(const tinyxml2::XMLElement& element, const std::string& reason);
 
-/// The child element of this name. @throws MeshError where there is none
+/// The child element of this name. @throws MeshError if there is none
 const tinyxml2::XMLElement& dae_child(const tinyxml2::XMLElement& element, const char* name);
 
-/// An attribute that is a whole number from 0 on. @throws MeshError where it is none, or too large
+/// An attribute as a whole number >= 0. @throws MeshError if it is invalid or too large
 std::uint32_t dae_count(const tinyxml2::XMLElement& element, const char* attribute);
 
-/// Likewise, with a value that holds where the attribute is absent.
+/// The same, with a value for a missing attribute.
 std::uint32_t dae_count(const tinyxml2::XMLElement& element, const char* attribute,
                         std::uint32_t absent);
 
@@ -62,7 +62,7 @@ void for_each_word(const tinyxml2::XMLElement& element, const Visit& visit) {
 /// An element's text as finite numbers. @throws MeshError
 std::vector<double> dae_numbers(const tinyxml2::XMLElement& element);
 
-/// Likewise, `count` of them. @throws MeshError
+/// The same for exactly `count` numbers. @throws MeshError
 std::vector<double> dae_numbers(const tinyxml2::XMLElement& element, std::size_t count);
 
 }  // namespace skybody

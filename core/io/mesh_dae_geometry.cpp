@@ -1,6 +1,6 @@
-// Source: COLLADA 1.4.1, Khronos Group 2008, chapter 5: <mesh> names positions by
-// <triangles><input semantic="VERTEX"> -> <vertices><input semantic="POSITION"> -> <source>, whose
-// <accessor> says which values of its <float_array> are which position's.
+// Source: COLLADA 1.4.1, Khronos Group 2008, chapter 5. <mesh> references positions by
+// <triangles><input semantic="VERTEX"> -> <vertices><input semantic="POSITION"> -> <source>. The
+// <accessor> of <source> assigns values of its <float_array> to positions.
 #include "core/io/mesh_dae_geometry.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ const XMLElement* find_input(const XMLElement& parent, const char* semantic) {
   return nullptr;
 }
 
-/// Numbers of one corner in <p>, one for each offset.
+/// Number of values per corner in <p>: one for each offset.
 std::uint64_t width_of(const XMLElement& primitives) {
   std::uint64_t width = 0;
   for_each_child(primitives, "input", [&](const XMLElement& input) {
@@ -38,8 +38,8 @@ std::uint64_t width_of(const XMLElement& primitives) {
   return width;
 }
 
-/// Checks the number of corners where the file says it: for triangles and polygons with counts.
-/// (SketchUp says too many lines.)
+/// Checks the number of corners if the file declares it: for triangles and polygons with counts.
+/// (SketchUp declares too many lines.)
 void check_corners(const XMLElement& primitives, std::uint64_t corners) {
   const std::string kind = primitives.Name();
   std::uint64_t said = corners;
@@ -152,7 +152,7 @@ DaeGeometries::Accessor DaeGeometries::read_accessor(const XMLElement& accessor)
   return result;
 }
 
-/// Notes which values of a position are x, y and z, and returns how many it has.
+/// Finds the offsets of x, y and z in a position, and returns the number of its values.
 std::uint32_t DaeGeometries::read_params(const XMLElement& accessor, Accessor& result) {
   std::uint32_t count = 0;
   bool has_x = false, has_y = false, has_z = false;

@@ -1,6 +1,6 @@
 // Source: COLLADA 1.4.1, Khronos Group 2008, chapter 5. <lookat> is the inverse of OpenGL's
-// gluLookAt(): the node's -z axis points at the place that it looks at. <skew> is refused: the
-// specification does not say how its angle is meant, and programs differ.
+// gluLookAt(): the node's -z axis points at the target. <skew> is rejected: the specification does
+// not define its angle precisely, and programs differ.
 #include "core/io/mesh_dae_transform.h"
 
 #include "core/base/quat.h"
@@ -16,7 +16,7 @@ Vec3<double> vector_at(const std::vector<double>& n, std::size_t k) {
   return {n[k], n[k + 1], n[k + 2]};
 }
 
-/// Unit length. Refuses vectors without direction, and such whose squares are no numbers any more.
+/// The unit vector. Rejects zero vectors, and vectors whose squares overflow.
 Vec3<double> direction(const Vec3<double>& v, const XMLElement& element) {
   const double length = norm(v);
   if (length > 0.0 && is_finite(v / length)) return v / length;
@@ -34,7 +34,7 @@ DaeTransform matrix(const XMLElement& element) {
 DaeTransform rotation(const XMLElement& element) {
   const std::vector<double> n = dae_numbers(element, 4);
   DaeTransform result;
-  if (n[3] == 0.0) return result;  // exporters leave any axis there
+  if (n[3] == 0.0) return result;  // exporters write arbitrary axes for a zero angle
   const Vec3<double> axis = direction(vector_at(n, 0), element);
   result.linear = to_mat3(from_axis_angle(axis, n[3] * kDegree));
   return result;

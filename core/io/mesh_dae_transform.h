@@ -14,13 +14,14 @@ struct DaeTransform {
   friend Vec3<double> operator*(const DaeTransform& a, const Vec3<double>& v) {
     return a.linear * v + a.shift;
   }
-  /// First b, then a.
+  /// Applies b first, then a.
   friend DaeTransform operator*(const DaeTransform& a, const DaeTransform& b) {
     return {a.linear * b.linear, a * b.shift};
   }
 };
 
-/// What <matrix>, <rotate>, <translate>, <scale> or <lookat> do; nothing of any other element.
+/// The transformation of <matrix>, <rotate>, <translate>, <scale> or <lookat>; identity for other
+/// elements.
 /// @throws MeshError  also for <skew>
 DaeTransform read_dae_transform(const tinyxml2::XMLElement& element);
 

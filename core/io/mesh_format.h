@@ -1,8 +1,10 @@
-// The mesh formats that are read, and what their readers share. Internal to core/io.
+// The supported mesh formats and shared types of their readers. Internal to core/io.
 //
-// Meshes may be a stranger's. So each reader takes time and memory that are linear in the file's
-// size, opens no other file, checks each declared count against what the file holds before it
-// relies on it, and refuses a file that contradicts itself.
+// Mesh files may be untrusted. Each reader
+// - needs time and memory that are linear in the file's size,
+// - opens no other file,
+// - checks each declared count against the file's size before using it,
+// - rejects inconsistent files.
 #pragma once
 
 #include <string>
@@ -13,7 +15,7 @@
 
 namespace skybody {
 
-/// Why a mesh is refused. Readers throw it, read_mesh_box() catches it.
+/// The reason why a mesh is rejected. Readers throw it, read_mesh_box() catches it.
 class MeshError : public Error {
  public:
   explicit MeshError(const std::string& reason) : Error(reason) {}
@@ -21,7 +23,7 @@ class MeshError : public Error {
       : Error("line " + std::to_string(line) + ": " + reason) {}
 };
 
-/// The smallest box along the axes that holds all points that are added.
+/// The axis-aligned bounding box of the added points.
 class VertexBox {
  public:
   void add(const Vec3<double>& v) {
@@ -37,7 +39,7 @@ class VertexBox {
   Vec3<double> low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
 };
 
-/// Each reader takes the bytes of a file, and gives the box about its vertices in metres.
+/// Each reader takes a file's bytes and returns the bounding box of its vertices in metres.
 /// @throws MeshError
 VertexBox read_stl(const std::string& bytes);
 VertexBox read_dae(const std::string& bytes);
@@ -49,7 +51,7 @@ struct MeshFormat {
   VertexBox (*read)(const std::string& bytes);
 };
 
-/// The format that the end of a file's name stands for, in capitals too; null: it is not read.
+/// The format of a file name's extension, in any case; null: not supported.
 const MeshFormat* find_mesh_format(const std::string& name);
 
 /// ".stl, .dae, .obj, .ply".

@@ -1,5 +1,5 @@
-// OBJ: lines of words; `v` is a vertex, `f`, `l` and `p` name vertices by their numbers from 1 or,
-// negative, from the end of those before. All other lines are passed by.
+// OBJ: lines of words. `v` defines a vertex; `f`, `l` and `p` reference vertices by their numbers,
+// from 1 or, if negative, back from the latest vertex. All other lines are skipped.
 #include <array>
 #include <vector>
 
@@ -8,8 +8,8 @@
 namespace skybody {
 namespace {
 
-/// The shortest line of a vertex, "v 0 0 0" with its end: no file has more vertices than this many
-/// fit in.
+/// Length of the shortest vertex line, "v 0 0 0" with its line end: bounds the number of vertices
+/// in a file.
 constexpr std::size_t kShortestVertex = 8;
 
 class ObjReader {
@@ -84,7 +84,7 @@ class ObjReader {
   MeshTokenizer words_;
   std::vector<Vec3<double>> vertices_;
   std::vector<bool> used_;
-  std::size_t largest_ = 0;  ///< number of a vertex that is used; 0: none is
+  std::size_t largest_ = 0;  ///< largest referenced vertex number; 0: none is referenced
   int line_of_largest_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // PLY: a header of lines, then the rows of its elements, as words or as bytes in either order. All
-// rows are read, so that one that is missing or does not fit shows. Box: all of `vertex`.
+// rows are read, to detect missing or invalid ones. The box includes all vertices of `vertex`.
 #include <array>
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// Values that are words.
+/// Reads values written as words.
 class TextValues {
  public:
   TextValues(const std::string& bytes, const PlyHeader& header)
@@ -32,7 +32,7 @@ class TextValues {
   MeshTokenizer words_;
 };
 
-/// Values that are bytes.
+/// Reads values stored as bytes.
 class BinaryValues {
  public:
   BinaryValues(const std::string& bytes, const PlyHeader& header)
@@ -81,7 +81,7 @@ class BinaryValues {
   std::endian order_;
 };
 
-/// Places of x, y and z among the properties of the element `vertex`.
+/// Indices of x, y and z among the properties of the element `vertex`.
 std::array<int, 3> find_coordinates(const PlyElement& vertex) {
   std::array<int, 3> places{};
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -114,7 +114,7 @@ class HeaderReader {
         "int8, uint8, int16, uint16, int32, uint32, float32 and float64");
   }
 
-  /// Whether the file may hold as many rows of an element as it says.
+  /// Rejects elements that declare more rows than the file can hold.
   void check_size(const PlyElement& element) const {
     if (element.count == 0) return;
     const std::string what = "the element `" + shortened(element.name, 40) + "` ";
@@ -122,9 +122,9 @@ class HeaderReader {
     std::size_t least = 0;  // bytes of a row
     for (const PlyProperty& property : element.properties) {
       const PlyType& first = property.count_type ? *property.count_type : *property.type;
-      least += header_.order == PlyOrder::kText ? 2 : first.size;  // a digit and a blank
+      least += header_.order == PlyOrder::kText ? 2 : first.size;  // a digit and a space
     }
-    const std::size_t rest = bytes_.size() - header_.size + 1;  // the last blank may be missing
+    const std::size_t rest = bytes_.size() - header_.size + 1;  // the last space may be missing
     if (element.count <= rest / least) return;
     throw MeshError(what + "says " + std::to_string(element.count) + " rows of at least " +
                     std::to_string(least) + " bytes, and " + std::to_string(rest - 1) +

@@ -1,4 +1,4 @@
-// The header of a PLY file: which values follow it. Internal to core/io.
+// The header of a PLY file: the declaration of its values. Internal to core/io.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@ namespace skybody {
 
 enum class PlyOrder { kText, kLittleEndian, kBigEndian };
 
-/// A type of numbers, by its two names.
+/// A numeric type with its two names.
 struct PlyType {
   const char *name, *sized_name;
   std::size_t size;  ///< [bytes]
   enum Kind { kSigned, kUnsigned, kReal } kind;
 };
 
-/// A number, or a list of them with their count before it.
+/// A number, or a list of numbers with their count before them.
 struct PlyProperty {
   std::string name;
   const PlyType* type = nullptr;
-  const PlyType* count_type = nullptr;  ///< null: it is no list
+  const PlyType* count_type = nullptr;  ///< null: not a list
 };
 
 /// Rows of properties.
@@ -29,7 +29,7 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// The property of this name and no list; -1: there is none.
+  /// Index of the property of this name that is not a list; -1: there is none.
   int find(const std::string& property) const;
 };
 
@@ -40,8 +40,8 @@ struct PlyHeader {
   int lines = 0;
 };
 
-/// Reads the header. All elements with a count have properties, and what follows is long enough for
-/// them with empty lists. @throws MeshError
+/// Reads the header. Checks that all elements with rows have properties, and that the rest of the
+/// file is long enough for these rows with empty lists. @throws MeshError
 PlyHeader read_ply_header(const std::string& bytes);
 
 }  // namespace skybody

@@ -1,6 +1,6 @@
-// STL: binary, 80 bytes of any text, the number of triangles, and 50 bytes for each; or a text,
+// STL. Binary: 80 bytes of arbitrary text, the number of triangles, and 50 bytes for each. Text:
 // "solid NAME facet normal X Y Z outer loop (vertex X Y Z) x 3 endloop endfacet ... endsolid NAME".
-// Binary files may begin with "solid", too: size and NUL bytes tell the two apart.
+// Binary files may also begin with "solid": size and NUL bytes distinguish the two.
 #include "core/io/mesh_bytes.h"
 #include "core/io/mesh_tokenizer.h"
 
@@ -63,7 +63,7 @@ class StlText {
   }
 
   void read_solid() {
-    words_.next_line();  // a name, which may have any words
+    words_.next_line();  // skip the name, which may contain any words
     std::string_view word = words_.next();
     for (; is_word(word, "facet"); word = words_.next()) read_facet();
     if (!is_word(word, "endsolid")) refuse("endsolid");
@@ -72,7 +72,8 @@ class StlText {
 
   void read_facet() {
     expect("normal");
-    for (int k = 0; k < 3; ++k) words_.next();  // exporters leave any numbers there, or none
+    for (int k = 0; k < 3; ++k)
+      words_.next();  // ignored: exporters write arbitrary numbers or none
     expect("outer");
     expect("loop");
     for (int corner = 0; corner < 3; ++corner) {

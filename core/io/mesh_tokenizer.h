@@ -1,4 +1,4 @@
-// The words of a mesh's text, line by line. Internal to core/io.
+// Splits a mesh's text into words, line by line. Internal to core/io.
 #pragma once
 
 #include <charconv>
@@ -9,11 +9,11 @@
 
 namespace skybody {
 
-/// Goes through a text once. Lines end with "\n", "\r\n" or "\r"; a "\" at a line's end joins it to
-/// the next (OBJ).
+/// Reads a text once. Lines end with "\n", "\r\n" or "\r"; a "\" at the end of a line continues it
+/// on the next (OBJ).
 class MeshTokenizer {
  public:
-  /// @param line  the number of its first line
+  /// @param line  number of the first line
   explicit MeshTokenizer(std::string_view text, int line = 1) : text_(text), line_(line) {}
 
   /// The next word, on this line or a later one; empty at the end of the text.
@@ -29,13 +29,13 @@ class MeshTokenizer {
   double coordinate(std::string_view word) const;
 
   int line() const { return line_; }
-  /// How many bytes have been read.
+  /// Number of bytes read.
   std::size_t place() const { return at_; }
   [[noreturn]] void refuse(const std::string& reason) const { throw MeshError(line_, reason); }
 
  private:
   bool at_line_end() const;
-  /// Passes a line's end, where one is here.
+  /// Skips the end of a line, if there is one here.
   bool pass_line_end();
 
   std::string_view text_;
@@ -43,10 +43,10 @@ class MeshTokenizer {
   int line_;
 };
 
-/// Whether `word` is `expected` (in lower case), in small letters or capitals.
+/// Whether `word` equals `expected` (lower case), ignoring case.
 bool is_word(std::string_view word, std::string_view expected);
 
-/// The whole number that all of `word` spells, or nothing where `Integer` holds none such.
+/// The whole of `word` as an integer, or nullopt if it is not a number within Integer's range.
 template <class Integer>
 std::optional<Integer> parse_integer(std::string_view word) {
   Integer number{};

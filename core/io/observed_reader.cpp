@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// `imu.specific_force` as the map {channel: imu.specific_force}.
+/// Converts `imu.specific_force` into the map {channel: imu.specific_force}.
 ConfigNode as_map(const ConfigNode& entry) {
   if (!entry.is_scalar()) return entry;
   ConfigNode map;
@@ -25,7 +25,7 @@ bool is_path(const std::string& text) {
   return dot != text.npos && dot + 1 < text.size() && is_identifier(text.substr(0, dot));
 }
 
-/// The number of a key, or nothing where it is left out or wrong.
+/// The number of a key, or nullopt if it is missing or invalid.
 std::optional<double> bound(const MapReader& reader, const std::string& key) {
   if (reader.node(key) == nullptr) return std::nullopt;
   const std::vector<double> numbers = reader.numbers(key);
@@ -39,7 +39,7 @@ class ObservedReader {
   void read(const ConfigNode& entry) {
     const ConfigNode map = as_map(entry);
     const MapReader reader(&map, observed_fields(), map.mark, diagnostics_);
-    if (reader.node("channel") == nullptr) return;  // the reader has said so
+    if (reader.node("channel") == nullptr) return;  // the reader has reported it
     ObservedChannel observed;
     observed.mark = reader.mark("channel");
     observed.channel = reader.text("channel");

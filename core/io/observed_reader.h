@@ -1,4 +1,4 @@
-// The entries of `observe`: channels of sensors that join the task's observation.
+// The entries of `observe`: channels of sensors added to the task's observation.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 namespace skybody {
 
 /// Reads the list (null or absent: none). An entry is `SENSOR.CHANNEL`, or a map of
-/// observed_fields. Two entries of one channel or of one name are an error. Whether the channels
-/// exist is not known here: sensors declare them when the CompiledScenario is built.
+/// observed_fields. Two entries of one channel or of one name are an error. The existence of the
+/// channels is checked later: sensors declare them when the CompiledScenario is built.
 std::vector<ObservedChannel> read_observed(const ConfigNode* node, Diagnostics& diagnostics);
 
 }  // namespace skybody

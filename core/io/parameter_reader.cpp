@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-constexpr double kLargestInteger = 9007199254740992.0;  // 2^53: beyond, doubles skip integers
+constexpr double kLargestInteger = 9007199254740992.0;  // 2^53: doubles skip integers above it
 
 /// Reads the entries of one value.
 class ValueReader {
@@ -123,7 +123,7 @@ class ValueReader {
     return true;
   }
 
-  /// Whether the value at hand is in rad: by its unit, or of "m, rad" as the last of a list.
+  /// Whether the current value is in rad: by its unit, or as the last of a list in "m, rad".
   bool is_angle() const {
     const std::string& unit = spec_.unit;
     const std::string ending = ", rad";

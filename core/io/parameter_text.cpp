@@ -1,4 +1,4 @@
-// Words about declarations, for messages and documentation.
+// Texts about declarations, for messages and documentation.
 #include <cmath>
 
 #include "core/io/parameter_reader.h"

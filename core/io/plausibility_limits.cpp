@@ -11,7 +11,8 @@
 namespace skybody {
 namespace {
 
-/// What is meant is what is written times `factor`; the value looked at goes with its power.
+/// A mistake. The intended value is the written one times `factor`; the checked value is
+/// proportional to the `power` of the written one.
 struct Slip {
   const char* key;  ///< of GivenValue; empty: the value itself
   double factor;
@@ -29,9 +30,9 @@ constexpr double kDegree = kPi / 180.0;
 constexpr double kTurnAMinute = kPi / 30.0;
 constexpr Slip kNoSlip{"", 1.0, 1.0, nullptr};
 
-// In the order of PlausibilityLimit. Ranges of vehicles: from a Crazyflie to what carries people,
-// with room on either side (randomization/vehicle/README.md has figures). Angles: courses count
-// turns on.
+// In the order of PlausibilityLimit. Vehicles range from a Crazyflie to passenger aircraft, with a
+// margin on either side (randomization/vehicle/README.md has figures). Angles: trajectories count
+// full turns.
 constexpr UsualRow kRows[] = {
     {"rad", -12.6, 12.6, {{{"", kDegree, 1, "degrees written for radians"}, kNoSlip, kNoSlip}}},
     {"m", -11e3, 9e3, {{{"", 1e-3, 1, "mm written for m"}, kNoSlip, kNoSlip}}},
@@ -63,7 +64,7 @@ const UsualRow& row_of(PlausibilityLimit what) { return kRows[static_cast<std::s
 
 bool is_in(const UsualRow& row, double value) { return value >= row.low && value <= row.high; }
 
-/// To four digits: what is derived has more than anybody reads.
+/// Formats with four digits: derived values have more digits than readers need.
 std::string four_digits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
@@ -74,14 +75,14 @@ std::string with_unit_of(const UsualRow& row, double value) {
   return four_digits(value) + (row.unit[0] == '\0' ? "" : " ") + row.unit;
 }
 
-/// A mistake that explains a value, and the value that was meant.
+/// A mistake that explains a value, and the intended value.
 struct Meant {
   const Slip* slip = nullptr;
   double value = 0.0;
 };
 
-/// By the mistakes with `given` in a row: of units that would all do, the one that comes nearest to
-/// the middle of the range.
+/// Searches a row's mistakes with the key of `given`. If several explain the value, the one whose
+/// result is nearest to the middle of the range is chosen.
 Meant meant(const UsualRow& row, double value, const GivenValue& given) {
   const double middle = sqrt(row.low * row.high);
   double least = kInfinity;
@@ -98,7 +99,7 @@ Meant meant(const UsualRow& row, double value, const GivenValue& given) {
   return found;
 }
 
-/// "; do you mean `max_speed: 2094` (rpm written for rad/s)?", or nothing.
+/// "; do you mean `max_speed: 2094` (rpm written for rad/s)?", or an empty text.
 std::string explanation(const UsualRow& row, double value,
                         std::initializer_list<GivenValue> given) {
   const GivenValue itself{"", value};

@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// Plugins that are no longer there, and what does their work.
+/// Removed plugins and their replacements.
 struct Retired {
   SkybodyKind kind;
   const char *name, *remedy;
@@ -29,14 +29,14 @@ std::string remedy_of(const PluginUse& use, SkybodyKind kind) {
   return {};
 }
 
-/// Whether it is a plugin of the source tree that this program was built from.
+/// Whether the source tree of this build contains the plugin.
 bool is_in_sources(SkybodyKind kind, const std::string& name) {
   const std::filesystem::path folder = shipped_data("", kPluginKinds[kind].folder);
   std::error_code ignored;
   return is_identifier(name) && std::filesystem::exists(folder / name / "README.md", ignored);
 }
 
-/// What is said of a name that no plugin of the kind has.
+/// The message about an unknown plugin name.
 std::string unknown_plugin(const std::string& name, SkybodyKind kind,
                            const PluginCatalog& catalog) {
   const std::string unknown = "unknown " + std::string(kind_name(kind)) + " `" + name + "`";
@@ -52,7 +52,7 @@ std::string unknown_plugin(const std::string& name, SkybodyKind kind,
          "; more folders: --plugin-path, plugin_path or SKYBODY_PLUGIN_PATH";
 }
 
-/// The declaration that `use` names, or null and an error where it is written.
+/// The declaration of the plugin of `use`, or null and an error at its location.
 const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
   const std::string what = std::string(kind_name(kind)) + " `" + use.plugin + "`";

@@ -1,4 +1,4 @@
-// The entries of a scenario that name plugins.
+// Reads the uses of plugins in a scenario.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@
 
 namespace skybody {
 
-/// "; `ctbr` is a controller", for a name that stands for something else; empty where no plugin of
-/// any kind has it.
+/// "; `ctbr` is a controller", for a name of a plugin of another kind; empty if no plugin has the
+/// name.
 std::string plugin_hint(const std::string& name, const PluginCatalog& catalog);
 
-/// Reads one use of a plugin: `{plugin: NAME, name: INSTANCE, parameters: {...}}`. Parameters are
-/// validated against the plugin's declaration; after errors they are what could be read.
+/// Reads one use of a plugin: `{plugin: NAME, name: INSTANCE, parameters: {...}}`. Validates the
+/// parameters against the plugin's declaration; after errors only the valid ones are meaningful.
 PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const PluginCatalog& catalog,
                           Diagnostics& diagnostics);
 

@@ -20,14 +20,14 @@ constexpr std::size_t kLargestFile = 256u << 20;
 }
 
 std::string read_bytes(const fs::path& file) {
-  check_regular_file(file);  // says what to give instead of a folder
+  check_regular_file(file);  // its message gives the remedy for a folder
   std::string bytes;
   const std::string problem = read_regular_file(file.string(), kLargestFile, bytes);
   if (!problem.empty()) fail(file, "the file " + problem);
   return bytes;
 }
 
-/// Refuses what has no seal of our format.
+/// Rejects files without a seal of this format.
 void check_format(const fs::path& file, std::string_view bytes) {
   if (bytes.starts_with(kHdf5Signature)) {
     fail(file,

@@ -1,7 +1,8 @@
-// The seal of a policy.h5: its first 512 bytes, which name the hash of all bytes behind them.
+// The seal of a policy.h5: its first 512 bytes, with a hash of all following bytes.
 //
-// HDF5 leaves that part of a file (its user block) to others. The seal is checked before HDF5 sees
-// the file, because HDF5 crashes or hangs on some damaged files and reads others without complaint.
+// HDF5 reserves this part of a file (its user block) for applications. The seal is checked before
+// HDF5 opens the file, because HDF5 crashes or hangs on some damaged files and reads others without
+// an error.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +12,18 @@
 
 namespace skybody {
 
-/// The format of policy files that is written and read.
+/// The format version of policy files, for reading and writing.
 inline constexpr int kPolicyFormat = 2;
 
 /// The smallest user block that HDF5 allows.
 inline constexpr std::size_t kPolicySealBytes = 512;
 
-/// The seal of a file whose bytes behind the seal are `content`: three lines, then zeros.
+/// The seal of a file with the bytes `content` after the seal: three lines, then zeros.
 std::string policy_seal(std::string_view content);
 
-/// All bytes of a policy file.
-/// @throws LocatedError with the file's name: missing, no regular file, no policy, another format,
-///         or its bytes are not those that were sealed
+/// Reads all bytes of a policy file.
+/// @throws LocatedError with the file's name if it is missing, not a regular file, not a policy, of
+///         another format, or its bytes differ from the sealed ones
 std::string read_sealed_policy(const std::filesystem::path& file);
 
 }  // namespace skybody

@@ -76,7 +76,7 @@ class PolicyReader {
                std::to_string(*bad) + " robots of `/agents/action`; needed: one");
   }
 
-  /// Rows of indices below `size`, one row a robot.
+  /// Rows of indices below `size`, one row per robot.
   std::vector<std::vector<int>> read_entries(const std::string& name, int size) {
     const Hdf5Reader::Shape shape = file_.shape(name);
     if (shape.rank != 2 || shape.rows < 1 || shape.columns < 1) {
@@ -189,7 +189,7 @@ class PolicyReader {
   PolicyFile policy_;
 };
 
-/// Of step_NNNNNNNNNNNN, else -1.
+/// The step of a folder called step_NNNNNNNNNNNN, else -1.
 std::int64_t checkpoint_step(const fs::path& folder) {
   constexpr std::size_t kPrefix = 5, kDigits = 12;
   const std::string name = folder.filename().string();
@@ -198,7 +198,7 @@ std::int64_t checkpoint_step(const fs::path& folder) {
   return std::stoll(name.substr(kPrefix));
 }
 
-/// The checkpoint with the greatest number that has a policy, or an empty path.
+/// The checkpoint with the highest step that has a policy, or an empty path.
 fs::path newest_checkpoint(const fs::path& folder) {
   fs::path newest;
   std::int64_t step = -1;

@@ -1,4 +1,4 @@
-// policy.h5: a trained network as Python writes it and C++ flies it. docs/policies.md has the
+// policy.h5: a trained network, written by Python and evaluated by C++. docs/policies.md has the
 // format.
 #pragma once
 
@@ -12,15 +12,15 @@
 
 namespace skybody {
 
-/// What follows a layer's sums.
+/// The activation function of a layer.
 enum class Activation { kNone, kTanh, kRelu, kElu };
-/// In their order.
+/// In the order of Activation.
 inline constexpr const char* kActivationNames[] = {"none", "tanh", "relu", "elu"};
 inline const char* name(Activation activation) {
   return kActivationNames[static_cast<int>(activation)];
 }
 
-/// The activation of that name; none: there is none.
+/// The activation of that name, or nullopt.
 inline std::optional<Activation> find_activation(std::string_view word) {
   for (std::size_t k = 0; k < std::size(kActivationNames); ++k) {
     if (word == kActivationNames[k]) return static_cast<Activation>(k);
@@ -29,14 +29,14 @@ inline std::optional<Activation> find_activation(std::string_view word) {
 }
 
 enum class LayerKind { kDense, kGru };
-/// In their order.
+/// In the order of LayerKind.
 inline constexpr const char* kLayerKindNames[] = {"dense", "gru"};
 inline const char* name(LayerKind kind) { return kLayerKindNames[static_cast<int>(kind)]; }
 
 /// Dense: y = activation(weight x + bias).
-/// Gated recurrent units (Cho et al. 2014), as PyTorch's GRU: with the state h, and rows of weights
+/// Gated recurrent unit (Cho et al. 2014), as PyTorch's GRU: with the state h, and rows of weights
 /// and biases for the gates r, z and n in this order,
-///   r = sigmoid(weight x + bias + state_weight h + state_bias), z likewise,
+///   r = sigmoid(weight x + bias + state_weight h + state_bias), z with its own rows,
 ///   n = tanh(weight x + bias + r (state_weight h + state_bias)),  y = h' = (1 - z) n + z h.
 struct PolicyLayer {
   int inputs = 0, outputs = 0;
@@ -50,27 +50,27 @@ struct PolicyLayer {
   int weight_rows() const { return kind == LayerKind::kGru ? 3 * outputs : outputs; }
 };
 
-/// How the last layer's values become actions in [-1, 1].
+/// The map from the last layer's values to actions in [-1, 1].
 enum class ActionSquash { kClip, kTanh };
 
-/// A robot's part of a team's rows: which entries of the observation the network sees for it, and
-/// which entries of the action the network's outputs are.
+/// One robot's part of a team's rows: the entries of the observation that are the network's inputs,
+/// and the entries of the action that are its outputs.
 struct PolicyAgent {
   std::vector<int> observation, action;
 };
 
-/// That a policy.h5 may have.
+/// Largest number of layers in a policy.h5.
 inline constexpr int kMostLayers = 64;
 
-/// Everything in a policy.h5, checked: sizes fit together and every number is finite.
+/// The contents of a policy.h5, checked: sizes are consistent and every number is finite.
 struct PolicyFile {
   std::string scenario;                       ///< its name
   std::string scenario_hash;                  ///< 16 hexadecimal digits; empty: unknown
-  std::string algorithm;                      ///< that trained it
+  std::string algorithm;                      ///< the training algorithm
   std::int64_t steps = 0;                     ///< environment steps trained
   int observation_size = 0, action_size = 0;  ///< of the scenario's rows
-  /// Empty: the network sees whole rows and gives whole rows. Else it is evaluated once for each of
-  /// these, and each entry of the action is one agent's.
+  /// Empty: the network's inputs and outputs are whole rows. Else the network is evaluated once per
+  /// agent, and each entry of the action belongs to one agent.
   std::vector<PolicyAgent> agents;
   ActionSquash squash = ActionSquash::kClip;
   /// Empty, or one value per input: x = clip((observation - mean) * scale, -clip, clip). Scales
@@ -79,7 +79,7 @@ struct PolicyFile {
   double clip = 0.0;
   std::vector<PolicyLayer> layers;  ///< 1 ... kMostLayers
 
-  /// Of the network.
+  /// Number of the network's inputs.
   int input_size() const {
     return agents.empty() ? observation_size : static_cast<int>(agents[0].observation.size());
   }
@@ -88,15 +88,15 @@ struct PolicyFile {
   }
 };
 
-/// Why a policy whose sizes fit together is none that a learner makes; empty: it is one.
+/// The invalid value of a policy with consistent sizes, for messages; empty: all are valid.
 std::string fault_of(const PolicyFile& policy);
 
-/// @throws LocatedError with the file's name: missing, no policy, damaged, another version, sizes
-///         that do not fit together, values that are not finite, fault_of()
+/// @throws LocatedError with the file's name if it is missing, not a policy, damaged, of another
+///         version, has inconsistent sizes or values that are not finite, or for fault_of()
 PolicyFile read_policy(const std::filesystem::path& file);
 
-/// The policy file that a path means: a file itself, a checkpoint folder's policy.h5, or that of a
-/// run folder's newest checkpoint (checkpoints/step_NNNNNNNNNNNN).
+/// The policy file of a path: the file itself, the policy.h5 of a checkpoint folder, or the
+/// policy.h5 of the newest checkpoint of a run folder (checkpoints/step_NNNNNNNNNNNN).
 /// @throws Error if there is none
 std::filesystem::path find_policy(const std::filesystem::path& path);
 

@@ -1,8 +1,7 @@
-// Needs: the bytes that HDF5 writes, because the seal is a hash of them. The file is one in memory
-// (HDF5's driver `core`), and its memory is ours: HDF5 gives it back when the file has been closed.
-// H5Fget_file_image is no way to them, since an open file has a superblock that cannot be read
-// again. The seed is written as a text where it does not fit HDF5's signed integers: readers pass
-// over it.
+// The seal is a hash of the bytes that HDF5 writes, so the file is written in memory first (HDF5's
+// driver `core`). The memory is FileMemory's; its content is complete when HDF5 closes the file.
+// H5Fget_file_image does not help: the superblock of an open file cannot be read again. A seed
+// beyond HDF5's signed integers is written as a text; readers ignore it.
 #include "core/io/policy_writer.h"
 
 #include <functional>
@@ -19,19 +18,19 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kMemoryStep = 1 << 10;  // [bytes] that the size of the file is a multiple of
+constexpr std::size_t kMemoryStep = 1 << 10;  // [bytes]; the file's size is a multiple of it
 
-/// Properties of a file or a group, which then has no times: equal policies give equal bytes.
+/// Properties of a file or a group without time stamps: equal policies give equal bytes.
 Hdf5Id timeless(const Hdf5Writer& writer, hid_t kind) {
   Hdf5Id creation(writer.check(H5Pcreate(kind)), H5Pclose);
   writer.check(H5Pset_obj_track_times(creation, 0));
   return creation;
 }
 
-/// The bytes of a file in memory, whose functions HDF5 calls.
+/// The bytes of a file in memory; HDF5 calls its functions.
 class FileMemory {
  public:
-  /// Has the file that is made with `access` lie here. This must outlive it.
+  /// Stores the file created with `access` in this object, which must outlive it.
   void serve(const Hdf5Writer& writer, hid_t access) {
     H5FD_file_image_callbacks_t callbacks{};
     callbacks.image_malloc = [](std::size_t size, H5FD_file_image_op_t, void* self) {
@@ -60,7 +59,7 @@ class FileMemory {
   std::string bytes_;
 };
 
-/// A file of HDF5 1.10's format, behind room for the seal. Metadata has checksums.
+/// Creates a file of HDF5 1.10's format with space for the seal. Metadata has checksums.
 Hdf5Id create(const Hdf5Writer& writer, FileMemory& memory) {
   const Hdf5Id creation = timeless(writer, H5P_FILE_CREATE);
   writer.check(H5Pset_userblock(creation, kPolicySealBytes));
@@ -76,7 +75,7 @@ Hdf5Id create_group(const Hdf5Writer& writer, hid_t parent, const std::string& n
           H5Gclose};
 }
 
-/// A dataset in one chunk, with Fletcher's checksum, which HDF5 checks whenever it is read.
+/// Writes a dataset in one chunk with Fletcher's checksum, which HDF5 checks on every read.
 template <class T>
 void put(const Hdf5Writer& writer, hid_t parent, const char* name, hid_t type,
          const std::vector<T>& values, const std::vector<hsize_t>& extent) {
@@ -108,7 +107,7 @@ void put_floats(const Hdf5Writer& writer, hid_t parent, const char* name,
   put(writer, parent, name, H5T_NATIVE_FLOAT, narrow, extent);
 }
 
-/// Entries of the scenario's rows, a row for each agent.
+/// Writes entries of the scenario's rows, one row per agent.
 void put_entries(const Hdf5Writer& writer, hid_t parent, const char* name,
                  const std::vector<PolicyAgent>& agents, std::vector<int> PolicyAgent::*part) {
   std::vector<int> entries;

@@ -16,7 +16,7 @@ inline Pose inverse(const Pose& ab) {
   return {-rotate(rotation, ab.position), rotation};
 }
 
-/// Whether the frames coincide to the last bit.
+/// Whether the transform is exactly the identity.
 inline bool is_identity(const Pose& pose) {
   const Vec3<double>& p = pose.position;
   const Quat<double>& r = pose.rotation;
@@ -24,12 +24,12 @@ inline bool is_identity(const Pose& pose) {
          r.z == 0.0;
 }
 
-/// The point with coordinates `point` in B, seen from A.
+/// The coordinates in A of a point given in B.
 inline Vec3<double> transform(const Pose& ab, const Vec3<double>& point) {
   return ab.position + rotate(ab.rotation, point);
 }
 
-/// Mass properties given in B, in A.
+/// Mass properties in A, given those in B.
 inline MassProperties transform(const Pose& ab, const MassProperties& mass) {
   return {mass.mass, transform(ab, mass.com), rotate_inertia(to_mat3(ab.rotation), mass.inertia)};
 }

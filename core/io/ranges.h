@@ -1,7 +1,7 @@
 // Ranges of numbers in files.
 //
-// They are wide enough for anything that flies and narrow enough that squares and products of
-// several numbers stay well inside the range in which doubles keep all their digits (2e-308 to
+// They are wide enough for every flying robot. They are narrow enough that squares and products of
+// several numbers stay well inside the range in which doubles have full precision (2e-308 to
 // 1.8e308). docs/scenarios.md has the table.
 #pragma once
 
@@ -12,24 +12,24 @@
 
 namespace skybody {
 
-/// Bound of positions [m] and of anything else without a natural bound.
+/// Bound of positions [m] and of other quantities without a natural bound.
 inline constexpr double kFar = 1e6;
-/// Smallest edge or radius [m]: an atom has 1e-10.
+/// Smallest edge or radius [m]; the size of an atom is 1e-10.
 inline constexpr double kSmallestLength = 1e-9;
-/// Largest angle of a roll, pitch or yaw [rad]: beyond, digits are lost for no use.
+/// Largest roll, pitch or yaw angle [rad]; larger ones only lose precision.
 inline constexpr double kMostTurned = 1000.0;
-/// Shortest axis: its square must have all its digits.
+/// Shortest axis: its square must keep full precision.
 inline constexpr double kShortestAxis = 1e-6;
 /// Longest name [bytes]; names are parts of paths of parameters.
 inline constexpr std::size_t kLongestName = 200;
 
-/// Numbers whose size lies between two bounds.
+/// Allowed magnitudes of a number.
 struct Range {
   double smallest;
   double largest;
   const char* unit;
-  bool zero = false;   ///< 0 is allowed, too
-  bool signs = false;  ///< negative numbers are allowed, too
+  bool zero = false;   ///< 0 is also allowed
+  bool signs = false;  ///< negative numbers are also allowed
 
   bool has(double value) const {
     if (value < 0.0 && !signs) return false;
@@ -46,20 +46,20 @@ struct Range {
   }
 };
 
-/// Exporters give links that only mark a place masses of 1e-9 kg and less.
+/// Exporters give links that only mark a place a mass of 1e-9 kg or less.
 inline constexpr Range kMassRange{1e-20, 1e12, "kg", true};
-/// On the diagonal. Likewise; a cubed one, as in a determinant, still has all its digits.
+/// Diagonal elements; lower bound as for masses. Cubes, as in a determinant, keep full precision.
 inline constexpr Range kInertiaRange{1e-40, 1e24, "kg m^2", true, true};
-/// Off the diagonal exporters leave what rounding left.
+/// Off-diagonal elements: exporters write round-off errors.
 inline constexpr Range kProductRange{0.0, 1e24, "kg m^2", true, true};
 inline constexpr Range kPlaceRange{0.0, kFar, "m", true, true};
 inline constexpr Range kTurnRange{0.0, kMostTurned, "rad", true, true};
 inline constexpr Range kSizeRange{kSmallestLength, kFar, "m"};
-/// A time constant: dt divided by it must stay a number.
+/// A time constant: dt divided by it must stay finite.
 inline constexpr Range kLagRange{1e-9, 100.0, "s", true};
 inline constexpr Range kScaleRange{0.0, kFar, "", true, true};
 inline constexpr Range kAxisRange{0.0, kFar, "", true, true};
-/// Exporters write 1e16 where there is no limit.
+/// Exporters write 1e16 for joints without a limit.
 inline constexpr Range kTravelRange{0.0, 1e18, "rad or m", true, true};
 inline constexpr Range kDampingRange{0.0, kFar, "N m s/rad or N s/m", true};
 

@@ -10,9 +10,9 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kWindowBytes = 1 << 20;  // of a column, unless a burst has more
+constexpr std::size_t kWindowBytes = 1 << 20;  // of a column; more if one burst is larger
 
-/// Rows of one column that lie in memory. Opening a dataset takes far longer than a small burst.
+/// Cached rows of one column. Opening a dataset takes far longer than reading a small burst.
 struct Window {
   std::size_t rows_in_file = 0, first = 0, count = 0;
   std::vector<unsigned char> bytes;
@@ -91,7 +91,7 @@ class BurstReader {
               count * row_bytes);
   }
 
-  /// Has the window begin at `first`; what the file does not have is refused before it is read.
+  /// Moves the window to `first`. Rows beyond the end of the file are rejected before reading.
   template <class T>
   void slide(std::size_t k, std::size_t first, std::size_t count, std::size_t row_bytes) {
     Window& window = windows_[k];

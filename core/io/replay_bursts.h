@@ -1,9 +1,9 @@
-// The bursts of a replay file: how far it is complete, and the hash of all that it holds.
+// The bursts of a replay file: they define its complete part and the hash of its contents.
 //
-// A recording is written in bursts. Each ends with a row of /bursts: the rows that every column has
-// by then, and the hash chain over the header and all values so far. The reader takes no row that
-// no burst names, and hashes every value again. So a file that was cut off while it was written is
-// read up to its last burst, and a value that has changed since is found wherever HDF5 keeps it.
+// A recording is written in bursts. Each burst ends with a row of /bursts: the number of rows of
+// every column so far, and the hash chain over the header and all values so far. The reader ignores
+// rows beyond the last burst and hashes every value again. A file cut off during writing is
+// therefore read up to its last burst, and a changed value is detected anywhere in the file.
 #pragma once
 
 #include <hdf5.h>
@@ -20,7 +20,7 @@ namespace skybody {
 
 class Hdf5Reader;
 
-/// How many values a row of a column has.
+/// Number of values in a row of a column.
 enum class ReplayWidth : std::uint8_t { kOne, kAction, kObservation, kState };
 
 enum class ReplayType : std::uint8_t { kU8, kI32, kU64, kF32 };
@@ -31,7 +31,7 @@ struct ReplayColumn {
   ReplayWidth width;
 };
 
-/// Places of the columns in kReplayColumns; plain numbers, as indices are.
+/// Indices of the columns in kReplayColumns, as plain integers.
 struct ReplayColumnId {
   enum Id : std::uint8_t {
     kKind,
@@ -54,7 +54,7 @@ struct ReplayColumnId {
 };
 inline constexpr std::size_t kReplayColumnCount = ReplayColumnId::kState + 1;
 
-/// In the order in which bursts count and hash them.
+/// In the order of counts and hashes in bursts.
 inline constexpr std::array<ReplayColumn, kReplayColumnCount> kReplayColumns = {{
     {"/events/kind", ReplayType::kU8, ReplayWidth::kOne},
     {"/events/count", ReplayType::kU64, ReplayWidth::kOne},
@@ -75,24 +75,24 @@ inline constexpr std::array<ReplayColumn, kReplayColumnCount> kReplayColumns = {
 }};
 
 inline constexpr const char* kReplayBursts = "/bursts";
-/// Of a row of /bursts: a count per column, then the hash.
+/// Values in a row of /bursts: one count per column, then the hash.
 inline constexpr int kReplayBurstWidth = kReplayColumnCount + 1;
 
-/// Values in a row of the column; 0: the recording does not have it.
+/// Values in a row of the column; 0: the recording lacks the column.
 std::size_t replay_width(const ReplayHeader& header, ReplayWidth width);
 
-/// The chain that the values of a recording are added to: all fields of its header.
+/// The initial hash chain of a recording: all fields of its header.
 HashChain replay_chain(const ReplayHeader& header);
 
-/// Adds what one burst gives one column. @param rows  that the column has with them
+/// Adds one burst's values of one column. @param rows  total rows of the column after the burst
 void add_burst(HashChain& chain, std::uint64_t rows, const void* values, std::size_t bytes);
 
-/// Rows of each column.
+/// Number of rows of each column.
 using ReplayRows = std::array<std::size_t, kReplayColumnCount>;
 
 /// The rows of the complete bursts of a file.
-/// @throws LocatedError where a column is missing, is of another type or width, or has other values
-///         than were written
+/// @throws LocatedError if a column is missing, is of another type or width, or its values differ
+///         from the written ones
 ReplayRows check_bursts(const Hdf5Reader& reader, const ReplayHeader& header);
 
 }  // namespace skybody

@@ -11,7 +11,7 @@ namespace skybody {
 namespace {
 
 constexpr std::int64_t kMostSize = 1 << 24;
-constexpr std::size_t kWindow = 4096;  // action rows, and rows of results, that are read at once
+constexpr std::size_t kWindow = 4096;  // rows of actions, or of results, read at once
 
 }  // namespace
 
@@ -61,7 +61,7 @@ struct ReplayReader::File {
     header.state_names = reader.texts("/state_names");
   }
 
-  /// The block that holds a row; the one read last is kept.
+  /// The block that contains a row; caches the last block.
   const Block& block_of(std::size_t place) {
     if (place >= block.first && place - block.first < block.count) return block;
     block.first = place / kWindow * kWindow;
@@ -83,7 +83,7 @@ struct ReplayReader::File {
     values = reader.rows<T>(column.path, block.first, block.count);
   }
 
-  /// A whole column of one value a row.
+  /// A whole column with one value per row.
   template <class T>
   std::vector<T> read_column(ReplayColumnId::Id id) const {
     return reader.rows<T>(kReplayColumns[id].path, 0, rows[id]);
@@ -118,12 +118,12 @@ struct ReplayReader::File {
     if (count.size() != kind.size()) wrong_length(kCount);
     if (argument.size() != kind.size()) wrong_length(kArgument);
     if (kind.empty() || !is_restore(0)) damaged("the first event is not a saved state");
-    // A saved state has several words an environment.
+    // A saved state has several words per environment.
     if (static_cast<std::size_t>(header.envs) > rows[kSaved]) wrong_length(kSaved);
     check_counts();
   }
 
-  /// The events take exactly what the other columns have; a count may be any 64-bit number.
+  /// The events must use all rows of the other columns; a count may be any 64-bit number.
   void check_counts() const {
     std::size_t ids = env_id.size(), words = rows[kSaved], actions = rows[kAction];
     std::size_t event = 0;
@@ -159,7 +159,7 @@ struct ReplayReader::File {
     }
   }
 
-  /// Which places are whose, and which action row belongs to which transition.
+  /// Finds the transitions of each environment, and the action row of each transition.
   void index_transitions() {
     places.resize(static_cast<std::size_t>(header.envs));
     for (std::size_t k = 0; k < row_env.size(); ++k) {
@@ -168,7 +168,7 @@ struct ReplayReader::File {
     sent.resize(places.size());
     std::size_t at = 0;
     std::int64_t action_row = 0;
-    // Each reset, action or reseeding gives a transition, but for those in flight at the end.
+    // Each reset, action or reseeding gives a transition, except those unfinished at the end.
     std::size_t left = row_env.size() + places.size();
     for (std::size_t k = 0; k < kind.size(); ++k) {
       if (is_restore(k)) continue;
@@ -226,7 +226,7 @@ struct ReplayReader::File {
     ++next_path;
   }
 
-  /// The next rows of actions, out of a window that slides over the file.
+  /// Reads the next rows of actions, through a window that slides over the file.
   void read_actions(std::size_t wanted, std::vector<float>& out) {
     const auto width = static_cast<std::size_t>(header.action_size);
     out.clear();
@@ -247,7 +247,7 @@ struct ReplayReader::File {
   }
 
   Hdf5Reader reader;
-  Block block;  ///< of rows, read last
+  Block block;  ///< the last block read
   ReplayHeader header;
   ReplayRows rows{};  ///< of complete bursts
   std::vector<std::uint8_t> kind, paths;
@@ -301,7 +301,7 @@ std::size_t ReplayReader::place(int env, std::size_t k) const {
 }
 std::uint64_t ReplayReader::hash(std::size_t place) const { return file_->hash[place]; }
 
-/// Rows are read in blocks: a replay asks for all of them, about in order.
+/// Reads rows in blocks: a replay reads all of them, nearly in order.
 ReplayRow ReplayReader::row(std::size_t place) const {
   const Block& block = file_->block_of(place);
   const std::size_t k = place - block.first;

@@ -15,10 +15,10 @@ namespace skybody {
 namespace {
 
 constexpr std::size_t kFlushBytes = 4 << 20;
-constexpr std::size_t kColumnChunkBytes = 1 << 16;  // of a column, where a row is no longer
-constexpr std::size_t kStructureBytes = 256 << 10;  // that HDF5 adds in a burst, with room to spare
+constexpr std::size_t kColumnChunkBytes = 1 << 16;  // of a column, unless a row is longer
+constexpr std::size_t kStructureBytes = 256 << 10;  // HDF5's metadata of a burst, with a margin
 
-/// Has HDF5 write the file's structure in flushes alone, and not whenever its cache is full.
+/// Makes HDF5 write the file's metadata only in flushes, not when its cache is full.
 void hold_structure_back(const Hdf5Writer& writer, hid_t file) {
   H5AC_cache_config_t config;
   config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
@@ -113,7 +113,7 @@ struct ReplayWriter::File {
         visit(was_reset), visit(status), visit(reward), visit(observation), visit(state);
   }
 
-  /// Writes what waits, then the burst's row, and hands everything to the operating system.
+  /// Writes the buffered rows, then the row of /bursts, and flushes to the operating system.
   void write_burst() {
     const haddr_t end = reserve();
     broken = true;
@@ -141,8 +141,8 @@ struct ReplayWriter::File {
     return end;
   }
 
-  /// Takes the space that a burst may need before any of it is written: HDF5 cannot take back a
-  /// burst that it wrote in part, and then reads none before it, either. Returns the end of that.
+  /// Reserves the space of a burst before writing it. HDF5 cannot undo a partly written burst, and
+  /// then cannot read the earlier ones either. Returns the end of the reserved space.
   haddr_t reserve() {
     const std::size_t row = observation_size * 4 + state_size * 8 + action_size * 4;
     std::size_t bytes = kStructureBytes + row + (kReplayColumnCount + 1) * kColumnChunkBytes;
@@ -154,14 +154,14 @@ struct ReplayWriter::File {
     throw Error("cannot write the replay " + place.string() + ": " + std::strerror(error));
   }
 
-  /// Frees what the burst did not need. A file that stays longer is whole, too.
+  /// Frees the unused part of the reserved space. A longer file is also valid.
   void give_back(haddr_t reserved) {
     const haddr_t end = end_of_file();
     if (end < reserved && ::ftruncate(descriptor(), static_cast<off_t>(end)) != 0) return;
   }
 
-  /// Leaves the file as the last whole burst left it: what HDF5 still has to write when it is
-  /// closed goes into memory that nobody sees. A burst in part would be no use to the reader.
+  /// Leaves the file in its state after the last complete burst. HDF5's remaining writes at closing
+  /// are redirected into a temporary memory file: the reader could not use a partial burst.
   void let_go_of_file() {
     void* handle = nullptr;
     const int nowhere = ::memfd_create("skybody replay", MFD_CLOEXEC);
@@ -191,7 +191,7 @@ struct ReplayWriter::File {
   Hdf5Column<float> reward, observation;
   Hdf5Column<std::uint64_t> state, bursts;
   HashChain chain;
-  bool broken = false;  ///< a burst was begun and could not be concluded
+  bool broken = false;  ///< a burst was begun and not completed
 };
 
 ReplayWriter::ReplayWriter(const std::filesystem::path& file, const ReplayHeader& header)
@@ -200,7 +200,7 @@ ReplayWriter::ReplayWriter(const std::filesystem::path& file, const ReplayHeader
 ReplayWriter::~ReplayWriter() {
   try {
     close();
-  } catch (const Error&) {  // the caller has its own failure to report
+  } catch (const Error&) {  // the caller reports its own failure
   }
 }
 

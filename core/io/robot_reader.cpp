@@ -20,21 +20,21 @@
 namespace skybody {
 namespace {
 
-/// Bodies of all robots: building a world of them takes half a second.
+/// Largest number of bodies of all robots: building a world of them takes half a second.
 constexpr std::size_t kMostBodies = 1000;
-/// Links, shapes and rotors of all robots.
+/// Largest number of links, shapes and rotors of all robots.
 constexpr std::size_t kMostParts = 20'000;
 
 /// Messages of each severity about a URDF before its warnings are folded. Each is compared with all
-/// before it, in a tenth of a second altogether.
+/// earlier ones, which takes a tenth of a second in total.
 constexpr int kMostToFold = 10'000;
 
-/// Entries of a folder that are looked at for a word that somebody may have meant.
+/// Number of a folder's entries that are searched for similar names.
 constexpr std::size_t kMostEntries = 200;
 
 namespace fs = std::filesystem;
 
-/// Names in a folder: of its folders, or of files that end in .urdf.
+/// Names in a folder: of its subfolders, or of files that end in .urdf.
 std::vector<std::string> names_in(const fs::path& folder, bool folders) {
   std::vector<std::string> names;
   std::error_code problem;
@@ -50,7 +50,7 @@ std::vector<std::string> names_in(const fs::path& folder, bool folders) {
   return names;
 }
 
-/// The path with its misspelt parts mended, if such a file is there; else empty.
+/// The path with its misspelt parts corrected, if that file exists; else empty.
 std::string mended_path(const fs::path& file) {
   fs::path there;
   std::error_code ignored;
@@ -68,9 +68,9 @@ std::string mended_path(const fs::path& file) {
   return is_file(there.string()) ? there.string() : "";
 }
 
-/// What a model that does not exist may have been meant to be: a file that is called nearly so, or
-/// a shipped model. Empty: it exists, or nothing is close.
-/// @param written  as the scenario has it; @param file  where that is
+/// A suggestion for a model that does not exist: a file with a similar name, or a shipped model.
+/// Empty if the model exists or no name is similar.
+/// @param written  the name in the scenario; @param file  the resolved path
 std::string model_meant_by(const std::string& written, const std::string& file) {
   std::error_code problem;
   if (file.find('\0') != file.npos || fs::exists(file, problem) || problem) return "";
@@ -78,7 +78,7 @@ std::string model_meant_by(const std::string& written, const std::string& file) 
   return mended.empty() ? closest(fs::path(written).stem().string(), shipped_models()) : mended;
 }
 
-/// Joints to which the scenario gives what a universal or ball joint does not have.
+/// Joints with keys in the scenario that universal and ball joints do not support.
 std::vector<std::string> own_joints(const MapReader& reader) {
   std::vector<std::string> names;
   const ConfigNode* joints = reader.node("joints");
@@ -93,13 +93,13 @@ std::vector<std::string> own_joints(const MapReader& reader) {
   return names;
 }
 
-/// How far a hub may lie from the axis about which its link turns [m]: more than rounding.
+/// Largest distance of a hub from its link's axis of rotation [m]: larger than round-off.
 constexpr double kOnAxis = 1e-3;
-/// Cosine of the angle between that axis and the rotor's, from which they are one.
+/// Cosine of the angle above which that axis and the rotor's axis count as equal.
 constexpr double kAlongAxis = 0.9999;
 
-/// Limits of a hinge that lie further apart do not limit it: cables and springs that turn with a
-/// joint bear a few turns, while files write 1e3 to 1e16 for a rotor [rad].
+/// Hinge limits farther apart than this do not count as limits [rad]: cables and springs on a joint
+/// allow a few turns, while files write 1e3 to 1e16 for a rotor.
 constexpr double kFreeTravel = 20.0 * kTwoPi;
 
 bool turns_freely(const Joint& joint) {
@@ -108,7 +108,7 @@ bool turns_freely(const Joint& joint) {
   return joint.type == JointType::kPin && is_free;
 }
 
-/// Joints that turn freely about the own axis of a rotor on them.
+/// Joints that turn freely about the axis of a rotor on them.
 std::set<std::string> spinning_joints(const RobotModel& model) {
   std::set<std::string> names;
   for (const Rotor& rotor : model.rotors) {
@@ -154,14 +154,14 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   return robot;
 }
 
-/// Each robot has a copy of its model: all together must fit.
+/// Counts a model's parts: each robot has its own copy, and the total is limited.
 bool RobotReader::take_parts(const RobotModel& model, const SourceLocation& mark) {
   const bool fitted = bodies_ <= kMostBodies && parts_ <= kMostParts;
   bodies_ += model.bodies.size();
   parts_ += model.links.size() + model.rotors.size();
   for (const Body& body : model.bodies) parts_ += body.collisions.size() + body.visuals.size();
   if (bodies_ <= kMostBodies && parts_ <= kMostParts) return true;
-  if (!fitted) return false;  // said before
+  if (!fitted) return false;  // reported before
   diagnostics_.error(mark, "the robots up to this one have " + std::to_string(bodies_) +
                                " bodies and " + std::to_string(parts_) +
                                " links, shapes and rotors; allowed: at most " +
@@ -214,8 +214,8 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
   return model ? &*model : nullptr;
 }
 
-/// Reads the URDF and the rotors. Joints that turn freely with a rotor are known only then: with
-/// some, both are read again, with these joints fixed.
+/// Reads the URDF and the rotors. Joints that turn freely with a rotor are known only afterwards:
+/// if there are some, reads both again with these joints fixed.
 std::optional<RobotModel> RobotReader::make_model(const std::string& text, const std::string& file,
                                                   const MapReader& reader) {
   const std::vector<std::string> own = own_joints(reader);
@@ -235,7 +235,7 @@ std::optional<RobotModel> RobotReader::make_model(const std::string& text, const
   return model;
 }
 
-/// The boxes about meshes decide how a robot flies, as the text of its files does.
+/// Adds the meshes' bounding boxes to the hash: like the files' text, they affect the simulation.
 void RobotReader::note_meshes(const RobotModel& model) {
   for (const Body& body : model.bodies) {
     for (const Shape& shape : body.collisions) {

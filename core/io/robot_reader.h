@@ -1,4 +1,4 @@
-// One entry of `robots`: its model from files, its place, joints and controllers.
+// Reads one entry of `robots`: its model from files, its pose, joints and controllers.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,20 @@
 
 namespace skybody {
 
-/// Reads robots; models that several robots share are read once.
+/// Reads robots. A model shared by several robots is read once.
 class RobotReader {
  public:
   RobotReader(const PluginCatalog& catalog, InputBudget& budget, Diagnostics& diagnostics)
       : catalog_(catalog), budget_(budget), diagnostics_(diagnostics) {}
 
-  /// The robot, or nothing where its model cannot be read (other errors leave defaults).
+  /// The robot, or nullopt if its model cannot be read (other errors leave defaults).
   std::optional<RobotUse> read(const ConfigNode& node);
 
   /// Hash over the contents of all model files read so far, in order.
   std::uint64_t files_hash() const { return files_hash_; }
 
  private:
-  /// The model, or null after errors; it stays the reader's.
+  /// The model, or null after errors; owned by the reader.
   const RobotModel* read_model(const MapReader& reader);
   std::optional<RobotModel> make_model(const std::string& text, const std::string& file,
                                        const MapReader& reader);
@@ -43,13 +43,13 @@ class RobotReader {
   const PluginCatalog& catalog_;
   InputBudget& budget_;
   Diagnostics& diagnostics_;
-  std::size_t bodies_ = 0;                                   ///< of all robots so far
-  std::size_t parts_ = 0;                                    ///< likewise links, shapes and rotors
+  std::size_t bodies_ = 0;  ///< of all robots so far
+  std::size_t parts_ = 0;   ///< links, shapes, rotors of all robots
   std::map<std::string, std::optional<RobotModel>> models_;  ///< by files and options
   std::uint64_t files_hash_ = 0;
 };
 
-/// Position and rpy, by core/base math.
+/// The pose from the keys for position and rpy, computed with core/base.
 Pose read_pose(const MapReader& reader);
 
 }  // namespace skybody

@@ -54,7 +54,7 @@ class RotorsReader {
   }
 
  private:
-  /// The defaults are copied for every rotor.
+  /// Counts the defaults once per rotor, since each rotor gets a copy.
   bool take_defaults(const ConfigNode& defaults, std::size_t rotors) {
     const ConfigCost cost = cost_of(defaults);
     if (budget_.take_values(cost.values * static_cast<long>(rotors), cost.bytes * rotors)) {
@@ -64,7 +64,7 @@ class RotorsReader {
     return false;
   }
 
-  /// Whether every key has a value. One without would take a default away, unseen.
+  /// Whether every key has a value. A key without a value would silently remove a default.
   bool has_values(const ConfigNode& rotor) {
     bool good = true;
     for (const ConfigEntry& entry : rotor.entries) {
@@ -104,7 +104,7 @@ class RotorsReader {
     diagnostics_.error(mark, "a second rotor called `" + name + "`; names must differ");
   }
 
-  /// Turns position and axis from the link's frame into the body's.
+  /// Transforms position and axis from the link's frame to the body's.
   void place(const MapReader& reader, Rotor& rotor) {
     const double length = norm(rotor.axis);
     if (length < kShortestAxis) {
@@ -127,7 +127,7 @@ class RotorsReader {
                                                   suggestion(name, names, "links"));
       return;
     }
-    // Without a name: the link whose frame is the base's.
+    // Without a name: the link that defines the base's frame.
     const Link base{"", 0, Pose{}, {0.0, 0.0, 0.0}};
     const Link& link = name.empty() ? base : model_.links[static_cast<std::size_t>(index)];
     rotor.body = link.body;
@@ -146,7 +146,7 @@ class RotorsReader {
 bool read_rotors(const std::string& file, const SourceLocation& used_at, RobotModel& model,
                  std::string& text, Diagnostics& diagnostics, InputBudget& budget) {
   if (!is_file(file) && !used_at.file.empty()) {
-    read_file(file, used_at, diagnostics);  // says why not, where the file was named
+    read_file(file, used_at, diagnostics);  // reports the reason at the file's name
     return false;
   }
   const std::optional<ConfigNode> root = load_config(file, diagnostics, budget, Quoting::kNo);

@@ -9,7 +9,7 @@
 namespace skybody {
 namespace {
 
-constexpr double kMostObservedValue = 1e30;  // far inside the range of a float
+constexpr double kMostObservedValue = 1e30;  // well inside the range of a float
 
 Field hover_or(Field field) {
   field.word = "hover";
@@ -31,7 +31,7 @@ Field constant_field(const ConstantRow& row) {
   return row.is_required ? required(std::move(field)) : field;
 }
 
-/// Fields, then those of the rows of a map: their keys begin with `prefix`.
+/// Appends the fields of all constants whose keys begin with `prefix`.
 std::vector<Field> with_constants(std::vector<Field> fields, std::span<const ConstantRow> rows,
                                   const std::string& prefix = "") {
   for (const ConstantRow& row : rows) {
@@ -40,7 +40,7 @@ std::vector<Field> with_constants(std::vector<Field> fields, std::span<const Con
   return fields;
 }
 
-/// Any number of numbers, one or more.
+/// A list of one or more numbers.
 Field any_count(Field field) {
   field.value.max_count = -1;
   field.value.default_numbers.clear();

@@ -11,12 +11,12 @@
 
 namespace skybody {
 
-/// Most entries of lists. With as many, building a world takes about a second, and nobody flies
-/// more.
+/// Largest numbers of entries in lists. Building a world with that many takes about a second; no
+/// realistic scenario needs more.
 inline constexpr std::size_t kMostRobots = 1000;
 inline constexpr std::size_t kMostTeams = 1000;
 inline constexpr std::size_t kMostObstacles = 1000;
-/// Their equations are solved together.
+/// Couplings are solved as one system of equations.
 inline constexpr std::size_t kMostCouplings = 64;
 inline constexpr std::size_t kMostPluginUses = 1000;
 inline constexpr std::size_t kMostRotors = 1000;
@@ -63,11 +63,11 @@ const MapSpec& rotors_file_fields();
 /// One entry of `rotors` in it; `defaults` has the same keys.
 const MapSpec& rotor_fields();
 
-/// Reads those constants whose keys the reader's map has.
-/// @param values  of the thing that has them: each constant goes to its place
+/// Reads those constants whose keys the reader's map declares.
+/// @param values  of the constants' owner; each constant is stored at its own index
 void read_constants(const MapReader& reader, std::span<const ConstantRow> rows, double* values);
 
-/// Every map above with its keys as Markdown tables.
+/// Every map above as Markdown tables of its keys.
 std::string scenario_reference();
 
 }  // namespace skybody

@@ -21,18 +21,18 @@
 namespace skybody {
 namespace {
 
-/// Largest error that the audit (docs/results/integrators.md) found among the shipped scenarios
-/// that are not made to be stiff; tests/python/test_integrator_audit.py compares.
+/// Results of the audit of integrators (docs/results/integrators.md): the largest error among the
+/// shipped scenarios that are not stiff by design. tests/python/test_integrator_audit.py compares.
 struct Audit {
   double largest_dt;  ///< [s]
-  const char* error;  ///< after a second of flight with it
+  const char* error;  ///< after one second of flight with this dt
 };
 Audit audit_of(IntegratorChoice integrator) {
   if (integrator == IntegratorChoice::kSemiImplicitEuler) return {0.001, "8 mm and 0.5 degrees"};
-  return {0.004, "1 mm and 0.1 degrees"};  // no larger one was tried
+  return {0.004, "1 mm and 0.1 degrees"};  // the largest dt in the audit
 }
 
-/// Keys of an obstacle, of which it has one.
+/// Keys for an obstacle's shape; each obstacle has exactly one.
 const std::vector<std::string> kObstacleShapes = {"box",  "sphere", "cylinder",    "capsule",
                                                   "gate", "plane",  "height_field"};
 
@@ -116,7 +116,7 @@ class ScenarioReader {
 
   static IntegratorChoice integrator_called(const std::string& name) {
     const auto found = std::find(kIntegratorNames.begin(), kIntegratorNames.end(), name);
-    if (found == kIntegratorNames.end()) return IntegratorChoice::kMidpoint;  // refused
+    if (found == kIntegratorNames.end()) return IntegratorChoice::kMidpoint;  // rejected before
     return static_cast<IntegratorChoice>(found - kIntegratorNames.begin());
   }
 
@@ -141,7 +141,7 @@ class ScenarioReader {
     solver.method = solver_method(reader, integrator);
   }
 
-  /// The method called for, which must be one of the integrator's two.
+  /// The requested method, which must be one of the integrator's two methods.
   SolverMethod solver_method(const MapReader& reader, const std::string& integrator) {
     const std::string name = reader.text("method");
     if (integrator == "cvode") {
@@ -169,7 +169,7 @@ class ScenarioReader {
     read_constants(reader, kWorldConstants, scenario_.constants.data());
   }
 
-  /// The maps of a list; errors for what is none, and for more than `most`.
+  /// The maps of a list; errors for other values, and for more than `most` entries.
   const std::vector<ConfigNode>& list_of(const MapReader& scenario, const std::string& key,
                                          bool may_be_empty, std::size_t most) {
     static const std::vector<ConfigNode> none;
@@ -225,7 +225,7 @@ class ScenarioReader {
     }
   }
 
-  /// Indices of a team's robots. @param known  names of all
+  /// Indices of a team's robots. @param known  names of all robots
   std::vector<int> robots_of(const MapReader& team, const std::vector<std::string>& known) {
     std::vector<int> robots;
     const std::vector<std::string> names = team.texts("robots");
@@ -311,8 +311,8 @@ class ScenarioReader {
     scenario_.obstacles.push_back(obstacle);
   }
 
-  /// Over the merged text, the model files and all parameters, defaults included. Of a file that a
-  /// parameter names, what is in it counts and not where it lies: as with models and heights.
+  /// Hash over the merged text, the model files and all parameters, defaults included. For a file
+  /// in a parameter, the contents are hashed and not the path, as for models and heights.
   std::uint64_t hash() const {
     HashChain chain;
     chain.update(hash_string(scenario_.text));
@@ -357,7 +357,7 @@ class ScenarioReader {
     });
   }
 
-  /// Its path where it cannot be read: the plugin that opens it says why.
+  /// A file's contents, or its path if it cannot be read: the plugin that opens it reports why.
   static std::string contents_of(const std::string& file) {
     std::string text;
     const bool is_read = read_regular_file(file, InputBudget::kMostFileText, text).empty();

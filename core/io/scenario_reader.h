@@ -1,7 +1,7 @@
-// YAML -> Scenario. What a file may contain is declared in scenario_fields.h.
+// YAML -> Scenario. scenario_fields.h declares the contents of a file.
 //
-// Files named in a scenario (models, rotors, includes) are relative to the file in which the name
-// is written; names on the command line are relative to the working directory.
+// Files named in a scenario (models, rotors, includes) are relative to the file that contains the
+// name; names on the command line are relative to the working directory.
 #pragma once
 
 #include <functional>
@@ -15,12 +15,15 @@
 
 namespace skybody {
 
-/// Changes a scenario's tree before it is read; errors go to the diagnostics.
+/// Changes a scenario's tree before it is read. Errors go to the diagnostics.
 using ScenarioEdit = std::function<void(ConfigNode& root, Diagnostics& diagnostics)>;
 
-/// Reads `file` with its includes, applies `overrides` (`PATH=VALUE` each, in order), then
-/// `edit` where there is one, and reads every model it names. Nothing if there are errors;
-/// `diagnostics` then has all of them.
+/// Reads a scenario:
+/// 1. reads `file` with its includes
+/// 2. applies `overrides` (`PATH=VALUE` each, in order)
+/// 3. applies `edit`, if given
+/// 4. reads every model that the scenario names
+/// Returns nullopt after errors; `diagnostics` then has all of them.
 std::optional<Scenario> read_scenario(const std::string& file,
                                       const std::vector<std::string>& overrides,
                                       const PluginCatalog& catalog, Diagnostics& diagnostics,

@@ -21,7 +21,7 @@ std::string words(const std::vector<std::string>& texts) {
   return json_array(list);
 }
 
-/// One entry of a value, without its description.
+/// The schema of one entry of a value, without its description.
 JsonObject entry_schema(const ParameterSpec& spec) {
   JsonObject entry;
   switch (spec.type) {
@@ -75,7 +75,7 @@ JsonObject array_schema(const ParameterSpec& spec) {
   return array;
 }
 
-/// A declared value. `broadcast`: one number may stand for a list of fixed length.
+/// The schema of a value. `broadcast`: one number may replace a list of fixed length.
 std::string value_schema(const ParameterSpec& spec, const std::string& word, bool broadcast) {
   JsonObject schema;
   schema.set_text("description", description_of(spec));
@@ -106,7 +106,7 @@ std::string parameters_schema(const std::vector<ParameterSpec>& specs) {
   return schema.text();
 }
 
-/// One use of a plugin of `kind`, with each plugin's parameters.
+/// The schema of one use of a plugin of `kind`, with each plugin's parameters.
 std::string plugin_schema(SkybodyKind kind, const PluginCatalog& catalog) {
   std::vector<std::string> cases, docs;
   for (const std::string& name : catalog.names(kind)) {
@@ -144,7 +144,7 @@ std::string plugin_schema(SkybodyKind kind, const PluginCatalog& catalog) {
   return schema.text();
 }
 
-/// One entry of a list of maps.
+/// The schema of one entry of a list of maps.
 std::string item_schema(const Field& field) {
   const std::string map = reference(field.map->name);
   if (field.short_key.empty()) return map;

@@ -1,4 +1,4 @@
-// The JSON schema of scenario files, so that editors complete and check them.
+// The JSON schema of scenario files, for completion and checks in editors.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 namespace skybody {
 
 /// JSON Schema (draft-07) from the declared keys and the declarations of all plugins: descriptions
-/// with units, defaults, ranges, plugin names as an enumeration with each plugin's own parameters.
+/// with units, defaults, ranges, and an enumeration of plugin names, each with its parameters.
 std::string scenario_schema(const PluginCatalog& catalog);
 
 }  // namespace skybody

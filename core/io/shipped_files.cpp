@@ -18,7 +18,7 @@ std::optional<fs::path> find(const std::string& name, const std::string& relativ
   return file;
 }
 
-/// Names of the files of a folder within the scenarios, without `extension`, sorted.
+/// Names of the files in a subfolder of the scenarios, without `extension`, sorted.
 std::vector<std::string> names_in(const std::string& folder, const std::string& extension) {
   std::vector<std::string> names;
   std::error_code ignored;

@@ -36,7 +36,7 @@ std::optional<double> parse_number(std::string_view text) {
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (result.ptr != text.data() + text.size()) return std::nullopt;
   if (result.ec == std::errc::result_out_of_range) {
-    // Too large or too small for a double: too large has no value of its own.
+    // Overflow or underflow: the exponent's sign distinguishes them.
     const bool small = text.find("e-") != text.npos || text.find("E-") != text.npos;
     value = small ? 0.0 : std::numeric_limits<double>::infinity();
   } else if (result.ec != std::errc()) {

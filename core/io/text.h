@@ -1,4 +1,4 @@
-// Small helpers on text for readers and their messages.
+// Text helpers for readers and their messages.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,11 @@
 
 namespace skybody {
 
-/// The number that the whole of `text` spells, or nothing. Independent of the locale, correctly
-/// rounded; accepts a leading '+' and YAML's .inf and .nan.
+/// Parses the whole of `text` as a number; nullopt if it is none. Independent of the locale,
+/// correctly rounded; accepts a leading '+' and YAML's .inf and .nan.
 std::optional<double> parse_number(std::string_view text);
 
-/// The shortest decimal text that reads back as the same double (integers below 10^7 without an
+/// The shortest decimal text that parses to the same double (integers below 10^7 without an
 /// exponent, -0 as 0).
 std::string format_number(double value);
 

@@ -1,4 +1,4 @@
-// Checks every element of a URDF that matters: names, numbers, ranges, what may stand once.
+// Checks all relevant elements of a URDF: names, numbers, ranges, and elements allowed only once.
 #include <functional>
 #include <initializer_list>
 #include <unordered_map>
@@ -16,7 +16,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::size_t kMostLinks = 10'000;  // and joints; the largest humanoids have some 200
+constexpr std::size_t kMostLinks = 10'000;  // and joints; the largest humanoids have about 200
 constexpr int kMostShapes = 10'000;
 
 const std::vector<std::string>& joint_types() {
@@ -49,7 +49,7 @@ class Checker {
     if (xml_.name.empty()) error(robot, "<robot> has no name; write <robot name=\"...\">");
     check_name(robot, xml_.name);
     check_version(robot);
-    // Links may use what is declared after them.
+    // First declare the materials: links may use materials declared after them.
     for_each_child(robot, [&](const XMLElement& e) {
       if (std::string(e.Name()) == "material") materials_.declare(e);
     });
@@ -71,7 +71,7 @@ class Checker {
     error(robot, "the `version` of <robot> is `" + version + "`; allowed: 1.0");
   }
 
-  /// Names are parts of paths of parameters and of messages: one line of text.
+  /// Checks a name. Names are parts of parameters' paths and of messages: they must be one line.
   void check_name(const XMLElement& e, const std::string& name) {
     const std::string which = "the name of this <" + std::string(e.Name()) + ">";
     if (name.size() > kLongestName) {
@@ -84,7 +84,7 @@ class Checker {
     }
   }
 
-  /// An error at the second <NAME>, where URDF has one.
+  /// An error at the second <NAME>, for elements that URDF allows only once.
   void check_single(const XMLElement& parent, std::initializer_list<const char*> names,
                     const std::string& where) {
     for (const char* name : names) {
@@ -108,7 +108,7 @@ class Checker {
     }
   }
 
-  /// Notes a name; an error where it is missing or taken, or where there are too many.
+  /// Records a name; an error if it is missing or used twice, or if there are too many.
   template <class Named>
   bool take_name(const XMLElement& e, const std::string& kind, std::vector<Named>& list,
                  std::unordered_map<std::string, int>& lines) {
@@ -170,7 +170,8 @@ class Checker {
     for (const char* name : {"ixy", "ixz", "iyz"}) check_product(*inertia, name, where);
   }
 
-  /// A product of inertia, and its mirror image: the matrix is symmetric, so that URDF has one.
+  /// Checks a product of inertia. URDF has one name of each symmetric pair, such as ixy; the
+  /// mirrored name, iyx, may only repeat its value.
   void check_product(const XMLElement& inertia, const std::string& name, const std::string& where) {
     const std::string mirrored = {name[0], name[2], name[1]};
     const bool has_mirrored = inertia.Attribute(mirrored.c_str()) != nullptr;
@@ -309,7 +310,7 @@ class Checker {
     for (const char* name : {"effort", "velocity"}) optional_number(name);
     const double lower = optional_number("lower"), upper = optional_number("upper");
     const bool limited = joint.type == "revolute" || joint.type == "prismatic";
-    // Written as 0 to 0, it is read as fixed (fix_joints).
+    // Limits of 0 and 0 make the joint fixed (fix_joints).
     const bool is_written = e.Attribute("lower") != nullptr && e.Attribute("upper") != nullptr;
     const bool stays_at_zero = is_written && lower == 0.0 && upper == 0.0;
     if (limited && !(lower < upper) && !stays_at_zero) {
@@ -368,7 +369,7 @@ class Checker {
     return false;
   }
 
-  /// Numbers of an attribute, an error if one of them is out of range.
+  /// Numbers of an attribute; an error if one of them is out of range.
   std::optional<std::vector<double>> within(const XMLElement& e, const char* name, int count,
                                             const Range& range, const std::string& where) {
     const auto list = numbers(e, name, count, where);
@@ -386,7 +387,7 @@ class Checker {
   MaterialCheck materials_;
   std::unordered_map<std::string, int> link_lines_, joint_lines_;  ///< by name
   int shapes_ = 0;
-  bool too_many_ = false;  ///< links, joints or shapes: the rest is not looked at
+  bool too_many_ = false;  ///< links, joints or shapes: the rest is not checked
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Needs: a checked XML document for lines (urdf_check.cpp) and urdfdom's model of it for what it
-// means (urdf_model.cpp). urdfdom turns rpy into quaternions by libm, whose last bits depend on the
-// processor, so rotations are computed again from the text.
+// Needs a checked XML document for lines (urdf_check.cpp) and urdfdom's model of it for the
+// semantics (urdf_model.cpp). urdfdom converts rpy into quaternions with libm, whose last bits
+// depend on the processor. Rotations are therefore computed again from the text.
 #include "core/io/urdf_document.h"
 
 #include <urdf_model/link.h>
@@ -40,7 +40,7 @@ MassProperties mass_of(const urdf::Inertial& i, const XMLElement& inertial) {
   return {i.mass, pose.position, rotate_inertia(to_mat3(pose.rotation), tensor)};
 }
 
-/// The element of the shape itself, such as <box>.
+/// The shape's own element, such as <box>.
 const XMLElement* shape_element(const XMLElement& visual_or_collision) {
   const XMLElement* geometry = visual_or_collision.FirstChildElement("geometry");
   return geometry == nullptr ? nullptr : geometry->FirstChildElement();
@@ -55,7 +55,7 @@ bool has_primitive_collision(const XMLElement& link) {
   return false;
 }
 
-/// What is wrong with a mesh, to follow "the mesh `x` of the link `y` ", and what helps.
+/// The problem with a mesh, to follow "the mesh `x` of the link `y` ", and its remedy.
 struct MeshProblem {
   const char* text;
   const char* remedy;
@@ -167,8 +167,8 @@ class DocumentBuilder {
     return !collision || take_box(file.path, what, mark, shape);
   }
 
-  /// Reads the box by which a mesh takes part in contact.
-  /// @param what  "the mesh `x` of the link `y` "
+  /// Reads the bounding box that represents a mesh in contact.
+  /// @param what  subject of messages: "the mesh `x` of the link `y` "
   bool take_box(const std::string& file, const std::string& what, const SourceLocation& mark,
                 Shape& shape) {
     const std::string remedy = ", and contact needs the box about it; ";
@@ -200,7 +200,7 @@ class DocumentBuilder {
     return true;
   }
 
-  /// A file of a mesh that is a collision shape, each read once.
+  /// The file of a collision mesh; each file is read once.
   struct ReadMesh {
     MeshBox box;
     std::string problem;
@@ -248,7 +248,7 @@ class DocumentBuilder {
   UrdfDocument document_;
   std::unordered_map<std::string, int> index_;
   std::unordered_map<std::string, ReadMesh> read_meshes_;  ///< by file and format
-  bool primitive_collision_ = false;                       ///< of the link at hand
+  bool primitive_collision_ = false;                       ///< of the current link
 };
 
 }  // namespace

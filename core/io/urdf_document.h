@@ -1,5 +1,5 @@
-// A URDF after parsing and before merging: links and joints as they are written, checked one by
-// one, each with its line. Internal to core/io's URDF reader.
+// A URDF after parsing and before merging: links and joints as in the file, checked one by one,
+// each with its line. Internal to core/io's URDF reader.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ struct UrdfLink {
   bool has_inertial = false;
   MassProperties mass;            ///< com and inertia in the link's frame
   std::vector<Shape> collisions;  ///< poses in the link's frame
-  std::vector<Shape> visuals;     ///< likewise
+  std::vector<Shape> visuals;     ///< poses in the link's frame
   int parent_joint = -1;
   std::vector<int> child_joints;  ///< in the order of the file
 
@@ -32,7 +32,7 @@ struct UrdfJoint {
   UrdfJointType type = UrdfJointType::kFixed;
   int parent = 0;  ///< link index
   int child = 0;   ///< link index
-  Pose origin;     ///< joint frame, which is the child's frame at zero, in the parent link's frame
+  Pose origin;     ///< joint frame in the parent link's frame; equals the child's frame at zero
   Vec3<double> axis{1.0, 0.0, 0.0};  ///< unit, in the joint frame
   bool limited = false;
   double lower = 0.0;  ///< [rad] or [m]
@@ -54,8 +54,8 @@ struct UrdfDocument {
   SourceLocation mark(int line) const { return {file, line, 0}; }
 };
 
-/// Reads the text of a URDF: tinyxml2 for elements with their lines and for checks, urdfdom for
-/// what they mean, rotations by core/base. Nothing and errors if anything is wrong.
+/// Parses the text of a URDF. tinyxml2 supplies elements with lines and checks, urdfdom the
+/// semantics, core/base the rotations. Returns nullopt and errors for invalid files.
 std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const std::string& file,
                                                 Diagnostics& diagnostics);
 

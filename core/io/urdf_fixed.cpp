@@ -5,7 +5,7 @@
 namespace skybody {
 namespace {
 
-/// Whether a link, or any link that hangs on it, has mass. Per link.
+/// Per link: whether it or one of its descendants has mass.
 std::vector<bool> links_with_mass(const UrdfDocument& document) {
   std::vector<bool> has_mass(document.links.size(), false);
   for (std::size_t i = 0; i < document.links.size(); ++i) {

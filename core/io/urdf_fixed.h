@@ -1,4 +1,4 @@
-// Joints that a file lets move, and that are read as fixed. Internal to core/io's URDF reader.
+// Joints that are movable in the file but read as fixed. Internal to core/io's URDF reader.
 #pragma once
 
 #include <set>
@@ -9,9 +9,10 @@
 
 namespace skybody {
 
-/// Makes joints of the document fixed, with a warning each: those in `spinning`, which turn freely
-/// about the axis of a rotor on them, those whose limits are 0 to 0, and those on which nothing has
-/// mass.
+/// Makes joints of the document fixed, with one warning each:
+/// - joints in `spinning`, which turn freely about the axis of a rotor on them
+/// - joints with limits of 0 and 0
+/// - joints whose outboard links have no mass
 void fix_joints(UrdfDocument& document, const std::set<std::string>& spinning,
                 Diagnostics& diagnostics);
 

@@ -14,7 +14,7 @@ using tinyxml2::XMLElement;
 
 using Names = std::vector<std::string>;
 
-/// What URDF has in an element.
+/// The attributes and children that URDF allows in an element.
 struct Part {
   std::string name;
   Names attributes, children;
@@ -57,14 +57,14 @@ bool is_among(const Names& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Elements that have meaning elsewhere, and are not looked into.
+/// Elements of other tools, whose contents are not checked.
 bool is_left_out(std::string_view name) {
   static const Names all = {"gazebo",  "transmission", "sensor",
                             "texture", "calibration",  "safety_controller"};
   return is_among(all, name);
 }
 
-/// Such as `the link 'base'`, for what stands in it.
+/// A name for messages about an element's contents, such as `the link 'base'`.
 std::string place_of(const XMLElement& element, const std::string& outside) {
   const char* name = element.Attribute("name");
   const std::string kind = element.Name();
@@ -80,7 +80,7 @@ class Warner {
   Warner(const std::string& file, Diagnostics& diagnostics)
       : file_(file), diagnostics_(diagnostics) {}
 
-  /// @param outside  the link or joint that it stands in
+  /// @param outside  the link or joint that contains the element
   void look_at(const XMLElement& element, const std::string& outside) {
     const auto part = std::find_if(parts().begin(), parts().end(),
                                    [&](const Part& p) { return p.name == element.Name(); });
@@ -116,7 +116,7 @@ class Warner {
                      const std::string& outside) {
     const std::string name = e.Name();
     if (!is_among(part.children, name)) {
-      if (name.rfind("xacro:", 0) == 0) return;  // an error already
+      if (name.rfind("xacro:", 0) == 0) return;  // already reported as an error
       std::string known;
       for (const std::string& child : part.children) known += (known.empty() ? "" : ", ") + child;
       warn(e, "<" + name + "> in " + place + " is not part of URDF and is ignored" +
@@ -128,7 +128,7 @@ class Warner {
     }
   }
 
-  /// What has no meaning on joints of this type, or none here.
+  /// Warns of contents that are meaningless on joints of this type, or in Skybody.
   void look_at_joint(const XMLElement& joint, const std::string& place) {
     const char* given = joint.Attribute("type");
     const std::string type = given == nullptr ? "" : given;

@@ -1,4 +1,4 @@
-// Warnings of what a URDF holds and nobody reads. Internal to core/io's URDF reader.
+// Warnings of ignored contents of a URDF. Internal to core/io's URDF reader.
 #pragma once
 
 #include <tinyxml2.h>
@@ -9,8 +9,9 @@
 
 namespace skybody {
 
-/// Elements and attributes that URDF does not have, with a suggestion; and those that it has and
-/// that are ignored here: once a file where they stand in every joint of many robots.
+/// Warns of elements and attributes that URDF does not have, with a suggestion, and of those that
+/// URDF has and Skybody ignores. The latter appear once per file: many robots have them in every
+/// joint.
 void warn_of_ignored(const std::string& file, const tinyxml2::XMLElement& robot,
                      Diagnostics& diagnostics);
 

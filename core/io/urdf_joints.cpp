@@ -13,27 +13,27 @@ namespace {
 
 constexpr double kSameOrigin = 1e-6;   // [m]
 constexpr double kOrthogonal = 1e-4;   // cosine of the angle between axes; rounded rpy stays below
-constexpr double kFullTurn = 6.28318;  // [rad]; limits at least this wide do not limit
-constexpr double kParallel = 0.999;    // cosine from which two axes are one direction
-/// Mass and inertia of a link that has none, by those of what hangs on it: far below what anybody
-/// measures, and far above the rounding of the sums in which it stands.
+constexpr double kFullTurn = 6.28318;  // [rad]; wider limits do not count as limits
+constexpr double kParallel = 0.999;    // cosine above which two axes count as parallel
+/// Mass and inertia of a massless link, relative to those of its outboard bodies: negligible in
+/// measurements, and far above round-off in the sums that contain it.
 constexpr double kLightShare = 1e-6;
 
-/// The shortest rotation that takes `from` to `to`, both unit. Only sqrt.
+/// The shortest rotation from `from` to `to`, both unit. Uses only sqrt.
 Quat<double> shortest_rotation(const Vec3<double>& from, const Vec3<double>& to) {
   const double cosine = dot(from, to);
   if (cosine > -1.0 + 1e-12) {
     const Vec3<double> axis = cross(from, to);
     return normalized(Quat<double>{1.0 + cosine, axis.x, axis.y, axis.z});
   }
-  // Half a turn about any axis across `from`.
+  // Half a turn about any axis perpendicular to `from`.
   const Vec3<double> helper =
       std::fabs(from.x) < 0.9 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
   const Vec3<double> axis = cross(from, helper);
   return normalized(Quat<double>{0.0, axis.x, axis.y, axis.z});
 }
 
-/// The frame with x along `x` and y as close to `y` as can be.
+/// The frame with x along `x` and y as close to `y` as possible.
 Quat<double> frame_of_axes(const Vec3<double>& x, const Vec3<double>& y) {
   const Vec3<double> across = y - x * dot(x, y);
   const Vec3<double> second = across / norm(across);
@@ -88,7 +88,8 @@ class BodyMaker {
     diagnostics_.error(document_.mark(line), message);
   }
 
-  /// The root of a robot, or what stands on the link `world`; there `fixed_base` holds what floats.
+  /// Whether the group is a base: the root, a group fixed to the link `world`, or, with
+  /// `fixed_base`, a group on a floating joint of `world`.
   bool is_base(const UrdfGroup& group, bool fixed_base) const {
     if (group.joint < 0) return true;
     const UrdfJointType type = joint_of(group).type;
@@ -96,7 +97,7 @@ class BodyMaker {
            (type == UrdfJointType::kFloating && group.parent < 0 && fixed_base);
   }
 
-  /// The joint frame (at zero) in the frame of the group that carries it.
+  /// The joint frame (at zero) in the frame of the parent group.
   Pose joint_frame(const UrdfJoint& joint) const {
     return compose(groups_.link_pose[static_cast<std::size_t>(joint.parent)], joint.origin);
   }
@@ -113,7 +114,7 @@ class BodyMaker {
     model_.bodies.push_back(std::move(body));
   }
 
-  /// The root, or what is welded to the link `world`.
+  /// Adds the root, or a group welded to the link `world`.
   void add_base(int g) {
     const bool fixed_base = options_.fixed_base;
     const UrdfGroup& source = group(g);
@@ -129,7 +130,7 @@ class BodyMaker {
     }
     const bool is_welded = joint.type == JointType::kWeld;
     push_body(g, std::move(joint));
-    // Simbody wants a mass of every body: one that no sum of masses feels.
+    // Simbody requires a mass of every body. This one vanishes in every sum of masses.
     if (is_welded && source.is_massless()) {
       constexpr double kNearlyNone = 1e-9;  // [kg], [kg m^2]
       model_.bodies.back().mass = {
@@ -139,13 +140,13 @@ class BodyMaker {
 
   bool is_light(int g) const { return !why_light_[static_cast<std::size_t>(g)].empty(); }
 
-  /// Whether a group could be the inside of a universal or ball joint, by itself.
+  /// Whether a group alone qualifies as an inner link of a universal or ball joint.
   bool is_inner(const UrdfGroup& source) const {
     return source.joint >= 0 && source.is_massless() && source.children.size() == 1 &&
            !source.has_shapes() && joint_of(source).turns();
   }
 
-  /// Notes why a massless group that moves cannot vanish inside a universal or ball joint.
+  /// Records why a massless moving group cannot become part of a universal or ball joint.
   void find_light(int g) {
     const UrdfGroup& source = group(g);
     if (source.joint < 0 || is_base(source, options_.fixed_base)) return;
@@ -166,8 +167,8 @@ class BodyMaker {
     }
   }
 
-  /// Adds up what hangs on each group, itself included, and not what floats. Masses and inertias
-  /// alone: for light links the order of magnitude is enough.
+  /// Sums masses and inertias of each group and its outboard groups, without floating ones. Ignores
+  /// positions: light links need only the order of magnitude.
   void sum_outboard(int g) {
     const UrdfGroup& source = group(g);
     MassProperties& sum = outboard_[static_cast<std::size_t>(g)];
@@ -205,8 +206,8 @@ class BodyMaker {
                         "`; give it a mass, or fix the joint: " + reason);
   }
 
-  /// A light link must not leave a motion without inertia.
-  /// @returns whether it has been refused
+  /// Rejects a light link if it would leave a motion without inertia.
+  /// @returns whether it was rejected
   bool refuses_light(int g) {
     if (outboard_[static_cast<std::size_t>(g)].mass == 0.0) {
       refuse_massless(g, "nothing that hangs on it has mass");
@@ -222,9 +223,9 @@ class BodyMaker {
     return true;
   }
 
-  /// Of two joints with one axis and nothing but light links between them only the sum of their
-  /// angles moves a mass. @returns the joint that moves as `own` does, or an empty text
-  /// @param frame  of the group `g` in that which `own` moves
+  /// If two joints share one axis with only light links between them, only the sum of their angles
+  /// moves a mass. @returns a joint that moves the same way as `own`, or an empty text
+  /// @param frame  frame of the group `g` in the frame moved by `own`
   std::string joint_like(const UrdfJoint& own, int g, const Pose& frame) const {
     for (const int child : group(g).children) {
       const UrdfJoint& next = joint_of(group(child));
@@ -242,7 +243,7 @@ class BodyMaker {
     return "";
   }
 
-  /// The groups from the one that hangs on a body to `g`, those that can vanish in between.
+  /// The chain of groups from the first one on a body to `g`; all but the last can be merged away.
   std::vector<int> chain_to(int g) const {
     std::vector<int> chain = {g};
     int parent = group(g).parent;
@@ -291,7 +292,7 @@ class BodyMaker {
     joint.limit.upper = source.upper;
   }
 
-  /// The coordinates of a free base are its pose in W, which the scenario gives.
+  /// The coordinates of a free base are its pose in W, set by the scenario.
   void set_free_base(const UrdfJoint& source, Joint& joint) {
     if (!is_identity(source.origin)) {
       diagnostics_.warning(document_.mark(source.line),
@@ -311,7 +312,7 @@ class BodyMaker {
     return frames;
   }
 
-  /// Their axes, likewise.
+  /// Axes of all joints of a chain at zero, in the first joint's frame.
   std::vector<Vec3<double>> axes_of(const std::vector<int>& chain,
                                     const std::vector<Pose>& frames) const {
     std::vector<Vec3<double>> axes;
@@ -331,7 +332,8 @@ class BodyMaker {
     joint.frame_in_body.rotation = conjugate(frames.back().rotation) * canonical.rotation;
   }
 
-  /// Why the joints of `chain` are not one universal or ball joint, or an empty text.
+  /// The reason why the joints of `chain` do not form one universal or ball joint, or an empty
+  /// text.
   std::string chain_problem(const std::vector<int>& chain) const {
     if (chain.size() > 3) return std::to_string(chain.size()) + " joints follow one another";
     const std::vector<Pose> frames = frames_of(chain);
@@ -345,7 +347,7 @@ class BodyMaker {
         return "the origins of `" + first.name + "` and `" + joint.name + "` differ";
       }
       if (limits_matter(joint)) return "`" + joint.name + "` has limits";
-      // Three pins in the place of a ball have a pose in which they move two ways only.
+      // Only for two joints: three pins in place of a ball joint would have a singular pose.
       if (chain.size() == 2 && options_.own_joints.count(joint.name) > 0) {
         return "the scenario gives `" + joint.name + "` values of its own";
       }
@@ -361,7 +363,7 @@ class BodyMaker {
     return "";
   }
 
-  /// Links in the order of the file; those inside universal and ball joints have no body.
+  /// Adds links in the order of the file; links inside universal and ball joints have no body.
   void add_links() {
     for (std::size_t i = 0; i < document_.links.size(); ++i) {
       const int g = groups_.link_group[i];
@@ -379,8 +381,8 @@ class BodyMaker {
   RobotModel& model_;
   Diagnostics& diagnostics_;
   std::vector<int> body_of_group_;
-  std::vector<std::string> why_light_;    ///< per group: empty where it has a mass or needs none
-  std::vector<MassProperties> outboard_;  ///< per group: what hangs on it, itself included
+  std::vector<std::string> why_light_;    ///< per group; empty if it has mass or needs none
+  std::vector<MassProperties> outboard_;  ///< per group: sum of itself and its outboard groups
 };
 
 }  // namespace

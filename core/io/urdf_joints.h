@@ -1,5 +1,5 @@
-// From groups of links and URDF joints to bodies with canonical joints. Internal to core/io's URDF
-// reader.
+// Converts groups of links and URDF joints into bodies with canonical joints. Internal to core/io's
+// URDF reader.
 #pragma once
 
 #include "core/io/diagnostics.h"
@@ -10,18 +10,21 @@
 
 namespace skybody {
 
-/// Fills bodies and links of `model`. Two (three) consecutive revolute or continuous joints with
-/// one origin, orthogonal axes, no limits, of two none in `own_joints`, and nothing but massless,
-/// shapeless links between them become one universal (ball) joint, named after the last of them.
-/// Every other massless link that moves gets a light mass, with a warning, or an error where that
-/// would leave a motion without inertia. The base is welded to the world with `fixed_base`.
+/// Fills bodies and links of `model`.
+/// - Consecutive revolute or continuous joints become one joint, named after the last of them: two
+///   a universal joint, three a ball joint. They must have one origin, orthogonal axes and no
+///   limits, with only massless, shapeless links between them. Of two, none may be in `own_joints`.
+/// - Every other massless link that moves gets a light mass, with a warning; or an error, if a
+///   motion would then have no inertia.
+/// - `fixed_base` welds the base to the world.
 void make_bodies(const UrdfDocument& document, const UrdfGroups& groups, const UrdfOptions& options,
                  RobotModel& model, Diagnostics& diagnostics);
 
-/// Sets stiffness and damping of every joint limit from the masses that it has to stop: with I the
-/// reduced inertia about the joint's axis at zero (mass along it for a slider) of what hangs on the
-/// joint against the rest of the robot (the world, if the robot is fixed), stiffness = I w^2 and
-/// damping = 2 I w with w = 100 rad/s: a critically damped stop that 1 ms steps resolve.
+/// Sets stiffness and damping of every joint limit from the masses that it stops:
+///   stiffness = I w^2,  damping = 2 I w,  w = 100 rad/s
+/// This is a critically damped stop that 1 ms steps resolve. I is the reduced inertia about the
+/// joint's axis at zero (for a slider: the reduced mass along it) of the outboard bodies against
+/// the rest of the robot (against the world, if the robot is fixed).
 void derive_limit_springs(RobotModel& model);
 
 }  // namespace skybody

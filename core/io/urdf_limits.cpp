@@ -19,7 +19,8 @@ std::vector<Pose> poses_at_zero(const RobotModel& model) {
   return poses;
 }
 
-/// Moment of inertia of `mass` about the line through `point` along `axis` (unit), one frame.
+/// Moment of inertia of `mass` about the line through `point` along the unit vector `axis`, all in
+/// one frame.
 double inertia_about(const MassProperties& mass, const Vec3<double>& point,
                      const Vec3<double>& axis) {
   const SymMat3<double> total = mass.inertia + point_inertia(mass.mass, mass.com - point);
@@ -41,7 +42,7 @@ void derive_limit_springs(RobotModel& model) {
     const Pose frame = compose(poses[k], joint.frame_in_body);
     const Vec3<double> axis =
         rotate(frame.rotation, pin ? Vec3<double>{0, 0, 1} : Vec3<double>{1, 0, 0});
-    // Bodies come after their parents, so one pass finds everything that hangs on body k.
+    // Bodies follow their parents, so one pass finds all bodies outboard of joint k.
     std::vector<bool> outboard(model.bodies.size(), false);
     double moved = 0.0, rest = 0.0;
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {

@@ -16,7 +16,7 @@ std::string MaterialCheck::name_of(const tinyxml2::XMLElement& material) {
   return name == nullptr ? "" : name;
 }
 
-/// Whether it says its own colour; an error where that is none.
+/// Whether it defines its own colour; an error if the colour is invalid.
 bool MaterialCheck::has_colour(const tinyxml2::XMLElement& material, const std::string& name) {
   const tinyxml2::XMLElement* color = material.FirstChildElement("color");
   if (color == nullptr) return material.FirstChildElement("texture") != nullptr;

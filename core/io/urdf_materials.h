@@ -1,7 +1,7 @@
 // Checks the colours of a URDF. Internal to core/io's URDF reader.
 //
-// A <material> of the robot has a <color> or a <texture>; one of a visual has either, or names one
-// of the robot's or of another visual.
+// A <material> of the robot contains a <color> or a <texture>. A <material> of a visual contains
+// either, or the name of a material of the robot or of another visual.
 #pragma once
 
 #include <tinyxml2.h>
@@ -18,7 +18,7 @@ class MaterialCheck {
   MaterialCheck(const std::string& file, Diagnostics& diagnostics)
       : file_(file), diagnostics_(diagnostics) {}
 
-  /// Notes a <material> of <robot>.
+  /// Records a <material> of <robot>.
   void declare(const tinyxml2::XMLElement& material);
 
   /// Checks the material of a <visual> of `where`, if it has one.

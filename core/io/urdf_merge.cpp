@@ -15,14 +15,14 @@ std::string inertia_text(const SymMat3<double>& i) {
          " iyy=" + number(i.yy) + " iyz=" + number(i.yz) + " izz=" + number(i.zz);
 }
 
-/// Six digits: more are the rounding of the solver.
+/// Formats with six digits; further digits are round-off of the solver.
 std::string moments_text(const Vec3<double>& moments) {
   char text[80];
   std::snprintf(text, sizeof(text), "[%.6g, %.6g, %.6g]", moments.x, moments.y, moments.z);
   return text;
 }
 
-/// The rule that the moments break, with the bound: "izz must not exceed ixx + iyy, 0.08".
+/// The violated rule of the moments, with its bound: "izz must not exceed ixx + iyy, 0.08".
 std::string bound_text(const SymMat3<double>& i) {
   const Vec3<double> p = eigenvalues(i);
   if (!(p.x > 0.0)) return "all must be above 0";
@@ -82,7 +82,7 @@ class Merger {
     }
   }
 
-  /// A robot has one base, and what floats against the world is one.
+  /// A robot has one base: a floating joint must be the only joint on the link `world`.
   void check_free_base(const UrdfLink& world) {
     if (world.child_joints.size() < 2) return;
     for (int index : world.child_joints) {
@@ -95,8 +95,9 @@ class Merger {
     }
   }
 
-  /// The groups that move by `joints` (-1: the free root) and all on them, parents first and else
-  /// in the order of the file. A stack of our own: chains may have thousands of joints.
+  /// Opens the groups moved by `joints` (-1: the free root) and all groups on them: parents first,
+  /// otherwise in the order of the file. Uses an explicit stack: chains may have thousands of
+  /// joints.
   void open_groups(const std::vector<int>& joints, int parent) {
     struct Waiting {
       int joint;
@@ -125,11 +126,11 @@ class Merger {
     return index;
   }
 
-  /// Takes a link and what fixed joints put on it into `group`; returns the moving joints on them.
+  /// Adds a link and the links fixed to it to `group`; returns the moving joints on them.
   std::vector<int> take_links(int first_link, int group) {
     struct Branch {
       int link;
-      std::size_t next = 0;  ///< which of its joints is looked at next
+      std::size_t next = 0;  ///< index of the link's next joint
     };
     std::vector<int> moving;
     std::vector<Branch> path = {{first_link}};
@@ -184,7 +185,7 @@ class Merger {
     return "the body of the link `" + source.name + "` (links on fixed joints merged)";
   }
 
-  /// A link that merges and has no inertia counts as a point.
+  /// Whether a merged link without inertia counts as a point mass.
   static bool is_point(const UrdfLink& source, const UrdfGroup& group) {
     return group.links.size() > 1 && is_zero(source.mass.inertia);
   }
@@ -226,7 +227,7 @@ class Merger {
                                                           ") and no mass; the inertia is ignored");
   }
 
-  /// What moves must be physical. A link that is not, in a body that is, changes nothing but the
+  /// Moving bodies must be physically valid. An invalid link in a valid body changes only the
   /// body's values: a warning.
   void check_inertia(const UrdfGroup& group) {
     const bool good = is_physical_inertia(group.mass.inertia);

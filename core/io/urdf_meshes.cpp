@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Extensions of the mesh formats that URDFs name, in lower case.
+/// Extensions of mesh formats in URDFs, in lower case.
 constexpr std::array<const char*, 14> kMeshExtensions = {".stl",  ".stlb", ".dae", ".obj", ".ply",
                                                          ".gltf", ".glb",  ".fbx", ".3ds", ".off",
                                                          ".msh",  ".mesh", ".wrl", ".vtk"};
@@ -45,10 +45,10 @@ bool starts_with(const std::string& text, const std::string& start) {
 UrdfMeshes::UrdfMeshes(const std::string& urdf_file) {
   std::error_code code;
   folder_ = fs::absolute(urdf_file, code).lexically_normal().parent_path();
-  // A URDF that is a link to one elsewhere (as colcon installs them) has its meshes there.
+  // A symbolic link to a URDF (as colcon installs them): the meshes are next to its target.
   for (const fs::path& folder : {folder_, true_path(urdf_file).parent_path()}) {
     inside_.push_back(true_path(folder));
-    // Above a folder right below the root is everything.
+    // Exclude the root: it contains the whole file system.
     const fs::path above = inside_.back().parent_path();
     if (above != above.root_path()) inside_.push_back(above);
     for (fs::path package = above; package != package.root_path();

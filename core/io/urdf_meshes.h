@@ -1,11 +1,13 @@
-// Where the meshes of a URDF may lie. Internal to core/io's URDF reader.
+// Locations of the meshes of a URDF. Internal to core/io's URDF reader.
 //
-// Meshes of visuals are only named, for pictures; of those of collisions the box about them is read
-// (mesh_box.h). A name counts if it is a regular file in
-// the URDF's own folder, in the folder above it (a package with the folders `urdf` and `meshes`),
-// in any folder above that has a package.xml, or, for package://NAME/REST, in the folder NAME above
-// the URDF or beside a folder above it, if that is a ROS package (it has a package.xml). No other
-// place is looked at.
+// Meshes of visuals are only referenced by name, for pictures; of collision meshes the bounding box
+// is read (mesh_box.h). A name is valid if it is a regular file in one of these folders:
+// - the URDF's own folder
+// - the folder above it (a package with the folders `urdf` and `meshes`)
+// - any folder above that contains a package.xml
+// - for package://NAME/REST: the folder NAME above the URDF, or next to a folder above it, if it is
+//   a ROS package (it contains a package.xml)
+// No other folder is searched.
 #pragma once
 
 #include <filesystem>
@@ -17,17 +19,17 @@ namespace skybody {
 
 enum class MeshState { kFound, kMissing, kOutside, kNoMesh };
 
-/// What the name of a mesh stands for.
+/// The result of looking up a mesh's name.
 struct MeshFile {
   MeshState state = MeshState::kNoMesh;
-  std::string path;  ///< where it was found, without links
+  std::string path;  ///< its file, with symbolic links resolved
 };
 
 class UrdfMeshes {
  public:
   explicit UrdfMeshes(const std::string& urdf_file);
 
-  /// What the name, as the URDF has it, stands for.
+  /// Looks up a mesh's name as written in the URDF.
   const MeshFile& look_up(const std::string& name);
 
  private:
@@ -36,7 +38,7 @@ class UrdfMeshes {
   bool is_inside(const std::filesystem::path& path) const;
 
   std::filesystem::path folder_;
-  std::vector<std::filesystem::path> inside_;  ///< canonical folders that meshes may lie in
+  std::vector<std::filesystem::path> inside_;  ///< canonical folders that may contain meshes
   std::map<std::string, MeshFile> known_;
 };
 

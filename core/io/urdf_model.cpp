@@ -1,7 +1,7 @@
-// urdfdom has an XML reader of its own, which decodes some texts otherwise than tinyxml2: the two
-// would know one link by two names. So urdfdom gets the elements and attributes as tinyxml2 has
-// read them, written anew, and what it gives back is held against the list of links and joints.
-// Capsules, which it does not know, it gets as cylinders: they have the same attributes.
+// urdfdom has its own XML reader, which decodes some texts differently from tinyxml2. The two would
+// then have different names for one link. urdfdom therefore gets a new text, written from
+// tinyxml2's elements and attributes, and its model is compared with the list of links and joints.
+// Capsules, which urdfdom does not support, are passed as cylinders: they have the same attributes.
 #include "core/io/urdf_model.h"
 
 #include <console_bridge/console.h>
@@ -20,7 +20,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Keeps what urdfdom writes to its console.
+/// Stores urdfdom's console output.
 class Chatter : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
@@ -29,7 +29,7 @@ class Chatter : public console_bridge::OutputHandler {
   std::vector<std::string> errors;
 };
 
-/// Numbers with single blanks between them: urdfdom knows no other white space.
+/// Separates numbers by single spaces: urdfdom accepts no other white space.
 std::string with_single_blanks(const std::string& value) {
   if (value.find_first_not_of("0123456789+-.eE \t\r\n") != std::string::npos) {
     return value;
@@ -37,13 +37,13 @@ std::string with_single_blanks(const std::string& value) {
   return join(split_words(value), " ");
 }
 
-/// Whether an attribute of that name holds a name, which may be a number.
+/// Whether the attribute's value is a name; names may look like numbers.
 bool is_name(std::string_view attribute) {
   return attribute == "name" || attribute == "link" || attribute == "filename" ||
          attribute == "joint";
 }
 
-/// Attributes, then `children`.
+/// Writes an element: its attributes, then its `children`.
 template <class Children>
 void write_element(const XMLElement& element, tinyxml2::XMLPrinter& out, Children&& children) {
   const std::string_view name = element.Name();
@@ -52,7 +52,7 @@ void write_element(const XMLElement& element, tinyxml2::XMLPrinter& out, Childre
     const std::string value = a->Value();
     out.PushAttribute(a->Name(), (is_name(a->Name()) ? value : with_single_blanks(value)).c_str());
   }
-  if (name == "limit") {  // what urdfdom demands, and nobody reads
+  if (name == "limit") {  // attributes that urdfdom requires and Skybody ignores
     for (const char* unread : {"effort", "velocity"}) {
       if (element.Attribute(unread) == nullptr) out.PushAttribute(unread, "0");
     }
@@ -68,7 +68,7 @@ void write_all(const XMLElement& element, tinyxml2::XMLPrinter& out) {
   write_element(element, out, [&](const XMLElement& child) { write_all(child, out); });
 }
 
-/// The parts of the robot that Skybody reads.
+/// Writes the parts of the robot that Skybody reads.
 std::string written_anew(const XMLElement& robot) {
   tinyxml2::XMLPrinter out(nullptr, true);
   write_element(robot, out, [&](const XMLElement& child) {
@@ -78,7 +78,7 @@ std::string written_anew(const XMLElement& robot) {
   return out.CStr();
 }
 
-/// urdfdom's console is one for the whole process, hence the lock.
+/// urdfdom's console is global to the process, hence the lock.
 urdf::ModelInterfaceSharedPtr parse(const std::string& text, Chatter& chatter) {
   static std::mutex mutex;
   const std::lock_guard<std::mutex> lock(mutex);
@@ -94,7 +94,7 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, Chatter& chatter) {
   return model;
 }
 
-/// Whether there is one shape for each element of that name.
+/// Whether the model has one shape for each element of that name.
 template <class Shapes>
 bool has_shapes(const Shapes& shapes, const XMLElement& link, const char* name) {
   const XMLElement* e = link.FirstChildElement(name);
@@ -105,7 +105,7 @@ bool has_shapes(const Shapes& shapes, const XMLElement& link, const char* name) 
   return e == nullptr;
 }
 
-/// Whether urdfdom has the link with all that `named` has.
+/// Whether urdfdom's model contains the link with all of its parts.
 bool has_link(const urdf::ModelInterface& model, const XmlNamed& named) {
   const auto link = model.getLink(named.name);
   if (!link) return false;
@@ -116,7 +116,7 @@ bool has_link(const urdf::ModelInterface& model, const XmlNamed& named) {
          has_shapes(link->collision_array, e, "collision");
 }
 
-/// The first element that urdfdom has lost, or null.
+/// The first element missing from urdfdom's model, or null.
 const XmlNamed* lost(const UrdfXml& xml, const urdf::ModelInterface& model) {
   for (const XmlNamed& link : xml.links) {
     if (!has_link(model, link)) return &link;

@@ -1,4 +1,4 @@
-// urdfdom's reading of a checked URDF. Internal to core/io's URDF reader.
+// Parses a checked URDF with urdfdom. Internal to core/io's URDF reader.
 #pragma once
 
 #include <urdf_world/types.h>
@@ -10,8 +10,8 @@
 
 namespace skybody {
 
-/// What urdfdom makes of a document that has passed check_urdf_xml(), or null and an error where it
-/// refuses the file. Every link, joint, visual and collision that `xml` lists is in the model.
+/// urdfdom's model of a document that has passed check_urdf_xml(), or null and an error if urdfdom
+/// rejects the file. The model contains every link, joint, visual and collision in `xml`.
 urdf::ModelInterfaceSharedPtr read_by_urdfdom(const UrdfXml& xml, const std::string& file,
                                               Diagnostics& diagnostics);
 

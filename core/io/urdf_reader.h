@@ -1,17 +1,20 @@
 // URDF -> RobotModel.
 //
-// Supported: links with inertials in rotated frames, visuals and collisions (box, cylinder, sphere,
-// mesh); fixed joints (merged exactly), revolute, continuous, prismatic, floating. Two or three
-// revolute or continuous joints in one place make a universal or ball joint (urdf_joints.h). Planar
-// and other types are errors. Elements that are not URDF, meshes that are missing, massless links
-// on fixed joints and joints that are read as fixed are warnings, each with its line; a missing
-// mesh is an error only where it is the link's sole kind of collision shape.
+// Supported:
+// - links with inertials in rotated frames, visuals and collisions (box, cylinder, sphere, mesh)
+// - joints: fixed (merged exactly), revolute, continuous, prismatic, floating. Two or three
+//   revolute or continuous joints in one place make a universal or ball joint (urdf_joints.h).
+//   Planar and other types are errors.
+// Warnings, each with its line: unknown elements, missing meshes, massless links on fixed joints,
+// joints that are read as fixed. A missing mesh is an error only if the link has no collision shape
+// of another kind.
 //
 // The base. The root link moves freely, or is welded to the world with `fixed_base`. A root link
-// called `world` stands for the world itself: what a fixed joint attaches to it is a fixed base, a
-// floating joint gives a free one (which must be the only child of `world`; its <origin> is
-// ignored, the scenario's pose places the base; `fixed_base` welds it), any other joint moves
-// against the world. The link `world` has no body and no mass.
+// called `world` is the world itself; it has no body and no mass. Its joints:
+// - fixed: the child is a fixed base
+// - floating: the child is a free base. It must be the only child of `world`. The joint's <origin>
+//   is ignored: the scenario's pose places the base. `fixed_base` welds it.
+// - any other: the child moves relative to the world
 #pragma once
 
 #include <optional>
@@ -23,19 +26,19 @@
 
 namespace skybody {
 
-/// What the scenario says about a model.
+/// The scenario's options for a model.
 struct UrdfOptions {
-  bool fixed_base = false;      ///< weld the root link to the world; it needs no mass then
-  bool repair_inertia = false;  ///< an inertia that no rigid body has: mend it in place of an error
+  bool fixed_base = false;      ///< weld the root link to the world; it then needs no mass
+  bool repair_inertia = false;  ///< repair physically invalid inertias instead of reporting errors
   std::set<std::string> fixed_joints = {};  ///< turn with a rotor: read as fixed, with a warning
-  std::set<std::string> own_joints = {};    ///< kept out of universal joints
+  std::set<std::string> own_joints = {};    ///< excluded from universal joints
 };
 
-/// Reads `file`; nothing and errors with file and line if anything is wrong. Rotors stay empty.
+/// Reads `file`. Returns nullopt and errors with file and line if it is invalid. Rotors stay empty.
 std::optional<RobotModel> read_urdf(const std::string& file, const UrdfOptions& options,
                                     Diagnostics& diagnostics);
 
-/// The same from text; `file` is for messages and for finding meshes.
+/// The same for a text; `file` is for messages and for finding meshes.
 std::optional<RobotModel> parse_urdf(const std::string& text, const std::string& file,
                                      const UrdfOptions& options, Diagnostics& diagnostics);
 

@@ -1,4 +1,4 @@
-// Whether links and joints form one tree.
+// Checks that links and joints form one tree.
 #include <unordered_map>
 
 #include "core/io/text.h"
@@ -79,7 +79,7 @@ class TreeCheck {
     }
   }
 
-  /// Links that lead back to themselves. Without a root the message above says enough.
+  /// Reports loops of links. Without a root the earlier message suffices.
   void find_loops() {
     if (xml_.root.empty()) return;
     std::vector<std::size_t> seen_from(xml_.links.size(), kNone);
@@ -89,7 +89,7 @@ class TreeCheck {
         seen_from[at] = start;
         at = parent_joint_[at] == nullptr ? kNone : index_of(parent_joint_[at]->parent);
       }
-      if (at == kNone || seen_from[at] != start) continue;  // a root, or a way that was gone before
+      if (at == kNone || seen_from[at] != start) continue;  // a root, or a path visited before
       const XmlJoint& joint = *parent_joint_[at];
       error(joint.line, "the joint `" + joint.name + "` closes a loop through the link `" +
                             xml_.links[at].name + "`; a URDF is a tree");

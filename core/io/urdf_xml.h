@@ -1,4 +1,4 @@
-// The XML side of a URDF: elements with their lines, and checks whose messages name them. Internal
+// The XML layer of a URDF: elements with their lines, and checks whose messages name them. Internal
 // to core/io's URDF reader.
 #pragma once
 
@@ -20,14 +20,14 @@ struct XmlNamed {
   const tinyxml2::XMLElement* element = nullptr;
 };
 
-/// A joint with its ends.
+/// A joint with its parent and child links.
 struct XmlJoint : XmlNamed {
   std::string type;
   std::string parent;
   std::string child;
 };
 
-/// What the check of the XML found: names, lines, elements.
+/// The results of the XML checks: names, lines, elements.
 struct UrdfXml {
   tinyxml2::XMLDocument document;
   std::string name;  ///< of the robot
@@ -36,16 +36,16 @@ struct UrdfXml {
   std::string root;  ///< name of the root link
 };
 
-/// Exactly `count` finite numbers of an attribute; nothing where it is absent or broken.
+/// Exactly `count` finite numbers of an attribute; nullopt if it is missing or invalid.
 std::optional<std::vector<double>> xml_numbers(const tinyxml2::XMLElement& element,
                                                const char* attribute, int count);
 
-/// The pose that the child element <origin> gives (identity where it is absent). Rotations by
-/// core/base math.
+/// The pose of the child element <origin> (identity if it is missing). Rotations are computed with
+/// core/base.
 Pose xml_origin(const tinyxml2::XMLElement& element);
 
-/// Parses `text` into `xml` and checks every element that matters: known names, numbers, types,
-/// ranges, and that links and joints form one tree. Returns whether there were no errors.
+/// Parses `text` into `xml` and checks every relevant element: known names, numbers, types, ranges,
+/// and that links and joints form one tree. Returns whether there were no errors.
 bool check_urdf_xml(const std::string& text, const std::string& file, UrdfXml& xml,
                     Diagnostics& diagnostics);
 

@@ -11,7 +11,7 @@ namespace {
 constexpr int kMostAttributes = 100;           // of one element; URDF has up to six
 constexpr long kMostParts = 1'000'000;         // tags and attributes of a text
 constexpr std::size_t kLongestReference = 12;  // &#x0010FFFF;
-constexpr std::size_t kLongestShown = 60;      // bytes of a text in a message
+constexpr std::size_t kLongestShown = 60;      // [bytes] of a text in a message
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::string_view kSpace = " \t\r\n";
 
@@ -24,7 +24,7 @@ bool is_hex_digit(char c) {
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-/// Whether `name`, between & and ;, is one of XML's references.
+/// Whether `name`, the text between & and ;, is one of XML's references.
 bool is_reference(std::string_view name) {
   for (const char* known : {"amp", "lt", "gt", "quot", "apos"}) {
     if (name == known) return true;
@@ -32,11 +32,11 @@ bool is_reference(std::string_view name) {
   if (name.size() < 2 || name[0] != '#') return false;
   const bool hex = name[1] == 'x';
   const std::string_view digits = name.substr(hex ? 2 : 1);
-  const bool is_nul = digits.find_first_not_of('0') == digits.npos;  // no character of XML
+  const bool is_nul = digits.find_first_not_of('0') == digits.npos;  // not an XML character
   return !is_nul && std::all_of(digits.begin(), digits.end(), hex ? is_hex_digit : is_digit);
 }
 
-/// Goes through a text once, comments and the like left out.
+/// Scans a text once, without comments and similar parts.
 class Scan {
  public:
   Scan(std::string_view text, const std::string& file, XmlReferences references,
@@ -55,7 +55,7 @@ class Scan {
  private:
   void fail(const std::string& message) { fail_at(0, message); }
 
-  /// @param column  from 1; 0: none is named
+  /// @param column  from 1; 0: not reported
   void fail_at(int column, const std::string& message) {
     diagnostics_.error({file_, line_, column}, message);
     good_ = false;
@@ -63,7 +63,7 @@ class Scan {
 
   int column() const { return static_cast<int>(at_ - line_start_) + 1; }
 
-  /// Passes what begins with `begin` here, up to `end`.
+  /// Skips a part that starts here with `begin`, up to `end`.
   bool skip(std::string_view begin, std::string_view end) {
     if (text_.substr(at_, begin.size()) != begin) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());
@@ -110,7 +110,7 @@ class Scan {
     if (kind_ == TagKind::kEnd && depth_ > 0) --depth_;
   }
 
-  /// Text may stand within the element at the top only.
+  /// Text is allowed only within the top element.
   void check_place_of_text() {
     if (!good_ || depth_ > 0) return;
     const std::string_view rest = text_.substr(at_, text_.find_first_of("\r\n<", at_ + 1) - at_);
@@ -166,10 +166,10 @@ class Scan {
   std::size_t line_start_ = 0;
   int line_ = 1;
   bool is_in_tag_ = false;
-  TagKind kind_ = TagKind::kElement;  ///< of the tag that it is in
-  int depth_ = 0;                     ///< elements that are open
+  TagKind kind_ = TagKind::kElement;  ///< of the current tag
+  int depth_ = 0;                     ///< number of open elements
   bool has_root_ = false;
-  char quote_ = 0;  ///< that an attribute's value began with; 0: outside of values
+  char quote_ = 0;  ///< opening quote of the current attribute value; 0: outside of values
   int attributes_ = 0;
   long parts_ = 0;
   bool good_ = true;

@@ -1,7 +1,7 @@
-// Needs: yaml-cpp's parser events, since its own tree forgets where keys stand and drops
-// duplicates. Assumes: marks of events count lines and columns from 0. Algorithm: a stack of open
-// containers; a map on top alternates between keys and values. Nodes with an anchor are kept by id
-// and copied where an alias names them.
+// Uses yaml-cpp's parser events, since its own tree loses the locations of keys and drops
+// duplicates. Event marks count lines and columns from 0. Algorithm: a stack of open containers; a
+// map on top alternates between keys and values. Nodes with an anchor are stored by id and copied
+// for each alias.
 #include <yaml-cpp/anchor.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
@@ -21,7 +21,7 @@
 namespace skybody {
 namespace {
 
-/// Ends the parsing after an error that was noted: what follows could only cost time.
+/// Ends the parsing after a reported error; later events cannot help.
 struct Stop {};
 
 class TreeBuilder : public YAML::EventHandler {
@@ -31,7 +31,7 @@ class TreeBuilder : public YAML::EventHandler {
         positions_(!is_from_command_line(file_)),
         budget_(budget),
         diagnostics_(diagnostics) {
-    root_.mark = {file_, 0, 0};  // of a text without a document
+    root_.mark = {file_, 0, 0};  // for a text without a document
   }
 
   ConfigNode take_root() { return std::move(root_); }
@@ -91,9 +91,9 @@ class TreeBuilder : public YAML::EventHandler {
     ConfigNode node;
     YAML::anchor_t anchor = 0;
     bool has_key = false;
-    bool drop_value = false;  ///< the key was refused: its value goes nowhere
+    bool drop_value = false;  ///< the key was rejected: its value is dropped
     ConfigEntry pending;
-    std::unordered_map<std::string, std::size_t> places;  ///< of the keys among the entries
+    std::unordered_map<std::string, std::size_t> places;  ///< indices of the entries by key
   };
   struct Anchored {
     ConfigNode node;
@@ -105,8 +105,8 @@ class TreeBuilder : public YAML::EventHandler {
     throw Stop();
   }
 
-  /// A tag such as !!float says of which type a value is; here its key does. yaml-cpp gives plain
-  /// values the tag "?" and quoted ones "!".
+  /// Rejects tags such as !!float, which set a value's type: here the key determines the type.
+  /// yaml-cpp gives plain values the tag "?" and quoted ones "!".
   void check_tag(const std::string& tag, const YAML::Mark& mark) {
     if (tag.empty() || tag == "?" || tag == "!") return;
     const std::string standard = "tag:yaml.org,2002:";
@@ -141,7 +141,7 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::move(level.node), level.anchor);
   }
 
-  /// Takes a value that was written here; one with an anchor is kept for its aliases, too.
+  /// Adds a value; one with an anchor is also stored for its aliases.
   void add(ConfigNode node, YAML::anchor_t anchor) {
     const ConfigCost own{1, node.scalar.size() + file_.size(), 0};
     if (!budget_.take_values(own.values, own.bytes)) fail(node.mark, too_many_values());
@@ -197,13 +197,13 @@ class TreeBuilder : public YAML::EventHandler {
   int documents_ = 0;
 };
 
-/// What yaml-cpp says. Some of its messages end with a colon and a piece of the file.
+/// yaml-cpp's message. Some of its messages end with a colon and a part of the file.
 std::string message_of(const YAML::Exception& error, Quoting quoting) {
   if (quoting == Quoting::kYes) return error.msg;
   return error.msg.substr(0, error.msg.find(':'));
 }
 
-/// Where a line has a path such as rotors[0], which ends a word of a list in brackets.
+/// A hint for lines with a path such as rotors[0], whose bracket ends a word in a flow list.
 /// @param line  from 0
 std::string hint_of(const std::string& text, int line) {
   std::istringstream stream(text);
@@ -233,7 +233,7 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
                                      Quoting quoting) {
   Diagnostics found;
   TreeBuilder builder(file, budget, found);
-  // yaml-cpp takes a NUL for the beginning of an escape, in any text.
+  // yaml-cpp treats a NUL in any text as the start of an escape.
   if (const std::size_t nul = text.find('\0'); nul != text.npos) {
     const auto lines =
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n');
@@ -247,7 +247,7 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
     if (!found.has_errors()) return builder.take_root();
   } catch (const Stop&) {
   } catch (const YAML::Exception& error) {
-    // What was found before may quote a file that is no YAML.
+    // Earlier messages may quote a file that is not YAML.
     if (quoting == Quoting::kNo) found = Diagnostics();
     found.error(builder.to_mark(error.mark),
                 "not YAML: " + message_of(error, quoting) + hint_of(text, error.mark.line));

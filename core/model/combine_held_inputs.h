@@ -1,4 +1,4 @@
-// What several effects that hold one input hold together.
+// Combination of several effects' values of one held input.
 #pragma once
 
 #include "core/base/math.h"
@@ -6,8 +6,11 @@
 
 namespace skybody {
 
-/// What two effects hold together of value k of an input of a body or rotor: gains are multiplied,
-/// of limits the narrower holds, of rates of rotors the later effect's, all else is added.
+/// Combines two effects' values of entry k of a held input of one body or rotor:
+/// - rotor gains: the product
+/// - rotor limits: the narrower one
+/// - rotor rates: the later effect's, unless it is NaN
+/// - all others: the sum
 template <class Real>
 SKYBODY_INLINE Real held_together(int input, int k, const Real& a, const Real& b) {
   switch (input) {

@@ -1,4 +1,4 @@
-// The tables of core/base/constants.h in C++: places of values by name, and rows to loop over.
+// The tables of core/base/constants.h in C++: indices of values by name, and rows for loops.
 // C++17.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace skybody {
                          doc)                                                                  \
   Id = SYMBOL, Id##Last = SYMBOL##_LAST,
 
-/// Places of the values of one thing, such as the index of a rotor's thrust constant from the
-/// rotor's first EnvParam on. `kComLast` is the place of the last of the values that begin at
+/// Indices of the values of one object, such as the index of a rotor's thrust constant counted from
+/// the rotor's first EnvParam. `kComLast` is the index of the last of the values that begin at
 /// `kCom`.
 enum WorldParam : int { SKYBODY_WORLD_CONSTANTS(SKYBODY_PLACE_ID) kWorldParamCount };
 enum RobotParam : int { SKYBODY_ROBOT_CONSTANTS(SKYBODY_PLACE_ID) kRobotParamCount };
@@ -27,20 +27,20 @@ enum ObstacleParam : int { SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_PLACE_ID) kObstacl
 enum CouplingParam : int { SKYBODY_COUPLING_CONSTANTS(SKYBODY_PLACE_ID) kCouplingParamCount };
 #undef SKYBODY_PLACE_ID
 
-/// One constant, of one or several values.
+/// One constant, with one or several values.
 struct ConstantRow {
-  int place;            ///< of its first value among those of the thing
-  const char* key;      ///< in files and paths; "disturbance.force": of the map `disturbance`
+  int place;            ///< index of its first value among the object's values
+  const char* key;      ///< in files and paths; "disturbance.force": in the map `disturbance`
   const char* unit;     ///< "": none
   int count;            ///< number of values
-  bool is_required;     ///< files have to give it
-  double fallback[6];   ///< else the first `count` of these
-  double least;         ///< of each value in a file, inclusive
-  double greatest;      ///< likewise
-  double lowest_drawn;  ///< of each value of an EnvParam, inclusive
+  bool is_required;     ///< files must give it
+  double fallback[6];   ///< the default: the first `count` values, unless required
+  double least;         ///< lower bound of each value in a file, inclusive
+  double greatest;      ///< upper bound of each value in a file, inclusive
+  double lowest_drawn;  ///< lower bound of each drawn value, inclusive
   const char* doc;      ///< one line
 
-  /// What value k may be at least where it is drawn: products of inertia have either sign.
+  /// Lower bound of value k of a drawn constant: products of inertia have either sign.
   constexpr double least_drawn(int k) const {
     return count == 6 && k >= 3 ? -INFINITY : lowest_drawn;
   }
@@ -70,7 +70,7 @@ inline constexpr std::array kCouplingConstants{SKYBODY_COUPLING_CONSTANTS(SKYBOD
 #undef SKYBODY_ROW
 #undef SKYBODY_VALUES
 
-/// The values of a table where nobody gives any; 0 of those that a file has to give.
+/// The default values of a table; 0 for required values.
 template <int kCount, class Rows>
 constexpr std::array<double, kCount> fallbacks(const Rows& rows) {
   std::array<double, kCount> values{};

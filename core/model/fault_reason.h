@@ -1,4 +1,4 @@
-// Why an episode ended as a fault, in words.
+// Texts of the reasons why an episode ended as a fault.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// CompiledScenario::fault_reason() says more of a bad start.
+/// CompiledScenario::fault_reason() gives more details of a bad start.
 /// @param status  EpisodeStatus bits @returns the reasons, separated by "; "; empty: no fault
 inline std::string fault_reason(std::uint64_t status) {
   struct Row {
@@ -28,8 +28,8 @@ inline std::string fault_reason(std::uint64_t status) {
   return reasons;
 }
 
-/// World body index of the body whose inertia is not physical; -1: the status tells of none, or of
-/// another cause, in bits above the index (core/env/fault_cause.h).
+/// World body index of the body whose inertia is not physical; -1 if the status has no such index.
+/// Bits above the index encode other causes (core/env/fault_cause.h).
 inline int impossible_body(std::uint64_t status) {
   constexpr int kIndexBits = 10;
   const std::uint64_t behind = status >> kBadStartPlace;

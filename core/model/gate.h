@@ -9,11 +9,11 @@ namespace skybody {
 
 /// A bar of a gate, in the gate's frame.
 struct GateBar {
-  Vec3<double> position;  ///< of its middle [m]
+  Vec3<double> position;  ///< of its centre [m]
   Vec3<double> size;      ///< edge lengths [m]
 };
 
-/// Two posts and two beams about the opening.
+/// Two posts and two beams around the opening.
 /// @param size  width (y) and height (z) of the opening, thickness of the bars [m]
 inline std::array<GateBar, 4> gate_bars(const Vec3<double>& size) {
   const double width = size.x, height = size.y, thickness = size.z;

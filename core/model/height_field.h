@@ -1,4 +1,4 @@
-// Ground that is no plane: heights on a regular grid. C++17.
+// Uneven ground: heights on a regular grid. C++17.
 #pragma once
 
 #include <algorithm>
@@ -8,13 +8,13 @@
 
 namespace skybody {
 
-/// Heights at the corners of rectangular cells, which lie side by side along x and y. Each cell is
-/// two triangles, on both sides of its diagonal from the corner of least x and y to the opposite
-/// one. What lies below the triangles is solid.
+/// Heights at the corners of adjacent rectangular cells along x and y. The diagonal from the corner
+/// of least x and y to the opposite corner divides each cell into two triangles. The volume below
+/// the triangles is solid.
 class HeightField {
  public:
-  /// @param columns, rows  heights along x and along y, 2 or more of each
-  /// @param heights  row by row, both in the order of rising x and y [m]
+  /// @param columns, rows  numbers of heights along x and along y, each 2 or more
+  /// @param heights  row by row, in ascending order of x and y [m]
   HeightField(int columns, int rows, std::vector<double> heights)
       : columns_(columns),
         rows_(rows),

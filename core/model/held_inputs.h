@@ -1,4 +1,4 @@
-// What effects may hold over a physics step, as data. The list is core/base/held_inputs.h.
+// Held inputs of effects, as data. The list is in core/base/held_inputs.h.
 #pragma once
 
 #include <array>
@@ -9,11 +9,11 @@
 
 namespace skybody {
 
-/// One input.
+/// One held input.
 struct HeldInputRow {
   const char* name;   ///< such as "wind"
-  bool is_of_rotors;  ///< else of bodies
-  int size;           ///< values for each
+  bool is_of_rotors;  ///< per rotor; else per body
+  int size;           ///< values per rotor or body
 };
 
 /// In the order of SkybodyHeldInput.
@@ -24,14 +24,14 @@ inline constexpr std::array<HeldInputRow, SKYBODY_HELD_COUNT> kHeldInputs = {{
 #undef SKYBODY_ROW
 }};
 
-/// The most values that an input has for one body or rotor.
+/// The largest number of values of an input for one body or rotor.
 inline constexpr int kMostHeldValues = [] {
   int most = 0;
   for (const HeldInputRow& row : kHeldInputs) most = row.size > most ? row.size : most;
   return most;
 }();
 
-/// What place k of an input is where nothing is held.
+/// The neutral value of entry k of an input, used without effects.
 constexpr double neutral_value(int input, int k) {
   using Limits = std::numeric_limits<double>;
   switch (input) {

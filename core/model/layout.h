@@ -1,7 +1,7 @@
-// Where every value of an environment lies: the one place that knows the order of state words.
+// The layout of an environment's values: the only place that defines the order of state words.
 //
 // Scalar k of lane l of a group of L lanes is at data[k * L + l]. All values are 64-bit words:
-// doubles, or std::uint64_t for the header and for words of plugin states.
+// doubles, or std::uint64_t in the header and in plugin states.
 #pragma once
 
 #include <array>
@@ -20,38 +20,38 @@ struct Block {
   int size = 0;    ///< number of words
 };
 
-/// Positions of the header's words (std::uint64_t each).
+/// Positions of the header's words (each a std::uint64_t).
 enum HeaderWord : int {
   kSeed = 0,         ///< first half of the random key
   kStreamEnv = 1,    ///< second half: the env id, or a fork's own key
   kEpisode = 2,      ///< number of resets so far
   kStep = 3,         ///< actions taken in this episode
   kPhysicsStep = 4,  ///< physics steps taken in this episode
-  kForks = 5,        ///< how many rekeyed copies were made of this environment
+  kForks = 5,        ///< number of rekeyed copies made of this environment
   kStatus = 6,       ///< EpisodeStatus bits of the last transition
-  kRequests = 7,     ///< draws that were asked for in mid-episode, in all
-  kRedraws = 8,      ///< how often the start of this episode was drawn again
+  kRequests = 7,     ///< number of draws requested during episodes, in total
+  kRedraws = 8,      ///< number of repeated draws of this episode's start
   kHeaderSize = 9,
 };
 
 /// Bits of kStatus, and of a transition's flags.
 enum EpisodeStatus : std::uint64_t {
   kRunning = 0,
-  kTerminated = 1,   ///< the task ended the episode
-  kTruncated = 2,    ///< horizon, task, or a fault
-  kFault = 4,        ///< with one of the reasons below; always truncated as well
-  kBadAction = 8,    ///< the action was not finite; the last one was kept
-  kBadState = 16,    ///< physics gave up or left the finite numbers, or a body is none that can be:
-                     ///< then the bits from kBadStartPlace on are its world body index + 1, else
-                     ///< they tell the likely cause (core/env/fault_cause.h)
+  kTerminated = 1,  ///< the task ended the episode
+  kTruncated = 2,   ///< by the horizon, the task, or a fault
+  kFault = 4,       ///< with one of the reasons below; always truncated as well
+  kBadAction = 8,   ///< the action was not finite; the previous one was kept
+  kBadState = 16,   ///< the physics failed, the state is not finite, or an inertia is not physical:
+                    ///< then the bits from kBadStartPlace on are the world body index + 1, else
+                    ///< they encode the likely cause (core/env/fault_cause.h)
   kBadOutcome = 32,  ///< observation or reward is not finite as a float
-  kBadStart = 64,    ///< a robot begins inside something, however often its start was drawn; the
-                     ///< bits from kBadStartPlace on tell more (core/env/start_overlaps.h)
+  kBadStart = 64,    ///< a robot overlaps something at its start, after all redraws; the bits from
+                     ///< kBadStartPlace on give details (core/env/start_overlaps.h)
 };
-/// The first bit of a status that tells more of a bad start or state.
+/// The first status bit with details of a bad start or state.
 inline constexpr int kBadStartPlace = 7;
 
-/// Where one robot's values lie inside the q, u, rotor and body blocks.
+/// Positions of one robot's values in the q, u, rotor and body blocks.
 struct RobotLayout {
   int first_body = 0, body_count = 0;
   int first_q = 0, q_count = 0;
@@ -64,12 +64,12 @@ struct EnvParam {
   std::string path;  ///< canonical, such as robots.quad.rotors[2].thrust_constant
   std::string unit;
   double nominal = 0.0;
-  double min = 0.0;  ///< inclusive bounds of what may be drawn
+  double min = 0.0;  ///< inclusive bounds of drawn values
   double max = 0.0;
-  std::string alias = {};  ///< the same by a rotor's name or a joint's index; may be empty
+  std::string alias = {};  ///< the path with a rotor's name or a joint's index; may be empty
 };
 
-/// The order of state words. Blocks follow one another in the order of the members.
+/// The order of state words. Blocks follow each other in the order of the members.
 struct Layout {
   Block header;           ///< kHeaderSize words
   Block q, u;             ///< coordinates of all robots, in body order
@@ -78,39 +78,39 @@ struct Layout {
   Block wrench;           ///< 6 per wrench site (force, moment), held during the physics step
   Block drive;            ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
   Block joint_command;    ///< 1 per joint drive, held during the physics step
-  Block joint_state;      ///< 1 per joint drive: the command behind its lag
+  Block joint_state;      ///< 1 per joint drive: the command after its lag
   Block coupling_forces;  ///< 3 per coupling: its force on the first end, W [N]
   Block bristles;         ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
-  Block
-      bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if nobody asks
-  Block params;       ///< EnvParams: every randomizable value
-  Block action;       ///< last action, clipped to [-1, 1]
-  Block command;      ///< inputs of all chains of controllers (core/env/controller_chains.h)
-  Block sensors;      ///< outputs of all sensors
-  Block contacts;     ///< 7 per body: what touches it (plugins/api/abi.h); size 0 if nobody asks
-  Block contact_pairs;     ///< 7 per pair that plugins ask for, likewise
-  Block joint_reactions;   ///< 6 per joint that plugins ask for
-  Block plugin_state;      ///< words of all plugin instances
+  Block bodies_before;    ///< 13 per body at the start of the last physics step; size 0 if not
+                          ///< requested
+  Block params;           ///< EnvParams: every randomizable value
+  Block action;           ///< last action, clipped to [-1, 1]
+  Block command;          ///< inputs of all controller chains (core/env/controller_chains.h)
+  Block sensors;          ///< outputs of all sensors
+  Block contacts;         ///< 7 per body: its contacts (plugins/api/abi.h); size 0 if not requested
+  Block contact_pairs;    ///< 7 per pair requested by plugins (plugins/api/abi.h)
+  Block joint_reactions;  ///< 6 per joint requested by plugins
+  Block plugin_state;     ///< words of all plugin instances
   Block last_observation;  ///< float values of the last finite observation, as doubles
   int words = 0;           ///< total
-  int memo = 0;            ///< values of plugins that are kept beside the state
+  int memo = 0;            ///< number of plugin values stored outside the state
 
   std::vector<RobotLayout> robots;
   std::vector<EnvParam> param_info;  ///< one per word of `params`
-  int physics_params = 0;            ///< the first so many of them are physical constants
+  int physics_params = 0;            ///< number of physical constants, which come first
   int world_params = 0;              ///< first of the kWorldParamCount words
   std::vector<int> robot_params;     ///< per robot: first of its kRobotParamCount words
   std::vector<int> body_params;      ///< per body: first of its kBodyParamCount words
   std::vector<int> joint_params;  ///< per body: first of its joint's joint_constant_count() words
   std::vector<int> rotor_params;  ///< per rotor: first of its kRotorParamCount words
   std::vector<int> coupling_params;  ///< per coupling: first of its coupling_constant_count() words
-  std::vector<int> obstacle_params;  ///< per obstacle: first of its words, kObstacleParamCount at
-                                     ///< most
+  std::vector<int> obstacle_params;  ///< per obstacle: first of its words, at most
+                                     ///< kObstacleParamCount
 
-  /// Index of the parameter whose path or alias is `path`, or -1.
+  /// Index of the parameter with this path or alias, or -1.
   int find_param(const std::string& path) const;
-  /// The parameter block of an environment that nothing has been drawn for.
+  /// The parameter block of an environment without drawn values.
   std::vector<double> nominal_params() const;
 };
 

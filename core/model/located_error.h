@@ -1,4 +1,4 @@
-// A user's error that belongs to a place in a file.
+// A user's error with its location in a file.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Plugin libraries that are known to end the process that opens them.
+// Plugin libraries that must not be opened because they end the process.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// Library files (canonical paths) that must not be opened, and why.
+/// Library files (canonical paths) that must not be opened, with the reasons.
 using RefusedFiles = std::map<std::filesystem::path, std::string>;
 
 }  // namespace skybody

@@ -1,5 +1,5 @@
-// One robot as data: bodies joined into a tree, rotors, shapes. Read from URDF and rotors.yaml by
-// core/io, validated there, and never changed afterwards. C++17, no Simbody, no YAML.
+// One robot as data: a tree of bodies, rotors, shapes. core/io reads it from URDF and rotors.yaml
+// and validates it; afterwards it never changes. C++17, no Simbody, no YAML.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace skybody {
 
-/// A rigid transform: `rotation` takes vectors of the inner frame to the outer one, `position` is
+/// A rigid transform: `rotation` maps vectors of the inner frame to the outer frame, `position` is
 /// the inner frame's origin in the outer frame [m].
 struct Pose {
   Vec3<double> position{0.0, 0.0, 0.0};
@@ -30,12 +30,12 @@ struct MassProperties {
                           0.0, 0.0, 0.0};  ///< about the centre of mass, B axes [kg m^2]
 };
 
-/// The same as values of kBodyConstants, and back.
+/// The same values in the order of kBodyConstants, and the inverse.
 std::array<double, kBodyParamCount> body_constants(const MassProperties& mass);
 MassProperties mass_properties(const double* constants);
 
-/// How a body moves relative to its parent. F is the joint's frame on the parent, M the one on the
-/// body; q and u below are the coordinates of M in F, in this order.
+/// The motion of a body relative to its parent. F is the joint's frame on the parent, M the one on
+/// the body; q and u below are the coordinates of M in F, in this order.
 enum class JointType {
   kWeld,       ///< none: a fixed base, welded to the world
   kFree,       ///< q = position of M in F (3, m), quaternion F from M (4, w x y z);
@@ -46,8 +46,8 @@ enum class JointType {
   kBall,       ///< q = quaternion F from M (4, w x y z); u = angular velocity of M in F, M axes (3)
 };
 
-/// Number of position coordinates of a joint (quaternions count four). In the header, since kernels
-/// ask: a call would empty their registers.
+/// Number of position coordinates of a joint (quaternions count four). Inline for kernels: a
+/// function call would spill their registers.
 constexpr int position_size(JointType type) {
   constexpr int kSizes[] = {0, 7, 1, 1, 2, 4};  // in the order of JointType
   return kSizes[static_cast<int>(type)];
@@ -58,7 +58,7 @@ constexpr int velocity_size(JointType type) {
   return kSizes[static_cast<int>(type)];
 }
 
-/// A travel limit of a pin or slider joint: beyond the bounds acts a one-sided spring and damper
+/// A travel limit of a pin or slider joint: a one-sided spring and damper beyond the bounds
 /// (kLimitStiffness, kLimitDamping).
 struct JointLimit {
   bool enabled = false;
@@ -72,18 +72,19 @@ struct Joint {
   JointType type = JointType::kFree;
   int parent = -1;        ///< body index in the same robot; -1: the world
   Pose frame_in_parent;   ///< X_PF: joint frame F in the parent body's frame; free base: identity
-  double position = 0.0;  ///< pin and slider: where it is at a reset [rad] or [m]
+  double position = 0.0;  ///< pin and slider: position at a reset [rad] or [m]
   Pose frame_in_body;     ///< X_BM: joint frame M in this body's frame; free base: identity
   std::array<double, kJointParamCount> constants{};  ///< values of kJointConstants
   JointLimit limit;
 };
 
-/// How many of kJointConstants, from the first on, apply to a joint: none to a weld or a free base,
-/// damping to ball and universal joints, the spring as well to pins and sliders, and all to those
-/// with limits.
+/// Number of kJointConstants that apply to a joint, counted from the first:
+/// - weld or free base: none
+/// - ball and universal joints: damping
+/// - pins and sliders: damping and the spring; with limits: all
 int joint_constant_count(const Joint& joint);
 
-/// Whether the joint moves a body on another one: no weld, and no base that moves freely.
+/// Whether the joint moves a body relative to another one: neither a weld nor a free base.
 inline bool is_moving_joint(const Joint& joint) {
   return joint.type != JointType::kWeld && !(joint.type == JointType::kFree && joint.parent < 0);
 }
@@ -97,25 +98,25 @@ struct Shape {
   Vec3<double> size{0.0, 0.0, 0.0};  ///< box: edge lengths; height field: along x and y [m]; mesh:
                                      ///< scale factors
   double radius = 0.0;               ///< cylinder, sphere, capsule [m]
-  double length = 0.0;  ///< cylinder: along z of the shape; capsule: between the centres of its
-                        ///< caps, likewise [m]
-  Vec3<double> box_size{0.0, 0.0, 0.0};    ///< mesh that is a collision shape: edge lengths of the
-                                           ///< box about it, scaled, along the shape's axes [m]
-  Vec3<double> box_center{0.0, 0.0, 0.0};  ///< of that box, in the shape's frame [m]
+  double length = 0.0;  ///< along z of the shape [m]; cylinder: its length; capsule: between the
+                        ///< centres of its caps
+  Vec3<double> box_size{0.0, 0.0, 0.0};    ///< collision mesh: edge lengths of its scaled bounding
+                                           ///< box, along the shape's axes [m]
+  Vec3<double> box_center{0.0, 0.0, 0.0};  ///< centre of that box in the shape's frame [m]
   std::shared_ptr<const HeightField> heights;      ///< height field
-  std::string mesh;                                ///< mesh: file as written in the URDF
+  std::string mesh;                                ///< mesh: file name from the URDF
   std::array<double, 4> rgba{0.5, 0.5, 0.5, 1.0};  ///< visual colour, each in [0, 1]
 };
 
-/// What takes part in contact for a shape: itself, or, for a mesh, the box about it.
+/// The shape used for contact: the shape itself, or a mesh's bounding box.
 Shape contact_shape(const Shape& shape);
 
-/// Whether a shape is solid all the way down: nothing can pass it, however deep it gets in.
+/// Whether a shape's solid extends down without limit: no penetration passes through it.
 constexpr bool is_unbounded_below(ShapeType type) {
   return type == ShapeType::kPlane || type == ShapeType::kHeightField;
 }
 
-/// A link as the URDF names it. Links on fixed joints share the body that they merged into.
+/// A link of the URDF. Links on fixed joints share the body that they were merged into.
 struct Link {
   std::string name;
   int body = 0;                     ///< index into RobotModel::bodies
@@ -123,7 +124,7 @@ struct Link {
   Vec3<double> com{0.0, 0.0, 0.0};  ///< the link's own centre of mass in the body's frame [m]
 };
 
-/// One rigid body: everything that moves as a piece. Body 0 is the base.
+/// One rigid body: all links that move as one piece. Body 0 is the base.
 struct Body {
   std::string name;  ///< name of the link whose frame is the body's frame
   Joint joint;       ///< inboard joint
@@ -138,10 +139,10 @@ struct Rotor {
   int body = 0;                      ///< index into RobotModel::bodies
   Vec3<double> axis{0.0, 0.0, 1.0};  ///< thrust direction in the body's frame, unit
   int direction = 1;                 ///< +1: turns counter-clockwise about `axis`; -1: clockwise
-  double min_speed = 0.0;            ///< [rad/s]; below 0: it turns backwards, too (is_reversible)
+  double min_speed = 0.0;            ///< [rad/s]; below 0: it also turns backwards (is_reversible)
   std::array<double, kRotorParamCount> constants{};  ///< values of kRotorConstants
 
-  /// Whether it may turn backwards, and then push against `axis`.
+  /// Whether it can turn backwards, with thrust against `axis`.
   bool is_reversible() const { return min_speed < 0.0; }
   /// Hub in the body's frame [m].
   Vec3<double> position() const {
@@ -156,11 +157,11 @@ struct Rotor {
   }
 };
 
-/// A robot: bodies in an order in which parents come before children.
+/// A robot. Parent bodies precede their children.
 struct RobotModel {
   std::string name;
-  std::string urdf_file;    ///< where it was read from, for messages and logs
-  bool fixed_base = false;  ///< the base, body 0, is not free: its joint is no kFree
+  std::string urdf_file;    ///< its source, for messages and logs
+  bool fixed_base = false;  ///< the base, body 0, is not free: its joint is not kFree
   std::vector<Body> bodies;
   std::vector<Link> links;
   std::vector<Rotor> rotors;

@@ -1,7 +1,7 @@
-// The search is by damped least squares (Levenberg and Marquardt):
-//   dq = J^T (J J^T + damping)^-1 e, with e what is left to the target.
-// Damping keeps steps small where the arm is stretched, and lets a target lie beside the plane in
-// which the arm moves; with levers of 0.1 m a step leaves a hundredth of the error.
+// Damped least squares (Levenberg and Marquardt):
+//     dq = J^T (J J^T + damping)^-1 e, with e the error to the target.
+// Damping keeps steps small if the arm is stretched, and allows a target outside the plane in which
+// the arm moves. With levers of 0.1 m, a step leaves a hundredth of the error.
 #include "core/policy/arm.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 using V = Vec3<double>;
 
 constexpr int kSearchSteps = 40;
-constexpr double kDamping = 1e-4;     // [m^2], of levers of 0.1 m squared: one hundredth
+constexpr double kDamping = 1e-4;     // [m^2], one hundredth of a lever of 0.1 m squared
 constexpr double kLargestStep = 0.3;  // [rad] or [m] of one joint in one step
 constexpr double kNear = 1e-9;        // [m]
 
@@ -36,7 +36,7 @@ Pose moved(const Body& body, double position) {
   return compose(compose(body.joint.frame_in_parent, motion), inverse(body.joint.frame_in_body));
 }
 
-/// Whether `body` hangs on `ancestor`, or is it.
+/// Whether `body` is a descendant of `ancestor`, or `ancestor` itself.
 bool hangs_on(const World& world, int body, int ancestor) {
   while (body > ancestor) body = world.bodies[static_cast<std::size_t>(body)].parent;
   return body == ancestor;
@@ -61,7 +61,7 @@ Vec3<double> center_of_mass(const KnownState& now, int first, int count) {
   return sum / mass;
 }
 
-/// Where the joints and the point are, axes and origin of the base.
+/// Axes and origins of the joints, and the point, in axes and origin of the base.
 struct Arm::Posture {
   std::vector<V> axes, origins;
   V point;

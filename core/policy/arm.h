@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// What hold knows of an environment beside its goals.
+/// State of an environment for the hold baseline, without goals.
 struct KnownState {
   const World& world;
   const std::vector<BodyState>& bodies;
@@ -36,19 +36,19 @@ class Arm {
   /// Whether there are joints between base and body, and each has a position drive.
   bool can_reach() const { return !joints_.empty(); }
 
-  /// Positions of the joints, from the base on, that bring the point to `target`, axes and origin
-  /// of the base [m]; within the drives' bounds, and as near as a search from the scenario's
-  /// positions comes.
+  /// Positions of the joints, from the base on, that bring the point to `target`, in axes and
+  /// origin of the base [m]. They lie within the drives' bounds. The search starts at the
+  /// scenario's positions and returns the nearest positions that it finds.
   std::vector<double> reach(const Vec3<double>& target) const;
 
-  /// Where the point is with these positions, axes and origin of the base [m].
+  /// The point with these joint positions, in axes and origin of the base [m].
   Vec3<double> place(const std::vector<double>& positions) const;
 
-  /// The command that brings joint `k` to `position`: what its drive gives way under the weight of
-  /// what it carries is added.
+  /// The command that brings joint `k` to `position`: it adds the drive's deflection under the
+  /// weight that the joint carries.
   double command(const KnownState& now, std::size_t k, double position) const;
 
-  /// Of drive `drive`: its place among the joints, from the base on; -1: it is none of the arm's.
+  /// Index of a drive's joint within the arm, from the base on; -1: not a joint of the arm.
   int joint_of(const JointDrive& drive) const;
 
  private:

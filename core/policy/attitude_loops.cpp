@@ -7,14 +7,14 @@
 namespace skybody {
 namespace {
 
-// Gains [1/s]: each loop about four times slower than the one inside it, down from the rotors' own
-// 40 to 80 rad/s.
+// Gains [1/s]: each loop is about four times slower than the one inside it, starting at the rotors'
+// own 40 to 80 rad/s.
 constexpr double kAttitudeGain = 8.0;
 constexpr double kYawGain = 2.0;
 constexpr double kRateGain = 25.0;
-constexpr double kQuickLag = 0.025;     // [s]: lag of rotors that are quick enough for these
+constexpr double kQuickLag = 0.025;     // [s]: rotor lag up to which these gains hold
 constexpr double kLeastLag = 0.005;     // [s]: the mean age of a command at 100 Hz
-constexpr double kYawCrossover = 65.0;  // [rad/s]: of the rate about z at most, for 100 Hz actions
+constexpr double kYawCrossover = 65.0;  // [rad/s]: highest for the rate about z, at 100 Hz
 
 using V = Vec3<double>;
 
@@ -58,7 +58,8 @@ BandwidthScale bandwidth_scale(const Layout& layout, const RobotLayout& robot,
   BandwidthScale scale;
   if (lag > kQuickLag) scale.all = kQuickLag / lag;
   scale.yaw = scale.all;
-  // With T = J / (2 k_m w), the loop of gain K crosses 1 at T K / lag. Commands are held, too.
+  // With T = J / (2 k_m w), the loop of gain K crosses 1 at T K / lag. The lag has a minimum,
+  // because commands are held.
   const double twice_momentum = 2.0 * drag * sqrt(weight / lift);
   const double least = kYawCrossover * std::max(lag, kLeastLag);
   if (kRateGain * scale.yaw * inertia > least * twice_momentum) {

@@ -1,4 +1,5 @@
-// The attitude and rate loops of the hold baseline, and how quick a vehicle's rotors let them be.
+// The attitude and rate loops of the hold baseline, and their bandwidth limits from a vehicle's
+// rotors.
 #pragma once
 
 #include <vector>
@@ -9,16 +10,17 @@
 
 namespace skybody {
 
-/// Shares of the loops' bandwidths that the rotors allow, 0 to 1: of all, and of the rate about z.
+/// Factors on the loops' bandwidths allowed by the rotors, 0 to 1: for all loops, and for the rate
+/// about z.
 struct BandwidthScale {
   double all = 1.0, yaw = 1.0;
 };
 
-/// Slow rotors let every loop be slower in proportion, so that all keep their damping. About z, the
-/// reaction to a rotor's change of speed comes at once, and is larger than its drag by
-/// J / (2 k_m w lag): it closes a loop of its own, in which a high gain is unstable.
+/// With slow rotors, every loop is slower in proportion, so that all keep their damping. About z,
+/// the reaction to a rotor's change of speed acts at once. It is larger than the rotor's drag by J
+/// / (2 k_m w lag): it closes a loop of its own, in which a high gain is unstable.
 /// @param params  of the environment
-/// @param weight  that the robot's rotors carry [N]
+/// @param weight  carried by the robot's rotors [N]
 BandwidthScale bandwidth_scale(const Layout& layout, const RobotLayout& robot,
                                const std::vector<double>& params, double weight);
 
@@ -30,8 +32,8 @@ Quat<double> attitude_along(const Vec3<double>& up, double yaw);
 Vec3<double> rates_towards(const Quat<double>& wanted, const Quat<double>& now,
                            const BandwidthScale& scale);
 
-/// Torque [N m], B, that turns the rates [rad/s]: through the inertia [kg m^2], gyroscopic part
-/// included.
+/// Torque [N m], B, that drives the rates [rad/s] to `wanted`: through the inertia [kg m^2],
+/// gyroscopic part included.
 Vec3<double> torque_for(const Vec3<double>& wanted, const Vec3<double>& rates,
                         const SymMat3<double>& inertia, const BandwidthScale& scale);
 

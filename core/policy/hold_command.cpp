@@ -1,4 +1,4 @@
-// Wishes of the hold baseline in the words of each control mode.
+// Converts setpoints of the hold baseline to the command of each control mode.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ void put(const V& v, std::vector<double>& values, std::size_t at) {
 
 }  // namespace
 
-/// Of the robot with all that joints hold on it, as the scenario has it [N].
+/// Nominal weight of the robot with all bodies on its joints [N].
 double HoldPolicy::nominal_weight(const Robot& robot) const {
   const std::vector<double>& params = compiled_.world().layout.nominal_params();
   double mass = 0.0;
@@ -28,7 +28,7 @@ double HoldPolicy::nominal_weight(const Robot& robot) const {
   return mass * norm(gravity_of(params));
 }
 
-/// The setpoint in the words of the robot's first controller.
+/// The setpoint as the command of the robot's first controller.
 std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
                                         const Setpoint& setpoint) const {
   const V& p = setpoint.position;
@@ -59,11 +59,11 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     case SKYBODY_ATTITUDE: {
       const Quat<double>& q = setpoint.attitude;
       std::vector<double> values{setpoint.thrust, q.w, q.x, q.y, q.z};
-      values.resize(robot.low.size());  // rates of 0, where it takes them
+      values.resize(robot.low.size());  // rates of 0 if the command has rates
       return values;
     }
     case SKYBODY_FORCE: {
-      // A range that goes below 0 is that of a force on top of the nominal weight.
+      // A range that extends below 0 is for a force in addition to the nominal weight.
       const double carried = robot.low[2] < 0.0 ? nominal_weight(robot) : 0.0;
       std::vector<double> values{setpoint.force.x, setpoint.force.y, setpoint.force.z - carried,
                                  setpoint.yaw};
@@ -93,7 +93,7 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
   }
 }
 
-/// The goal's motion: all points ahead have its present acceleration. Rates of the yaw, jerk and
+/// The goal's motion: all later points have its present acceleration. Rates of the yaw, jerk and
 /// snap are unknown: 0.
 std::vector<double> HoldPolicy::trajectory(const Robot& robot, const Setpoint& setpoint) const {
   std::vector<double> values(robot.low.size());
@@ -110,7 +110,7 @@ std::vector<double> HoldPolicy::trajectory(const Robot& robot, const Setpoint& s
   return values;
 }
 
-/// Of the arm's joints what reaches, of others what the scenario has.
+/// Positions that reach the goal for the arm's joints, the scenario's positions for others.
 std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& view,
                                                const Setpoint& setpoint) const {
   std::vector<double> commands = robot.joints;
@@ -123,13 +123,13 @@ std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& v
   return commands;
 }
 
-/// Single thrusts [N] that give the desired collective thrust and torque, none pulling but those of
-/// reversible rotors. Of the torque about z, for which rotors have little to give, what leaves them
-/// within their limits: beyond them it would cost lift.
+/// Single thrusts [N] that give the desired collective thrust and torque. Only reversible rotors
+/// may have negative thrust. Rotors have little torque about z: it is scaled down until all rotors
+/// are within their limits, since saturation would cost lift.
 std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& view,
                                               const Setpoint& setpoint) const {
   const std::vector<double> allocation = allocation_of(compiled_.world(), robot.index, view.params);
-  std::vector<double> thrusts(robot.low.size());  // 0 where a draw leaves no allocation
+  std::vector<double> thrusts(robot.low.size());  // 0 if a draw leaves no allocation
   std::vector<double> turning(thrusts.size());
   double share = 1.0;
   const std::vector<Rotor>& rotors =
@@ -154,7 +154,7 @@ std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& vi
   return thrusts;
 }
 
-/// The same as speeds [rad/s], or as shares of the rotors' largest ones.
+/// The same as speeds [rad/s], or as fractions of the rotors' maximum speeds.
 std::vector<double> HoldPolicy::rotor_speeds(const Robot& robot, const View& view,
                                              const Setpoint& setpoint) const {
   std::vector<double> speeds = rotor_thrusts(robot, view, setpoint);
@@ -173,7 +173,7 @@ const double* HoldPolicy::rotor_params(const Robot& robot, const View& view, std
   return view.params.data() + layout.rotor_params[static_cast<std::size_t>(first) + i];
 }
 
-/// The whole robot hangs, level, on the first site; the others stay idle.
+/// The first site carries the whole robot, level; the others stay idle.
 std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view,
                                        const Setpoint& setpoint) const {
   const Quat<double>& q = view.base.rotation;

@@ -1,5 +1,5 @@
-// The hold baseline by robots: what each is told at the start, and its actions at every step. The
-// loops are in hold_setpoint.cpp, the words of each control mode in hold_command.cpp.
+// The hold baseline by robots: setup at the start, and actions at every step. The loops are in
+// hold_setpoint.cpp, the commands of each control mode in hold_command.cpp.
 #include "core/policy/hold_policy.h"
 
 #include <algorithm>
@@ -34,8 +34,8 @@ std::vector<JointDrive> drives_of(const CompiledScenario& compiled, int robot) {
   return drives;
 }
 
-/// What keeps joints as the scenario has them at a reset: position drives at their positions,
-/// others at rest.
+/// Commands that keep joints in the scenario's state at a reset: position drives at their
+/// positions, others at rest.
 std::vector<double> joints_at_reset(const World& world, const CompiledScenario& compiled,
                                     const ControllerChain& chain) {
   const std::vector<JointDrive>& drives = last_of(compiled, chain).joints;
@@ -71,7 +71,7 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
   share_loads();
 }
 
-/// A robot by what its actions command.
+/// A robot with the properties of its commanded chain.
 HoldPolicy::Robot HoldPolicy::commanded_robot(const ControllerChain& chain) const {
   const RobotLayout& layout = compiled_.layout().robots[static_cast<std::size_t>(chain.robot)];
   const PluginInstance& first =
@@ -92,7 +92,7 @@ HoldPolicy::Robot HoldPolicy::commanded_robot(const ControllerChain& chain) cons
   return robot;
 }
 
-/// What the task wants of it, and what it has to bring there.
+/// Sets the robot's goal from the task, and the body point that is to reach it.
 void HoldPolicy::take_goal(Robot& robot) const {
   const World& world = compiled_.world();
   robot.goal_body = robot.base;
@@ -111,7 +111,7 @@ void HoldPolicy::take_goal(Robot& robot) const {
   robot.cable = hanging_length(world, robot.base, robot.goal_body, robot.tool);
 }
 
-/// @throws Error if the baseline does not know how to fly it
+/// @throws Error if the baseline cannot fly the robot
 void HoldPolicy::check(const Robot& robot) const {
   const World& world = compiled_.world();
   if (robot.swings && std::abs(robot.cable) < kLeastCable) {
@@ -129,7 +129,7 @@ void HoldPolicy::check(const Robot& robot) const {
               "; use --policy zero or random");
 }
 
-/// What has no rotors and hangs on robots that have some is carried by these in equal shares.
+/// Robots without rotors that hang on robots with rotors are carried by these in equal shares.
 void HoldPolicy::share_loads() {
   const World& world = compiled_.world();
   const std::vector<int> held_with = CouplingScene(world).held_with;
@@ -174,7 +174,7 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   }
 }
 
-/// Refers to what it is given.
+/// Keeps references to its arguments.
 HoldPolicy::View HoldPolicy::view_of(const Robot& robot, const KnownState& now,
                                      const std::vector<double>& goals,
                                      const std::vector<double>& motions) const {
@@ -199,7 +199,7 @@ HoldPolicy::View HoldPolicy::view_of(const Robot& robot, const KnownState& now,
   return view;
 }
 
-/// As it is drawn [m/s^2], W.
+/// The drawn gravity [m/s^2], W.
 Vec3<double> HoldPolicy::gravity_of(const std::vector<double>& params) const {
   const double* g = params.data() + compiled_.layout().world_params + kGravity;
   return {g[0], g[1], g[2]};

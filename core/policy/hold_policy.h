@@ -1,6 +1,6 @@
-// A baseline that hovers: flies every robot to its task's goal, through whatever command its first
-// controller takes. A yardstick for scenarios and plugins, not a controller to learn from: it reads
-// the environment's true masses and rotor constants.
+// A baseline that hovers: flies every robot to its task's goal, through the command of its first
+// controller. A reference for scenarios and plugins, not a controller to learn from: it reads the
+// environment's true masses and rotor constants.
 #pragma once
 
 #include <span>
@@ -11,24 +11,33 @@
 
 namespace skybody {
 
-/// Chooses actions for a whole environment; stateless, so it may serve any number of Simulations of
+/// Chooses actions for a whole environment. Stateless, so it may serve any number of Simulations of
 /// the same environment.
 ///
-/// Position error -> desired acceleration (PD, critically damped, with the goal's own velocity and
-/// acceleration where the task says them) -> thrust direction -> body rates
-/// (proportional on the attitude error) -> collective thrust and body rates (ctbr), which are
-/// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
-/// thrusts, rotor speeds and throttles by the pseudo-inverse of the rotors' geometry, a wrench by
-/// rotation to W, velocity and pose directly, a trajectory by the goal's motion, which goes on with
-/// the present acceleration. All loops are slower where the rotors are. A goal
-/// about a body that hangs from the base, or stands on it, is reached by placing the four poles of
-/// a pendulum on an accelerated pivot. What has no rotors and hangs on robots by rods, ropes or
-/// points is carried by them in equal shares. A goal about a body that joints with position drives
-/// move is reached by them from the scenario's place of the base; the base is flown by what they
-/// lack, and the rotors bear the arm's weight.
+/// Control law:
+///
+/// 1. Position error -> desired acceleration: PD, critically damped, with the goal's own velocity
+///    and acceleration if the task provides them.
+/// 2. Desired acceleration -> thrust direction -> body rates, proportional to the attitude error.
+/// 3. Result: collective thrust and body rates (ctbr).
+///
+/// Conversion to the other control modes: ctbt by a rate loop through the inertia; single thrusts,
+/// rotor speeds and throttles by the pseudo-inverse of the rotors' geometry; a wrench by rotation
+/// to W; velocity and pose directly; a trajectory by the goal's motion, continued with the present
+/// acceleration. All loops are slower with slow rotors.
+///
+/// Goals of bodies other than the base:
+///
+/// - A body that hangs from the base, or stands on it: by placing the four poles of a pendulum on
+///   an accelerated pivot.
+/// - Robots without rotors that hang on others by rods, ropes or points: these carry them in equal
+///   shares.
+/// - A body moved by joints with position drives: the arm reaches the goal from the scenario's
+///   place of the base; the base flies the rest of the way, and the rotors compensate the arm's
+///   weight.
 class HoldPolicy : public Policy {
  public:
-  /// @throws Error naming the robot if its command is none of the above
+  /// @throws Error with the robot's name if its command is none of the above
   explicit HoldPolicy(const CompiledScenario& compiled);
 
   void act(const Simulation& simulation, std::span<float> action) override;
@@ -41,16 +50,17 @@ class HoldPolicy : public Policy {
     int goal = -1;                     ///< index of its goal, -1: its pose at reset
     int goal_body = 0;                 ///< world body index
     bool swings = false;               ///< the goal's body is not the base, and no arm moves it
-    Arm arm;                           ///< from the base to what the goal is about
-    Vec3<double> tool{0.0, 0.0, 0.0};  ///< what is brought there, frame of the goal's body [m]
-    double cable = 0.0;  ///< from the base's origin down to the tool [m]; less than 0: it stands
-    int signal = 0;      ///< SkybodySignal
+    Arm arm;                           ///< from the base to the goal's body
+    Vec3<double> tool{0.0, 0.0, 0.0};  ///< point that is brought to the goal, frame of the goal's
+                                       ///< body [m]
+    double cable = 0.0;                ///< tool below the base's origin [m]; < 0: above
+    int signal = 0;                    ///< SkybodySignal
     int action = 0;
     double spacing = 0.0;     ///< of a trajectory's points [s]
-    double load_share = 0.0;  ///< of the bodies in `loads`
-    std::vector<int> loads;   ///< world body indices: what hangs on it by couplings
+    double load_share = 0.0;  ///< share of the weight of `loads`
+    std::vector<int> loads;   ///< world body indices of loads that hang on it by couplings
     std::vector<double> low, high;
-    std::vector<double> joints;      ///< commands of a chain that drives joints, arms apart
+    std::vector<double> joints;      ///< commands of a chain that drives joints, without arms
     std::vector<JointDrive> drives;  ///< of that chain
   };
   struct Setpoint;

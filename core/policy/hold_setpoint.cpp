@@ -8,12 +8,12 @@
 namespace skybody {
 namespace {
 
-constexpr double kSwingPole = 1.8;    // [rad/s], of what hangs
-constexpr double kCarryPole = 1.2;    // [rad/s], of what stands: two bring it to its place,
-constexpr double kBalancePole = 3.3;  // [rad/s], two are about as quick as it would fall
-constexpr double kMaxCarried = 3.0;   // [m] what stands is carried at 1.3 m/s at most
+constexpr double kSwingPole = 1.8;    // [rad/s], of a hanging load
+constexpr double kCarryPole = 1.2;    // [rad/s], of a standing load: two poles move it to its place
+constexpr double kBalancePole = 3.3;  // [rad/s], two poles, about as fast as it would fall
+constexpr double kMaxCarried = 3.0;   // [m]: a standing load is carried at 1.3 m/s at most
 constexpr double kMaxLateral = 5.0;   // [m/s^2], 27 degrees
-constexpr double kMaxVertical = 2.0;  // [m/s^2], below what a thrust-to-weight of 1.27 allows
+constexpr double kMaxVertical = 2.0;  // [m/s^2], less than a thrust-to-weight of 1.27 allows
 
 using V = Vec3<double>;
 
@@ -35,7 +35,7 @@ HoldPolicy::Setpoint HoldPolicy::setpoint(const Robot& robot, const View& view) 
     setpoint.acceleration = {m[3], m[4], m[5]};
     if (robot.arm.can_reach()) share_reach(robot, view, setpoint);
   }
-  // Thrust carries weight, the wanted acceleration, and what disturbs.
+  // Thrust compensates weight and disturbances and adds the desired acceleration.
   const double* disturbance =
       view.params.data() + compiled_.layout().robot_params[static_cast<std::size_t>(robot.index)];
   setpoint.force = view.mass * (acceleration(robot, view, setpoint) - view.gravity) -
@@ -50,7 +50,8 @@ HoldPolicy::Setpoint HoldPolicy::setpoint(const Robot& robot, const View& view) 
   return setpoint;
 }
 
-/// The vehicle keeps the scenario's place, the arm reaches from there, and what it lacks is flown.
+/// The vehicle stays at the scenario's place and the arm reaches from there; the vehicle flies the
+/// remaining distance.
 void HoldPolicy::share_reach(const Robot& robot, const View& view, Setpoint& setpoint) const {
   const BodyState& carrier = view.bodies[static_cast<std::size_t>(robot.goal_body)];
   const V tool = setpoint.position + rotate(carrier.rotation, robot.tool);
@@ -61,15 +62,16 @@ void HoldPolicy::share_reach(const Robot& robot, const View& view, Setpoint& set
   setpoint.position = tool - rotate(heading, robot.arm.place(setpoint.reach));
 }
 
-/// What the rotors have to add, as they push through the base and all that it carries hangs on the
-/// common centre of mass; B [N m].
+/// Additional torque of the rotors, B [N m]: they push through the base, but the whole robot's
+/// weight acts at the common centre of mass.
 Vec3<double> HoldPolicy::torque_of_arm(const Robot& robot, const View& view, double thrust) const {
   const V lever =
       center_of_mass(view, robot.base, robot.body_count) - center_of_mass(view, robot.base, 1);
   return cross(rotate_inverse(view.base.rotation, lever), V{0.0, 0.0, thrust});
 }
 
-/// Wanted acceleration of the base, W, without gravity [m/s^2], within what every vehicle can do.
+/// Desired acceleration of the base, W, without gravity [m/s^2], within the limits of every
+/// vehicle.
 Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
                                       const Setpoint& setpoint) const {
   const double omega = view.scale.all * kPositionBandwidth;
@@ -86,9 +88,9 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
   return {lateral.x, lateral.y, std::clamp(a.z, -kMaxVertical, kMaxVertical)};
 }
 
-/// The same for a goal about what swings below the base or stands above: a pendulum on an
-/// accelerated pivot, x_L'' = w2 (x - x_L), w2 < 0 where it stands, with poles at -p and -q, two
-/// each, on the error of the tool's place.
+/// The same for a goal of a body that swings below the base or stands above it: a pendulum on an
+/// accelerated pivot, x_L'' = w2 (x - x_L), w2 < 0 if it stands, with poles at -p and -q, two each,
+/// on the error of the tool's position.
 Vec3<double> HoldPolicy::swing(const Robot& robot, const View& view,
                                const Setpoint& setpoint) const {
   const BodyState& base = view.base;
@@ -105,8 +107,8 @@ Vec3<double> HoldPolicy::swing(const Robot& robot, const View& view,
   const V far = stands ? shortened({error.x, error.y, 0.0}, kMaxCarried) : error;
   V a = (w2 - (p * p + q * q + 4.0 * p * q)) * offset - 2.0 * (p + q) * slip -
         (2.0 * p * q * (p + q) * speed + p * p * q * q * far) / w2;
-  // What swings pulls the base sideways, what stands pushes it: part of the thrust's lateral share
-  // answers that.
+  // A hanging load pulls the base sideways, a standing one pushes it: a part of the thrust's
+  // lateral component compensates this.
   const double carried = (view.mass - view.base_mass) / view.mass;
   a = (1.0 - carried) * a + (carried * w2) * offset;
   const double omega = view.scale.all * kPositionBandwidth;

@@ -1,4 +1,4 @@
-// What the loops of the hold baseline see of a robot, and what they want of it.
+// Inputs and setpoints of the hold baseline's loops for one robot.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// What the loops want, before it is put in the mode's words.
+/// The loops' setpoints, before conversion to the control mode's command.
 struct HoldPolicy::Setpoint {
   Vec3<double> position{0.0, 0.0, 0.0};      // of the goal, W [m]
   Vec3<double> velocity{0.0, 0.0, 0.0};      // of the goal, W [m/s]
@@ -34,13 +34,13 @@ struct HoldPolicy::View : KnownState {
   BandwidthScale scale;
 };
 
-/// A vector, shortened to `most` where it is longer.
+/// A vector, shortened to length `most` if it is longer.
 inline Vec3<double> shortened(const Vec3<double>& v, double most) {
   const double n = norm(v);
   return n > most ? v * (most / n) : v;
 }
 
-/// Gain from a place's error to a speed [rad/s]: about four times slower than the loop inside it
+/// Gain from a position error to a speed [rad/s]: about four times slower than the loop inside it
 /// (attitude_loops.cpp).
 inline constexpr double kPositionBandwidth = 2.0;
 /// Limits the speed of long flights to 1.5 m/s [m].

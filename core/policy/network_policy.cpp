@@ -12,7 +12,7 @@
 namespace skybody {
 namespace {
 
-/// tanh |x| = (1 - e^(-2|x|)) / (1 + e^(-2|x|)), through expm1 so that small x lose nothing.
+/// tanh |x| = (1 - e^(-2|x|)) / (1 + e^(-2|x|)), by expm1 to keep the precision of small x.
 double tanh(double x) {
   const double t = expm1(-2.0 * abs(x));
   return copysign(-t / (t + 2.0), x);
@@ -107,7 +107,7 @@ void NetworkPolicy::reset() {
   own_.states.assign(robots * static_cast<std::size_t>(state_size_), 0.0);
 }
 
-/// What the network remembers of a simulation's episode, empty in its first step.
+/// The network's memory of a simulation's episode, empty in its first step.
 NetworkPolicy::Memory& NetworkPolicy::memory_of(const Simulation& simulation) {
   auto memory = std::find_if(memories_.begin(), memories_.end(),
                              [&](const Memory& m) { return m.simulation == &simulation; });
@@ -144,7 +144,8 @@ void NetworkPolicy::act(std::span<const float> observation, Memory& memory,
   }
 }
 
-/// From values_ and the state of a recurrent layer to its next state, which is its output.
+/// Computes the next state of a recurrent layer, which is also its output, from values_ and its
+/// state.
 void NetworkPolicy::advance(const PolicyLayer& layer, double* state) {
   multiply(layer.weight, layer.bias, values_.data(), layer.inputs, from_input_.data());
   multiply(layer.state_weight, layer.state_bias, state, layer.outputs, from_state_.data());

@@ -1,4 +1,4 @@
-// Flies what was trained in Python: a multilayer perceptron read from policy.h5.
+// Flies policies trained in Python: a multilayer perceptron read from policy.h5.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,9 @@ namespace skybody {
 
 /// The deterministic policy: the mean of the action distribution. Evaluated in double with sums
 /// from left to right and bit-stable functions: equal observations give equal actions on every
-/// machine, within 1e-6 of what the training library gives in float. A policy that a team shares is
-/// evaluated once for each robot. A network with recurrent layers remembers, for each robot of each
-/// Simulation; its memory is empty at the beginning of an episode.
+/// machine, within 1e-6 of the training library's result in float. A policy shared by a team is
+/// evaluated once for each robot. A network with recurrent layers has a memory for each robot of
+/// each Simulation, which is empty at the beginning of an episode.
 class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
@@ -23,20 +23,21 @@ class NetworkPolicy : public Policy {
   explicit NetworkPolicy(const std::filesystem::path& path);
   explicit NetworkPolicy(PolicyFile policy);
 
-  /// What was read.
+  /// The content of the policy file.
   const PolicyFile& policy() const { return policy_; }
-  /// Where it was read from.
+  /// The path of the policy file.
   const std::filesystem::path& file() const { return file_; }
 
   std::string check_fits(const CompiledScenario& compiled) const override;
 
-  /// Allocates nothing. A value of the observation that is not finite gives actions that are not.
-  /// A recurrent network remembers what it saw in these calls since reset().
-  /// @param observation  observation_size values   @param action  action_size values in [-1, 1]
+  /// Does not allocate. If the observation contains a value that is not finite, so do the actions.
+  /// A recurrent network keeps a memory of these calls since reset().
+  /// @param observation  observation_size values
+  /// @param action  action_size values in [-1, 1]
   void act(std::span<const float> observation, std::span<float> action);
-  /// Allocates in the first call with a simulation only, and only for recurrent networks.
+  /// Allocates only in the first call with a simulation, and only for recurrent networks.
   void act(const Simulation& simulation, std::span<float> action) override;
-  /// Empties the memory of act(observation, action).
+  /// Clears the memory of act(observation, action).
   void reset();
 
  private:
@@ -59,7 +60,7 @@ class NetworkPolicy : public Policy {
   int state_size_ = 0;                           ///< of all recurrent layers, for one robot
   std::vector<double> from_input_, from_state_;  ///< a recurrent layer's sums
   Memory own_;                                   ///< without a simulation
-  std::vector<Memory> memories_;                 ///< one a simulation
+  std::vector<Memory> memories_;                 ///< one per simulation
 };
 
 }  // namespace skybody

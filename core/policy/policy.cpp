@@ -55,7 +55,7 @@ constexpr Baseline kBaselines[] = {
      }},
 };
 
-/// How a user asks for a scenario: a shipped one by its name, another one by its file.
+/// The user's name for a scenario: a shipped one by its name, another one by its file.
 std::string asked_for(const Scenario& scenario) {
   const auto shipped = find_shipped_scenario(scenario.name);
   return shipped && shipped->string() == scenario.file ? scenario.name : scenario.file;

@@ -24,11 +24,11 @@ std::vector<double> allocation_of(const World& world, int robot,
   const Vec3<double> com{base[kCom], base[kCom + 1], base[kCom + 2]};
   if (model.rotors.size() < 4) return {};
   const auto rotors = static_cast<Eigen::Index>(model.rotors.size());
-  Eigen::Matrix4Xd effect(4, rotors);  // what one newton of each rotor gives
+  Eigen::Matrix4Xd effect(4, rotors);  // force and torque of each rotor at a thrust of 1 N
   for (Eigen::Index k = 0; k < rotors; ++k) {
     const Rotor& r = model.rotors[static_cast<std::size_t>(k)];
     if (r.body != 0) return {};
-    constexpr double kLevel = -1e-6;  // of an axis, but for rounding
+    constexpr double kLevel = -1e-6;  // of an axis, up to round-off
     if (r.axis.z <= kLevel && !r.is_reversible()) {
       effect.col(k).setZero();
       continue;

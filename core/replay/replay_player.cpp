@@ -18,14 +18,14 @@ PoolOptions options_of(const ReplayHeader& header, int threads) {
   PoolOptions options;
   options.envs = header.envs;
   options.threads = threads;
-  options.autoreset = autoreset_from(header.autoreset).value();  // the reader has checked it
+  options.autoreset = autoreset_from(header.autoreset).value();  // checked by the reader
   options.seed = header.seed;
   options.first_env_id = header.first_env_id;
   options.keep_hash = true;
   return options;
 }
 
-/// Sees the rows that come and compares them with the recording's.
+/// Compares received rows with the recording's.
 class Comparer : public PoolObserver {
  public:
   Comparer(const ReplayReader& replay, ReplayReport& report)
@@ -66,11 +66,11 @@ class Comparer : public PoolObserver {
   const ReplayReader& replay_;
   ReplayReport& report_;
   bool same_step_;
-  std::vector<std::size_t> count_;  ///< transitions seen, per environment
+  std::vector<std::size_t> count_;  ///< transitions received, per environment
   std::vector<std::uint8_t> parted_;
 };
 
-/// Does what the events say. Environments are received only where the next event needs that.
+/// Repeats the recorded events. Environments are received only if the next event requires it.
 class Player {
  public:
   Player(ReplayReader& replay, Pool& envs) : replay_(replay), envs_(envs), in_flight_(size()) {}
@@ -125,7 +125,7 @@ class Player {
     envs_.set_param(event_.env_ids[0], event_.path, value);
   }
 
-  /// Nothing need be received first: what is in flight does not see it.
+  /// No receive is needed first: transitions in flight are not affected by a request.
   void request() {
     const RequestTime when =
         (event_.argument & 1) != 0 ? RequestTime::kNextReset : RequestTime::kNextStep;
@@ -204,7 +204,7 @@ ReplayReport play(ReplayReader& replay, const std::shared_ptr<const CompiledScen
   try {
     Player(replay, envs).play();
   } catch (const Error& error) {
-    // After a parting, what was recorded may be no longer possible.
+    // After a difference, recorded calls may no longer be possible.
     if (!report.where) throw;
     report.remark = std::string("the replay stopped early: ") + error.what();
   }

@@ -1,4 +1,4 @@
-// Runs a recording again and says whether the same came out.
+// Runs a recording again and reports whether the results are the same.
 #pragma once
 
 #include <memory>
@@ -10,18 +10,18 @@
 
 namespace skybody {
 
-/// How to load what was recorded: its file, or where that is gone the shipped scenario of its name,
-/// with the overrides of the recording. Its plugin path is left out: whoever made the recording
-/// does not decide from where code is run.
+/// Options to load the recorded scenario: its file, or if the file no longer exists the shipped
+/// scenario of its name, with the recording's overrides. The recording's plugin path is ignored:
+/// the author of a recording must not choose the code that is run.
 LoadOptions replay_load_options(const ReplayHeader& header);
 
-/// @throws Error naming both hashes, and where the texts part, if `compiled` is not what was
-///         recorded
+/// @throws Error with both hashes and the first difference of the texts if `compiled` is not the
+///   recorded scenario
 void check_same_scenario(const ReplayReader& replay, const CompiledScenario& compiled);
 
-/// Does again what was recorded, from the recording's beginning, and compares every transition that
-/// it has. Reads the recording to its end.
-/// @param threads  as PoolOptions::threads; the outcome does not depend on it
+/// Repeats the recorded calls from the recording's beginning and compares every recorded
+/// transition. Reads the recording to its end.
+/// @param threads  as PoolOptions::threads; the result does not depend on it
 ReplayReport play(ReplayReader& replay, const std::shared_ptr<const CompiledScenario>& compiled,
                   int threads);
 

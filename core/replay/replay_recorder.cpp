@@ -59,7 +59,7 @@ void read_row(const Batch& rows, int k, const EnvironmentStates& environments, b
   out.observation.clear();
   append_row(rows.observation, k, rows.width.observation, out.observation);
   append_row(rows.privileged, k, rows.width.privileged, out.observation);
-  // Under kSameStep the state is already that of the next episode where one has ended.
+  // Under kSameStep, if an episode has ended, the state is already that of the next episode.
   const bool has_moved_on = same_step && out.status != kRunning && !out.was_reset;
   out.episode = environments.episode(out.env) - (has_moved_on ? 1 : 0);
   if (states) out.state = environments.words(out.env);
@@ -90,7 +90,7 @@ bool can_be_replayed(const std::filesystem::path& file) {
   }
 }
 
-/// Ends a recording whose writing failed; says what became of its file.
+/// Ends a recording whose writing failed. @returns a message about the state of its file
 std::string ReplayRecorder::give_up() {
   writer_.reset();
   std::error_code ignored;
@@ -104,7 +104,7 @@ std::string ReplayRecorder::give_up() {
          "read";
 }
 
-/// Writes where there is something to write to; a failure ends the recording.
+/// Writes if the recording is open; a failure ends the recording.
 template <class Write>
 void ReplayRecorder::write(Write&& write) {
   if (!writer_) return;

@@ -1,4 +1,4 @@
-// Records what happens in a Pool, for `skybody replay`.
+// Records the events of a Pool, for `skybody replay`.
 #pragma once
 
 #include <filesystem>
@@ -12,24 +12,24 @@
 
 namespace skybody {
 
-/// How to record.
+/// Options of a recording.
 struct RecordOptions {
-  /// How the environments were loaded: overrides and plugin path are noted for the replay.
+  /// Options that loaded the environments: overrides and plugin path are recorded for the replay.
   LoadOptions load = {};
-  /// Writes all state words of every transition as well, so that a replay which parts can name
-  /// those that differ: 8 bytes a word and transition.
+  /// Also records all state words of every transition, so that a replay that differs can list the
+  /// words that differ: 8 bytes per word and transition.
   bool states = false;
 };
 
-/// A recording under way. Rows are noted when recv() gives them; what is in flight when it ends is
-/// not in it. Where writing fails, the Pool's call throws Error and the recording is over; what
-/// was written in whole bursts before is kept.
+/// A running recording. Rows are recorded when recv() returns them; transitions still in flight at
+/// the end are not recorded. If writing fails, the Pool's call throws Error and the recording ends;
+/// whole bursts written before are kept.
 class ReplayRecorder : public PoolObserver {
  public:
   ~ReplayRecorder() override;
 
-  /// Hands everything so far to the file, which is complete and readable then, whatever happens to
-  /// this process; done by itself every few megabytes.
+  /// Writes everything so far to the file, which is then complete and readable, even if this
+  /// process crashes. Happens automatically every few megabytes.
   void flush();
   /// Ends the recording; later events are ignored. @throws Error if the file cannot be finished
   void close();
@@ -58,10 +58,10 @@ class ReplayRecorder : public PoolObserver {
   std::optional<ReplayWriter> writer_;
   bool same_step_, states_;
   std::vector<std::int32_t> all_ids_, ids_;
-  ReplayRow row_;  ///< kept, so that rows are noted without allocating
+  ReplayRow row_;  ///< kept, so that rows are recorded without allocating
 };
 
-/// Records everything that happens in `envs` from now on; replaces a file that is there. End it by
+/// Records all events of `envs` from now on; overwrites an existing file. End it by
 /// stop_recording() or by close(). @throws Error if the file cannot be written, or while some
 /// environments are in flight
 std::shared_ptr<ReplayRecorder> start_recording(Pool& envs, const std::filesystem::path& file,
@@ -70,8 +70,8 @@ std::shared_ptr<ReplayRecorder> start_recording(Pool& envs, const std::filesyste
 /// Ends a recording and detaches it from its Pool. @throws Error if the file cannot be finished
 void stop_recording(Pool& envs, ReplayRecorder& recorder);
 
-/// The row of a batch and what the environments knows beside it.
-/// @param states  whether to take all state words
+/// Reads a row of a batch, and the environment's data that the batch does not contain.
+/// @param states  whether to copy all state words
 void read_row(const Batch& rows, int k, const EnvironmentStates& environments, bool same_step,
               bool states, ReplayRow& out);
 

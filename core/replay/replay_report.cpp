@@ -13,7 +13,7 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kMostOfGroup = 4;  // values that a report shows of each group
+constexpr std::size_t kMostOfGroup = 4;  // values of each group in a report
 
 std::string number(double value, int digits) {
   char text[40];
@@ -35,8 +35,8 @@ bool same_word(std::uint64_t a, std::uint64_t b) {
   return a == b || (std::isnan(as_double(a)) && std::isnan(as_double(b)));
 }
 
-/// A word as the number that it most likely is: words of the header and counters are whole numbers,
-/// which as doubles would be denormal.
+/// A word as the most likely number: header words and counters are whole numbers, which would be
+/// denormal as doubles.
 std::string word_text(std::uint64_t word, std::size_t index) {
   const double value = as_double(word);
   const bool is_real =
@@ -68,14 +68,14 @@ std::string padded(std::string text, std::size_t width) {
   return text;
 }
 
-/// What a value is counted under: "observation", "state u", "reward".
+/// The group of a value: "observation", "state u", "reward".
 std::string group_of(const std::string& name) {
   const std::size_t first = name.find(' ');
   if (name.rfind("state ", 0) != 0) return name.substr(0, std::min(first, name.find('[')));
   return name.substr(0, name.find_first_of(" [", first + 1));
 }
 
-/// The first values of each group; a row without values says how many more a group has.
+/// The first values of each group; a row without values gives the number of others in a group.
 std::vector<ReplayDifference> shortened(const std::vector<ReplayDifference>& differences) {
   std::vector<ReplayDifference> rows;
   for (std::size_t k = 0; k < differences.size();) {
@@ -157,7 +157,7 @@ std::string ReplayReport::text(const ReplayHeader& header, const std::string& fi
 
 namespace {
 
-/// What differs between the k-th transitions of an environment, what it was sent first.
+/// The differences between the k-th transitions of an environment, first those of its inputs.
 ReplayParting describe(const ReplayReader& first, const ReplayReader& second, int env,
                        std::size_t k) {
   ReplayParting parting;
@@ -218,7 +218,7 @@ ReplayReport compare_replays(const ReplayReader& first, const ReplayReader& seco
     if (row.hash == other.hash) report.remark = kRowsChanged;
     report.add(describe(first, second, row.env, k));
   }
-  std::size_t shorter[2] = {0, 0};  // transitions that the first, or the second, lacks
+  std::size_t shorter[2] = {0, 0};  // transitions missing in the first, or in the second
   for (int env = 0; env < first.header().envs; ++env) {
     const std::size_t a = first.transitions(env), b = second.transitions(env);
     shorter[0] += b - std::min(a, b);

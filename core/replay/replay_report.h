@@ -1,4 +1,4 @@
-// Where and how two recordings, or a recording and its replay, part.
+// The first difference between two recordings, or between a recording and its replay.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct ReplayDifference {
   std::string first, second;
 };
 
-/// The first transition of an environment that is not the same in both.
+/// The first transition of an environment that differs.
 struct ReplayParting {
   std::size_t place = 0;         ///< in the order in which the recording received it, from 0
   std::uint64_t transition = 0;  ///< of the environment since the recording began, from 1
@@ -24,32 +24,34 @@ struct ReplayParting {
   std::vector<ReplayDifference> differences;  ///< in rows and states; may be empty
 };
 
-/// What a comparison came to.
+/// The result of a comparison.
 struct ReplayReport {
-  std::size_t transitions = 0;         ///< compared
-  std::size_t parted = 0;              ///< environments that part
+  std::size_t transitions = 0;         ///< number of compared transitions
+  std::size_t parted = 0;              ///< number of environments that differ
   std::optional<ReplayParting> where;  ///< the first of them, in the order of the recording
-  /// Why the runs cannot be compared to their end, such as "the second ends 40 transitions sooner".
+  /// The reason why the runs cannot be compared to their end, such as "the second ends 40
+  /// transitions sooner".
   std::string remark;
 
   bool identical() const { return parted == 0 && remark.empty(); }
-  /// Counts one environment that parts and keeps it if it is the first to do so.
+  /// Counts one environment that differs. Keeps the first one.
   void add(ReplayParting parting);
-  /// Several lines. @param first, second  what the two are called, such as "recorded"
+  /// The report, several lines. @param first, second  names of the two runs, such as "recorded"
   std::string text(const ReplayHeader& header, const std::string& first,
                    const std::string& second) const;
 };
 
-/// Remark where rows differ under equal hashes: hashes are of the run, rows lie beside them.
+/// Remark for rows that differ although the hashes are equal: hashes were computed during the run,
+/// rows are stored beside them.
 inline constexpr const char* kRowsChanged =
     "the hashes are the same, but not the rows beside them: they were changed after the run";
 
-/// What differs between two rows; NaN equals NaN, and -0 differs from 0.
+/// The differences between two rows; NaN equals NaN, and -0 differs from 0.
 std::vector<ReplayDifference> compare_rows(const ReplayHeader& header, const ReplayRow& first,
                                            const ReplayRow& second);
 
 /// Compares two recordings without running anything.
-/// @throws Error if they are of different numbers of environments or widths
+/// @throws Error if their numbers of environments or widths differ
 ReplayReport compare_replays(const ReplayReader& first, const ReplayReader& second);
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// One environment under direct control: the class to link into lab code.
+// One environment under direct control: the class for use in other programs.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace skybody {
 
-/// How a Simulation is made.
+/// Options of a Simulation.
 struct SimulationOptions {
   std::string scenario;                     ///< YAML file, or the name of a shipped scenario
   std::vector<std::string> overrides = {};  ///< "PATH=VALUE", as for --set
@@ -28,7 +28,7 @@ struct SimulationOptions {
   std::vector<std::filesystem::path> plugin_path = {};  ///< searched before the default places
 };
 
-/// How motion changes at one instant.
+/// Accelerations at one instant.
 struct Accelerations {
   std::vector<double> udot;              ///< generalised, one per u of the world's layout
   std::vector<BodyAcceleration> bodies;  ///< of all body frames, in the world's numbering
@@ -38,7 +38,7 @@ struct Accelerations {
 struct Snapshot {
   std::uint64_t scenario_hash = 0;
   std::vector<std::uint64_t> words;
-  std::vector<float> observation;  ///< the last transition's row, like those that follow
+  std::vector<float> observation;  ///< row of the last transition; so are the next members
   std::vector<float> agent_rewards;
   std::vector<float> info;
   std::vector<float> privileged;
@@ -52,7 +52,7 @@ struct Snapshot {
 /// Simulations are independent.
 class Simulation {
  public:
-  /// @throws InputError with every message, each with file:line:column
+  /// @throws InputError with all messages, each with file:line:column
   explicit Simulation(const SimulationOptions& options);
   /// Shares a compiled scenario.
   Simulation(std::shared_ptr<const CompiledScenario> compiled, std::uint64_t seed,
@@ -63,51 +63,52 @@ class Simulation {
 
   /// Begins the next episode.
   void reset();
-  /// Begins episode 1 under another seed; drawn values return to nominal first.
+  /// Begins episode 1 with another seed; drawn values return to nominal first.
   void reset(std::uint64_t seed);
 
   /// One transition: K physics steps with `action`, values in [-1, 1] (clipped). A non-finite
   /// action or state ends the episode as a fault.
-  /// @throws Error if the size is not action_size(), or if no reset() came before
+  /// @throws Error if the size is not action_size(), or before the first reset()
   void step(std::span<const float> action);
 
   /// Sets the command of a robot's chains of controllers, in their signals' units
-  /// (docs/control-modes.md). It is held until the next command(), step() or reset(); a reset
-  /// leaves zeros. Controllers hold it to what the robot can do.
-  /// @param robot  "" is the only one; likewise below
+  /// (docs/control-modes.md). It is held until the next command(), step() or reset(); a reset sets
+  /// zeros. Controllers limit it to the robot's abilities.
+  /// @param robot  "": the only robot; likewise below
   /// @throws Error before reset(), on an unknown robot or one without controllers, on another
-  ///         number of values, or if one is not finite
+  ///   number of values, or if one is not finite
   void command(const std::string& robot, std::span<const double> values);
   /// Number of values of that input. @throws Error as command()
   int command_size(const std::string& robot) const;
 
   /// Exactly `physics_steps` physics steps under the commands, sensors included; no task.
-  /// @returns false if the physics gave up: the environment then is in its last finite state, and
-  ///          the episode has ended as a fault; until a reset nothing moves any more
+  /// @returns false if the physics failed: the environment is then in its last finite state, the
+  ///   episode has ended as a fault, and nothing moves until a reset
   /// @throws Error before reset(), or if physics_steps < 0
   bool advance(std::int64_t physics_steps);
 
   /// Ends a transition made by command() and advance(), as step() ends its own: counts one step
-  /// towards the horizon and asks the task for observation, reward and end.
+  /// towards the horizon and evaluates the task for observation, reward and end.
   /// @throws Error before reset()
   void evaluate();
 
-  /// Puts a robot's floating base somewhere, at the present time; joints, rotors, other robots and
-  /// sensors' last outputs stay, so bodies on joints come along. Nothing keeps it out of other
-  /// bodies or the ground.
+  /// Sets the state of a robot's floating base at the present time. Joints, rotors, other robots
+  /// and sensors' last outputs remain, so bodies on joints move with the base. Overlaps with other
+  /// bodies or the ground are not prevented.
   /// @param base  position and velocity in W [m, m/s], rotation W from B (any norm but 0), angular
-  ///              velocity in B [rad/s]
+  ///   velocity in B [rad/s]
   /// @throws Error before reset(), on an unknown robot, a fixed base or a value that is not finite
   void teleport(const std::string& robot, const BodyState& base);
 
   std::span<const float> observation() const;  ///< after the last reset or step
-  std::span<const float> privileged() const;   ///< likewise: what a critic sees besides
+  std::span<const float> privileged() const;   ///< likewise: additional values for a critic
   /// One of the observation's images (CompiledScenario::images), as its sensor last made it.
   /// @throws Error if there is no such image
   std::span<const std::uint8_t> image(int image) const;
   float reward() const;
-  std::span<const float> agent_rewards() const;  ///< one per agent; the team's where it has no own
-  /// Info values: the task's, then what other plugins report (CompiledScenario::info_channels).
+  std::span<const float> agent_rewards() const;  ///< one per agent; the team's reward if the task
+                                                 ///< gives none per agent
+  /// Info values: the task's, then other plugins' reports (CompiledScenario::info_channels).
   std::span<const float> info() const;
   bool terminated() const;  ///< the task ended the episode
   bool truncated() const;   ///< by horizon, task or fault
@@ -121,16 +122,17 @@ class Simulation {
   std::uint64_t steps() const;          ///< actions taken in this episode
   std::uint64_t physics_steps() const;  ///< physics steps taken in this episode
   double time() const;                  ///< since the reset [s]
-  /// Physics steps since it was made, and in how many anything was near. No part of the state.
+  /// Physics steps since construction, and the number of those with anything near a body. Not part
+  /// of the state.
   const StepCounts& step_counts() const;
 
   const CompiledScenario& compiled() const { return *compiled_; }
   const Scenario& scenario() const { return compiled_->scenario(); }
 
-  /// Motion of the body that a link belongs to. Robot "" is the only one.
-  /// @throws Error naming the robots or links that exist
+  /// Motion of the body that a link belongs to. Robot "": the only robot.
+  /// @throws Error with the names of the existing robots or links
   const BodyState& body(const std::string& robot, const std::string& link) const;
-  /// Motion of a robot's base. @throws Error naming the robots that exist
+  /// Motion of a robot's base. @throws Error with the names of the existing robots
   const BodyState& base(const std::string& robot) const;
   const std::vector<BodyState>& bodies() const;  ///< all, in the world's numbering
   std::vector<double> rotor_speeds() const;      ///< [rad/s], the world's numbering
@@ -139,60 +141,61 @@ class Simulation {
   std::vector<double> actions() const;           ///< last action, clipped
   std::vector<double> sensors() const;           ///< outputs of all sensors
   std::vector<double> params() const;            ///< EnvParams; names in compiled().layout()
-  /// Accelerations now: with the rotors' present speeds, and rotor commands and wrenches as the
-  /// last physics step held them. Driven bases have none.
-  /// @throws Error if the dynamics gives up
+  /// Accelerations now, for the rotors' present speeds and the rotor commands and wrenches of the
+  /// last physics step. Driven bases have none.
+  /// @throws Error if the dynamics fails
   Accelerations accelerations() const;
-  /// What touches the ground, obstacles or another robot now.
-  /// @throws Error if the dynamics gives up
+  /// Present contacts with the ground, obstacles or other robots.
+  /// @throws Error if the dynamics fails
   std::vector<Contact> contacts() const;
-  /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].
+  /// The task's goals: 4 values each, position (W) [m], yaw [rad].
   std::vector<double> goals() const;
-  /// How they move: 6 values each, velocity (W) [m/s], acceleration (W) [m/s^2]; 0 where the task
-  /// does not say.
+  /// The goals' motion: 6 values each, velocity (W) [m/s], acceleration (W) [m/s^2]; 0 if the task
+  /// does not provide it.
   std::vector<double> goal_motions() const;
 
   /// A value of the state, such as robots.quad.base.position: see CompiledScenario::state_values().
   /// @throws Error with the nearest paths if there is none at `path`
   std::vector<double> state(std::string_view path) const;
-  /// The same into the caller's memory.
-  /// @param values  value.count() of them, written. @throws Error on another number
+  /// As state(path), into the caller's memory.
+  /// @param values  value.count() values, written. @throws Error on another number
   void state(const StateValue& value, std::span<double> values) const;
 
   /// Value of a randomizable parameter. @throws Error if there is none at `path`
   double param(const std::string& path) const;
-  /// Sets one. @throws Error if unknown or outside its bounds
+  /// Sets a randomizable parameter. @throws Error if unknown or outside its bounds
   void set_param(const std::string& path, double value);
   /// Mass [kg], centre of mass [m] and inertia about it [kg m^2], in the frame of the body that a
   /// link belongs to: links on fixed joints are one body. @throws Error as body()
   MassProperties mass_properties(const std::string& robot, const std::string& link) const;
-  /// Sets them, in mid-episode; controllers go on with the nominal ones.
+  /// Sets the mass properties during an episode; controllers continue with the nominal ones.
   /// @throws Error as body(), or if no rigid body can have them
   void set_mass_properties(const std::string& robot, const std::string& link,
                            const MassProperties& mass);
-  /// A constant of one rotor, counted in the order of the rotors file: thrust_constant, max_speed,
+  /// A constant of one rotor, numbered in the order of the rotors file: thrust_constant, max_speed,
   /// tau_up and so on; units as in that file. @throws Error if there is no such rotor or constant
   double rotor_parameter(const std::string& robot, int rotor, const std::string& name) const;
-  /// Sets one. @throws Error likewise, or outside its bounds
+  /// Sets a constant of one rotor. @throws Error likewise, or outside its bounds
   void set_rotor_parameter(const std::string& robot, int rotor, const std::string& name,
                            double value);
-  /// Draws from all randomizers now, in mid-episode; motion goes on.
+  /// Draws from all randomizers now, during an episode; motion continues.
   void randomize();
-  /// Asks for values of randomizable parameters, as Pool::request() does of one environment: before
-  /// the next step() or advance(), or in the next reset(), whichever comes first; or in that reset.
+  /// Requests values of randomizable parameters, as Pool::request() does for one environment.
+  /// @param when  kNextStep: before the next step() or advance(), or in the next reset(), whichever
+  ///   comes first; kNextReset: in the next reset()
   /// @throws Error as ParamRequest
   void request(std::span<const ParamChange> changes, RequestTime when);
 
-  /// Everything: motion, rotors, drawn values, plugin states, counters, random key.
+  /// The full state: motion, rotors, drawn values, plugin states, counters, random key.
   Snapshot save() const;
   /// @throws Error if the snapshot is of another scenario
   void restore(const Snapshot& snapshot);
-  /// A copy with the same future; with `rekey` its random numbers are its own.
+  /// A copy with the same future; with `rekey`, it gets random numbers of its own.
   Simulation fork(bool rekey = false);
 
   /// Hash over all transitions since construction (or the restored snapshot): state words,
-  /// observation, privileged row, images, reward and status. Direct control adds its own at
-  /// evaluate().
+  /// observation, privileged row, images, reward and status. Under direct control, evaluate() adds
+  /// a transition.
   std::uint64_t hash() const;
   /// Whether transitions are added to the hash (default: yes). It costs about as much as a light
   /// transition.

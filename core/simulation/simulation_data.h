@@ -1,4 +1,4 @@
-// What a Simulation holds. Included by its own files only.
+// The data of a Simulation. Included by its own files only.
 #pragma once
 
 #include <memory>
@@ -27,14 +27,14 @@ struct Simulation::Data {
 
   StateGroup group;
   std::unique_ptr<GroupWorkspace> work;
-  std::vector<BodyState> bodies;  ///< as last asked for
+  std::vector<BodyState> bodies;  ///< result of the last call of bodies()
   std::vector<float> observation, agent_reward, info, privileged;
   float reward = 0.0f;
   std::uint64_t status = kRunning;
   HashChain chain;
   bool keeps_hash = true;
   using Requests = std::vector<std::shared_ptr<const ParamRequest>>;
-  Requests requests_now, requests_at_reset;  ///< asked for and not yet done
+  Requests requests_now, requests_at_reset;  ///< requests not yet applied
   bool started = false;
 };
 

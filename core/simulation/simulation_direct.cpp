@@ -1,4 +1,5 @@
-// Direct control: commands in physical units, physics steps without a task, and changes by hand.
+// Direct control: commands in physical units, physics steps without a task, and changes of state
+// and parameters.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,7 +88,8 @@ void Simulation::command(const std::string& robot, std::span<const double> value
 bool Simulation::advance(std::int64_t physics_steps) {
   demand_started("advance");
   check_physics_steps(physics_steps);
-  if ((data_->status & kBadState) != 0) return false;  // ended: in parts as at once
+  // The episode ended in an earlier call: split calls give the same result as one.
+  if ((data_->status & kBadState) != 0) return false;
   apply_requests();
   const bool through = compiled_->advance(data_->group, *data_->work, 1u, physics_steps) != 0;
   data_->status = data_->group.bits(kStatus)[0];
@@ -137,7 +139,7 @@ void Simulation::teleport(const std::string& robot, const BodyState& base) {
   const double largest =
       std::max({std::fabs(turn.w), std::fabs(turn.x), std::fabs(turn.y), std::fabs(turn.z)});
   if (!(largest > 1e-100)) throw Error("teleport() with a zero quaternion: it has no direction");
-  // Scaled first: the square of a large finite number need not be finite.
+  // Scale first: the square of a large finite number need not be finite.
   const Quat<double> unit = normalized(
       Quat<double>{turn.w / largest, turn.x / largest, turn.y / largest, turn.z / largest});
   const Layout& layout = compiled_->layout();

@@ -26,7 +26,7 @@ SimulationPoolOptions checked(SimulationPoolOptions options) {
 
 }  // namespace
 
-/// The environments and the threads that work in them.
+/// The environments and the threads that work on them.
 class SimulationPool::Simulations final : GroupRunner {
  public:
   Simulations(const std::shared_ptr<const CompiledScenario>& compiled,
@@ -43,8 +43,8 @@ class SimulationPool::Simulations final : GroupRunner {
   const ThreadPool& threads() const { return threads_; }
   Simulation& operator[](int sim) { return simulations_[static_cast<std::size_t>(sim)]; }
 
-  /// Does the work in some environments and waits for all of them. @returns what each threw, in the
-  /// order of `chosen`; null: nothing
+  /// Runs the work in some environments and waits for all of them. @returns the exceptions in the
+  /// order of `chosen`; null: none
   std::span<std::exception_ptr> run(std::span<const int> chosen, const Work& work) {
     chosen_ = chosen;
     work_ = &work;
@@ -56,7 +56,7 @@ class SimulationPool::Simulations final : GroupRunner {
   }
 
  private:
-  /// A group is a place within the chosen environments.
+  /// A group is an index within the chosen environments.
   void run(const int* groups, int count, int /*thread*/) override {
     for (int k = 0; k < count; ++k) {
       const auto place = static_cast<std::size_t>(groups[k]);
@@ -71,11 +71,11 @@ class SimulationPool::Simulations final : GroupRunner {
   }
 
   std::vector<Simulation> simulations_;
-  std::vector<std::exception_ptr> failures_;  ///< one per place within the chosen environments
+  std::vector<std::exception_ptr> failures_;  ///< one per chosen environment
   std::span<const int> chosen_;
   const Work* work_ = nullptr;
   std::atomic<int> left_{0};  ///< chosen environments that are not yet done
-  ThreadPool threads_;        ///< last: its threads use the rest
+  ThreadPool threads_;        ///< last: its threads use the other members
 };
 
 SimulationPool::SimulationPool(std::shared_ptr<const CompiledScenario> compiled,

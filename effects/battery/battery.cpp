@@ -1,4 +1,4 @@
-// Battery: one pack a robot. What its rotors take sags the voltage, and the voltage limits their
+// Battery: one pack per robot. The rotors' power reduces the voltage, and the voltage limits their
 // speed; an empty pack stops them.
 #include <vector>
 
@@ -66,17 +66,17 @@ class Battery : public Effect {
 
  private:
   struct Rotor {
-    int index;        ///< in the world
-    int first_param;  ///< of its constants
+    int index;        ///< world index
+    int first_param;  ///< first of its constants
   };
   struct Pack {
     std::vector<Rotor> rotors;
   };
-  /// A straight part of the curve of the open-circuit voltage.
+  /// A linear section of the open-circuit voltage curve.
   struct Section {
-    double first;   ///< place at which it begins: 0, 1, ...
-    double lowest;  ///< voltage of the pack there [V]
-    double rise;    ///< up to the next section [V]
+    double first;   ///< coordinate at which it begins: 0, 1, ...
+    double lowest;  ///< voltage of the pack at its beginning [V]
+    double rise;    ///< increase up to the next section [V]
   };
   template <class Real>
   struct Load {
@@ -84,8 +84,8 @@ class Battery : public Effect {
     Real current;  ///< [A]
   };
 
-  /// Voltage of the pack without current: straight lines between the given voltages. Each section
-  /// that the charge reaches takes the place of the one below it. No lane looks anything up.
+  /// Open-circuit voltage of the pack: linear between the given voltages. Each section whose
+  /// beginning the charge has reached overrides the one below it, so no lane needs a table lookup.
   template <class Real>
   SKYBODY_INLINE Real open_circuit(const Real& charge) const {
     const Real place = charge * static_cast<double>(sections_.size());
@@ -100,8 +100,8 @@ class Battery : public Effect {
     return lowest + rise * clamp(place - first, 0.0, 1.0);
   }
 
-  /// The current at which the pack gives the power that is asked of it, P = I (V - R I); beyond the
-  /// greatest power V^2 / (4 R) the current of that.
+  /// The current at which the pack delivers the power P = I (V - R I); above the largest power V^2
+  /// / (4 R), the current of that power.
   template <class Real>
   SKYBODY_INLINE Load<Real> draw(const EnvView<Real>& env, const Pack& pack,
                                  const Real& open) const {
@@ -113,10 +113,10 @@ class Battery : public Effect {
     }
     const Real four_r = 4.0 * internal_resistance_(env);
     const Real asked = shafts / efficiency_(env) + hotel_power_(env);
-    // A resistance of 0 has no greatest power: infinity.
+    // With zero resistance the largest power is infinite.
     const Real power = min(asked, open * open / four_r);
     const Real root = sqrt(max(open * open - four_r * asked, 0.0));
-    return {open, 2.0 * power / (open + root)};  // without the cancellation of (V - root) / (2 R)
+    return {open, 2.0 * power / (open + root)};  // avoids the cancellation of (V - root) / (2 R)
   }
 
   template <class Real>
@@ -155,7 +155,8 @@ class Battery : public Effect {
     per_full_ = 1.0 / full_;
   }
 
-  /// A full pack that cannot feed hovering is a mistake: of cells, or of milliohms given in ohms.
+  /// Rejects a full pack that cannot power hover: usually a wrong number of cells, or milliohms
+  /// given as ohms.
   void check_power(const Setup& setup, int robot) const {
     const double speed = effect::hover_speed(setup, robot);
     double needed = hotel_power_.value();
@@ -234,7 +235,7 @@ class Battery : public Effect {
        .doc = "largest speed of a rotor by voltage; 0: `max_speed` by the voltage of a full pack"}};
 
   double dt_ = 0.0;
-  double full_ = 0.0;              ///< voltage of the full pack without current [V]
+  double full_ = 0.0;              ///< open-circuit voltage of the full pack [V]
   double per_full_ = 0.0;          ///< its inverse [1/V]
   std::vector<Section> sections_;  ///< from empty to full
   std::vector<Pack> packs_;

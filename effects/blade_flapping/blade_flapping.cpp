@@ -1,5 +1,4 @@
-// The air at the hubs of rotors: drag along the axis, the moment of flapping blades, translational
-// lift.
+// Aerodynamics at rotor hubs: axial drag, the moment of flapping blades, translational lift.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -23,7 +22,7 @@ class BladeFlapping : public Effect {
     setup.steady();
   }
 
-  /// The coefficients; the engine makes forces of them wherever the integrator asks for them.
+  /// Sets the coefficients; the engine evaluates the forces at every stage of the integrator.
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
     const Real axial = axial_drag_(env), flapping = flapping_(env), lift = lift_(env);

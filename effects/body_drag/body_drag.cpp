@@ -21,7 +21,7 @@ class BodyDrag : public Effect {
     setup.steady();
   }
 
-  /// The coefficients; the engine makes the force of them wherever the integrator asks for it.
+  /// Sets the coefficients; the engine evaluates the force at every stage of the integrator.
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
     const Vec3<Real> linear = linear_.vec3(env), quadratic = quadratic_.vec3(env);

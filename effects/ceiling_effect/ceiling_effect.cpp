@@ -1,4 +1,5 @@
-// Rotors below a level ceiling give more thrust: a gain by the distance of each hub from it.
+// Ceiling effect: rotors below a level ceiling give more thrust, with a gain by the hub's distance
+// from it.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -22,7 +23,7 @@ class CeilingEffect : public Effect {
     setup.holds(HeldInput::kRotorGain);
   }
 
-  /// Gains by where the hubs are now; they hold over the step.
+  /// Gains at the present hub positions, constant over the step.
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
     const Real radius = radius_(env), ceiling = height_(env);
@@ -40,9 +41,9 @@ class CeilingEffect : public Effect {
   }
 
  private:
-  static constexpr double kLargestShare = 0.75;  ///< of 1 in the fit's denominator: gains up to 4
+  static constexpr double kLargestShare = 0.75;  ///< limit in the fit's denominator: gains up to 4
 
-  /// A ceiling below the ground and below all who have it is a mistake.
+  /// Rejects a ceiling below the ground and below all affected robots.
   void check_height(const Setup& setup) const {
     double lowest = kInfinity;
     for (const effect::Carrier& carrier : carriers_) {
@@ -73,14 +74,15 @@ class CeilingEffect : public Effect {
     }
   }
 
-  /// At constant power of the rotor, by momentum theory; see README.md.
+  /// Gain at constant rotor power, by momentum theory; see README.md.
   /// @param ratio  radius over distance
   template <class Real>
   static SKYBODY_INLINE Real constant_power(const Real& ratio) {
     const Real slower = 0.5 + 0.5 * sqrt(1.0 + 0.125 * (ratio * ratio));
     return exp((2.0 / 3.0) * log(slower));
   }
-  /// @param ratio  radius over the distance and its offset
+  /// Fitted gain.
+  /// @param ratio  radius over the distance plus its offset
   template <class Real>
   static SKYBODY_INLINE Real fitted(const Real& ratio, const Real& factor) {
     return 1.0 / (1.0 - min(factor * (ratio * ratio), Real(kLargestShare)));

@@ -1,5 +1,4 @@
-// Hubs of rotors, grouped by the body that carries them, so that a body's attitude is found once
-// for all of them.
+// Rotor hubs grouped by body, so that a body's attitude is read once for all of them.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -10,19 +9,19 @@ namespace skybody::effect {
 
 /// A rotor on its body.
 struct Hub {
-  int rotor = 0;                ///< index in the world
+  int rotor = 0;                ///< world index
   Vec3<double> position, axis;  ///< nominal [m]; unit vector in the direction of thrust; body axes
-  int thrust_constant = 0;      ///< index for EnvView::param()
-  int place = 0;                ///< likewise, of the position's x: y and z follow
+  int thrust_constant = 0;      ///< index of the thrust constant for EnvView::param()
+  int place = 0;                ///< index of the position's x for EnvView::param(); y and z follow
 };
 
-/// A body that carries rotors.
+/// A body with rotors.
 struct Carrier {
-  int robot = 0, body = 0;  ///< indices in the world
+  int robot = 0, body = 0;  ///< world indices
   std::vector<Hub> hubs;
 };
 
-/// The carriers of these robots, robot after robot, in the order of the rotors files.
+/// The carriers of these robots, in the order of robots and of their rotors files.
 inline std::vector<Carrier> carriers_of(const Setup& setup, const std::vector<int>& robots) {
   std::vector<Carrier> carriers;
   for (const int robot : robots) {
@@ -42,8 +41,8 @@ inline std::vector<Carrier> carriers_of(const Setup& setup, const std::vector<in
   return carriers;
 }
 
-/// Calls visit(hub, height, upright) for each hub: its z in W [m] and the cosine of the angle
-/// between its axis and W's z.
+/// Calls visit(hub, height, upright) for each hub: height is its z in W [m], upright the cosine of
+/// the angle between its axis and W's z.
 template <class Real, class Visit>
 SKYBODY_INLINE void each_hub(const std::vector<Carrier>& carriers, const EnvView<Real>& env,
                              Visit&& visit) {

@@ -1,4 +1,4 @@
-// Robots by name and their bodies, as an effect's configure() sees them.
+// Robots and their bodies by name, for an effect's configure().
 #pragma once
 
 #include <skybody/plugin.h>
@@ -10,7 +10,7 @@
 namespace skybody::effect {
 
 /// Indices of the robots called `names`, in the scenario's order; without names all.
-/// @throws std::runtime_error where there is no robot of a name
+/// @throws std::runtime_error if there is no robot of a name
 inline std::vector<int> robots_called(const Setup& setup, const std::vector<std::string>& names) {
   std::vector<int> robots;
   for (const std::string& name : names) robots.push_back(setup.robot(name));

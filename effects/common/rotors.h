@@ -1,4 +1,4 @@
-// Robots and rotors as an effect's configure() sees them: whom it acts on, and what hovering takes.
+// Robots with rotors and their hover speeds, for an effect's configure().
 #pragma once
 
 #include <skybody/plugin.h>
@@ -9,10 +9,10 @@
 
 namespace skybody::effect {
 
-/// Indices of the robots called `names`, in their order; without names all that have rotors.
-/// @param what  the effect, for messages
+/// Indices of the robots called `names`, in their order; without names all with rotors.
+/// @param what  name of the effect, for messages
 /// @throws std::runtime_error if one of them has no rotors, is unknown or named twice, or if no
-///         robot has rotors
+///     robot has rotors
 inline std::vector<int> robots_with_rotors(const Setup& setup,
                                            const std::vector<std::string>& names,
                                            const std::string& what) {
@@ -39,8 +39,8 @@ inline std::vector<int> robots_with_rotors(const Setup& setup,
   return chosen;
 }
 
-/// The same, of an effect whose law knows no rotor that turns backwards.
-/// @throws std::runtime_error likewise, or if one of the robots has such a rotor
+/// The same for an effect that does not support reversible rotors.
+/// @throws std::runtime_error as above, or if one of the robots has a reversible rotor
 inline std::vector<int> robots_with_one_way_rotors(const Setup& setup,
                                                    const std::vector<std::string>& names,
                                                    const std::string& what) {
@@ -57,7 +57,7 @@ inline std::vector<int> robots_with_one_way_rotors(const Setup& setup,
   return chosen;
 }
 
-/// Nominal weight of a robot [N]; 0 of one with a fixed base, which need not be carried.
+/// Nominal weight of a robot [N]; 0 for a fixed base, which the rotors need not carry.
 inline double weight(const Setup& setup, int robot) {
   const RobotInfo& r = setup.robots()[robot];
   if (r.fixed_base != 0) return 0.0;
@@ -67,8 +67,8 @@ inline double weight(const Setup& setup, int robot) {
   return mass * norm(Vec3<double>{g[0], g[1], g[2]});
 }
 
-/// Speed at which the rotors of a robot carry its nominal weight, all with the same speed and along
-/// gravity [rad/s]; 0 of a robot with a fixed base.
+/// Rotor speed at which the robot's rotors carry its nominal weight, equal for all, with thrust
+/// along gravity [rad/s]; 0 for a robot with a fixed base.
 inline double hover_speed(const Setup& setup, int robot) {
   double thrust_constants = 0.0;
   for (const RotorInfo& rotor : setup.rotors_of(robot)) {

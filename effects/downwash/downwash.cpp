@@ -1,8 +1,8 @@
-// Jets of air below rotors that push bodies of other robots down.
+// Downwash: air jets below rotors push bodies of other robots down.
 //
-// Each body that carries rotors makes one jet, from the middle of its hubs along the rotors' axes.
-// All jets and bodies are pairs, N^2 of them for N robots, so a pair costs little: a vector, its
-// parts along and across the jet, and the exponential only where some lane is inside the jet.
+// Each body with rotors has one jet, from the mean of its hubs along the rotors' axes. All
+// combinations of jets and bodies are evaluated, N^2 for N robots, so each is cheap: a vector, its
+// components along and across the jet, and the exponential only if a lane is inside the jet.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -34,7 +34,7 @@ class Downwash : public Effect {
         "leave the effect out");
   }
 
-  /// Forces by where everything is now; they hold over the step.
+  /// Forces at the present poses, constant over the step.
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
     const Shape<Real> shape = this->shape(env);
@@ -51,24 +51,24 @@ class Downwash : public Effect {
   }
 
  private:
-  static constexpr double kTiny = 1e-12;     ///< [m^2], against division by 0
-  static constexpr double kFarthest = 40.0;  ///< in exp(-x): beyond, 4e-18 of the middle's force
+  static constexpr double kTiny = 1e-12;     ///< [m^2], prevents division by 0
+  static constexpr double kFarthest = 40.0;  ///< in exp(-x): beyond it, 4e-18 of the central force
 
-  /// Air that one body's rotors blow away.
+  /// The jet of one body's rotors.
   struct Jet {
     int robot = 0, body = 0;
-    Vec3<double> origin, axis;  ///< middle of the hubs [m], direction of thrust; body axes
+    Vec3<double> origin, axis;  ///< mean of the hubs [m], direction of thrust; body axes
     std::vector<effect::Hub> rotors;
     double weight = 0.0;       ///< of the whole robot, nominal [N]
-    double share = 1.0;        ///< of the robot's thrust constants
-    std::vector<int> targets;  ///< bodies that it may push
+    double share = 1.0;        ///< share of the robot's thrust constants
+    std::vector<int> targets;  ///< bodies that it can push
   };
   /// The parameters of one environment.
   template <class Real>
   struct Shape {
-    Real peak;           ///< [N]; times the squared distance, if the jet fades along its way
+    Real peak;           ///< [N]; times the squared distance, if the jet decays along its axis
     Real spread, start;  ///< width over distance, width at distance 0
-    Real least, reach;   ///< of distances [m]
+    Real least, reach;   ///< limits of distances [m]
   };
 
   void check_form() const {
@@ -102,7 +102,7 @@ class Downwash : public Effect {
     return bodies;
   }
 
-  /// From the middle of the hubs along the mean axis, each counted by its nominal thrust constant.
+  /// From the mean of the hubs along the mean axis, weighted by the nominal thrust constants.
   Jet jet_of(const Setup& setup, const effect::Carrier& carrier) const {
     const RobotInfo& robot = setup.robots()[carrier.robot];
     Jet jet;
@@ -156,7 +156,7 @@ class Downwash : public Effect {
     return {k1_(env) * (quarter * quarter), k2_(env), k3_(env), least_distance_(env), reach_(env)};
   }
 
-  /// Of a jet, in units of the robot's thrust in hover.
+  /// Thrust of a jet, in units of the robot's hover thrust.
   template <class Real>
   SKYBODY_INLINE Real strength(const EnvView<Real>& env, const Jet& jet) const {
     if (!by_thrust_.value()) return Real(jet.share);

@@ -1,17 +1,16 @@
-// Dryden turbulence after MIL-F-8785C: random velocities of the air along, across and above the
-// mean wind.
+// Dryden turbulence after MIL-F-8785C: random air velocities along, across and above the mean wind.
 //
-// The filters run in the dimensionless time tau = V t / L, in which they have no constants left and
-// their stationary covariance is a number: 1 along the wind; for the two states across and above
+// The filters run in the dimensionless time tau = V t / L. In it they have no parameters, and their
+// stationary covariance is constant: 1 along the wind; for the two states across and above
 //   x1 = w/(1 + s), x2 = x1/(1 + s), y = sqrt(3) x1 + (1 - sqrt(3)) x2,
 //   E x1 x1 = 1/2, E x1 x2 = E x2 x2 = 1/4, E y y = 1.
 // A call advances them by their exact transition over the time since the last call and adds noise
 // of the exact covariance. So samples have the autocovariance of the continuous process at any
-// period, and a change of height or speed changes scale and pace, but leaves them stationary.
+// period. A change of height or speed changes scale and rate, but leaves them stationary.
 //
-// Height and speed are those of the last call. So the next values are known from then on, and one
-// call makes those of all lanes of a pack, which come to be due at other steps: they wait in the
-// memo, beside all that they follow from.
+// Height and speed are those of the last call, so the next values are already determined then. One
+// call computes them for all lanes of a pack, although the lanes are due at other steps. They are
+// stored in the memo, with all their inputs.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -21,7 +20,7 @@
 namespace skybody {
 namespace {
 
-constexpr double kFoot = 0.3048;  // [m], by definition
+constexpr double kFoot = 0.3048;  // [m], exact
 constexpr double kRoot2 = 1.41421356237309504880, kRoot3 = 1.73205080756887729353;
 
 /// 1/3!, 1/4!, ...: e^z = 1 + z + z^2/2 + z^3 (sum of kRest[k] z^k).
@@ -35,12 +34,12 @@ template <class Real>
 struct Scale {
   Real length;           ///< L_u = L_v [m]
   Real length_vertical;  ///< L_w [m]
-  Real ratio;            ///< sigma_u / sigma_w of the low altitude
+  Real ratio;            ///< sigma_u / sigma_w at low altitude
   Real above;            ///< 0 up to 1000 ft, 1 from 2000 ft on
 };
 
-/// At a height [m]: up to 1000 ft the low altitude's, from 2000 ft on the high one's, between them
-/// linear.
+/// Scale at a height [m]: low-altitude model up to 1000 ft, high-altitude model from 2000 ft on,
+/// linear in between.
 template <class Real>
 SKYBODY_INLINE Scale<Real> scale_at(const Real& height) {
   const Real feet = height / kFoot;
@@ -52,17 +51,17 @@ SKYBODY_INLINE Scale<Real> scale_at(const Real& height) {
           1.0 / power, above};
 }
 
-/// What a time tau does to the two states: x <- decay (x1, x2 + tau x1) + noise, whose covariance
-/// has the Cholesky factor (a, 0; b, c).
+/// Transition of the two states over a time tau: x <- decay (x1, x2 + tau x1) + noise, whose
+/// covariance has the Cholesky factor (a, 0; b, c).
 template <class Real>
 struct Transition {
   Real tau, decay, a, b, c;
 };
 
-/// The covariance of the noise is that of the stationary states less what is left of it:
+/// The noise's covariance is the stationary one minus its decayed part:
 ///   (t1/2, t2/4; t2/4, t3/4), t_n = 1 - e^-z (sum of z^k/k!, k < n), z = 2 tau.
-/// Of a small z these are differences of nearly equal numbers; there t3 is e^-z times the rest of
-/// the exponential series, which is exact to 1e-16 of itself below z = 1/4. t2 and t1 follow by
+/// For a small z these are differences of nearly equal numbers. There t3 is e^-z times the rest of
+/// the exponential series, which has a relative error of 1e-16 below z = 1/4. t2 and t1 follow by
 /// sums of positive terms.
 template <class Real>
 SKYBODY_INLINE Transition<Real> transition(const Real& tau) {
@@ -98,10 +97,10 @@ class Dryden : public Effect {
     setup.period(static_cast<int>(period_.value()));
   }
 
-  /// The filters begin where they would be after a long time.
+  /// The filters start in their stationary distribution.
   template <class Real>
   void reset(const EnvView<Real>& env, State<Real>&, Values<Real> buffer) const {
-    // What an endless tau leaves: the Cholesky factor of the stationary covariance.
+    // Limit of an infinite tau: the Cholesky factor of the stationary covariance.
     const Real zero(0.0), a(0.5 * kRoot2), b(0.25 * kRoot2);
     const Transition<Real> forget{zero, zero, a, b, b};
     Random<Real> draw = random(env, kResetDraws);
@@ -115,7 +114,7 @@ class Dryden : public Effect {
 
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held, Values<Real> buffer) const {
-    [[maybe_unused]] Random<Real> draw = random(env, kApplyDraws);  // of dual numbers alone
+    [[maybe_unused]] Random<Real> draw = random(env, kApplyDraws);  // used for dual numbers only
     SinCos<Real> heading;
     if constexpr (kIsDual<Real>) {
       heading = sincos(heading_(env));
@@ -144,11 +143,11 @@ class Dryden : public Effect {
   static constexpr std::uint64_t kApplyDraws = 0, kResetDraws = 1;
   /// A robot's filter: along the wind, two states across, two above.
   static constexpr int kFilterWords = 5;
-  /// Of a robot in the buffer, behind its filter: height [m] and way through the air [m] over the
-  /// period that begins.
+  /// A robot's words in the buffer after its filter: height [m] and distance through the air [m]
+  /// over the coming period.
   static constexpr int kHeight = kFilterWords, kWay = kHeight + 1, kRobotWords = kWay + 1;
-  /// Of the memo: seed, environment, episode, physics step and heading; behind them sine and cosine
-  /// of the heading, then all robots' words of the buffer, and behind these all robots' Next.
+  /// Layout of the memo: seed, environment, episode, physics step and heading; sine and cosine of
+  /// the heading; all robots' words of the buffer; all robots' Next.
   static constexpr int kKeyWords = 5;
   static constexpr int kMemoSine = kKeyWords, kMemoCosine = kMemoSine + 1;
   static constexpr int kMemoInputs = kMemoCosine + 1;
@@ -157,18 +156,18 @@ class Dryden : public Effect {
     int first_body, body_count;
   };
 
-  /// What a robot has at the end of a period. As many numbers as kRobotWords.
+  /// A robot's values at the end of a period. The same size as kRobotWords.
   template <class Real>
   struct Next {
     Real filter[kFilterWords];
-    Real ratio, above;  ///< of the scale
+    Real ratio, above;  ///< from Scale
   };
 
   int words_of(std::size_t robot) const {
     return first_filter_ + kRobotWords * static_cast<int>(robot);
   }
 
-  /// Notes of what the next values will be made.
+  /// Stores the inputs of the next values.
   template <class Real>
   SKYBODY_INLINE void look(const EnvView<Real>& env, std::size_t robot,
                            const Values<Real>& buffer) const {
@@ -184,7 +183,7 @@ class Dryden : public Effect {
     return {Real(s.length), Real(s.length_vertical), Real(s.ratio), Real(s.above)};
   }
 
-  /// The period's end, from what the buffer has since its beginning.
+  /// Values at the period's end, from the buffer's inputs at its beginning.
   template <class Real>
   SKYBODY_INLINE Next<Real> next_of(std::size_t robot, Random<Real>& draw,
                                     const Values<Real>& buffer) const {
@@ -200,7 +199,7 @@ class Dryden : public Effect {
     return next;
   }
 
-  /// Makes sure that the memo has what the served lanes want.
+  /// Fills the memo unless it already has the values of the served lanes.
   template <class Real>
   SKYBODY_INLINE void fill_memo(const EnvView<Real>& env, const Values<Real>& buffer) const {
     const Values<Real> memo = env.memo();
@@ -212,7 +211,7 @@ class Dryden : public Effect {
     for (int k = 1; k < kKeyWords; ++k) other |= bit_cast_word(Real(memo[k])) ^ key[k];
     for (int first = 0; first < inputs_; first += kRobotWords) {
 #pragma GCC unroll 7
-      for (int k = first; k < first + kRobotWords; ++k) {  // else g++ gathers lane by lane
+      for (int k = first; k < first + kRobotWords; ++k) {  // otherwise g++ gathers lane by lane
         other |= bit_cast_word(Real(memo[kMemoInputs + k])) ^
                  bit_cast_word(Real(buffer[first_filter_ + k]));
       }
@@ -249,7 +248,7 @@ class Dryden : public Effect {
     return kMemoInputs + inputs_ + kRobotWords * static_cast<int>(robot);
   }
 
-  /// The physics step at which each lane is due: of those that are served, this one.
+  /// The physics step at which each lane is due; for served lanes, the present one.
   template <class Real>
   SKYBODY_INLINE Word<Real> due_step(const EnvView<Real>& env) const {
     const auto period = static_cast<double>(period_.value());
@@ -258,7 +257,7 @@ class Dryden : public Effect {
     return to_word(select(env.served(), now, select(near < now, near + period, near)));
   }
 
-  /// With what speed the turbulence passes.
+  /// Speed at which the turbulence passes.
   template <class Real>
   SKYBODY_INLINE Real airspeed(const EnvView<Real>& env, const BodyMotion<Real>& base) const {
     const Real least = airspeed_(env);
@@ -285,7 +284,7 @@ class Dryden : public Effect {
     x[1] = t.decay * (x2 + t.tau * x1) + (t.b * first + t.c * second);
   }
 
-  /// What the filters say.
+  /// Air velocity from the filters' outputs, W axes.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> velocity(const EnvView<Real>& env, const Next<Real>& next,
                                      const SinCos<Real>& heading) const {
@@ -298,7 +297,7 @@ class Dryden : public Effect {
     return {heading.cos * along - heading.sin * across, heading.sin * along + heading.cos * across,
             sigma_vertical * second_order(next.filter + 3)};
   }
-  /// Of variance 1.
+  /// Output of a second-order filter, of variance 1.
   template <class Real>
   SKYBODY_INLINE static Real second_order(const Real* x) {
     return kRoot3 * x[0] + (1.0 - kRoot3) * x[1];
@@ -361,7 +360,7 @@ class Dryden : public Effect {
   Scale<double> fixed_scale_{};
   double elapsed_ = 0.0;  ///< between two calls [s]
   int first_filter_ = 0;  ///< word of the buffer
-  int inputs_ = 0;        ///< words of the buffer from there on
+  int inputs_ = 0;        ///< number of buffer words from there on
 };
 
 }  // namespace

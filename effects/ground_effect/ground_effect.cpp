@@ -1,4 +1,5 @@
-// Rotors near the ground give more thrust: a gain by the height of each hub above z = 0.
+// Ground effect: rotors near the ground give more thrust, with a gain by the hub's height above z =
+// 0.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -30,7 +31,7 @@ class GroundEffect : public Effect {
     setup.holds(HeldInput::kRotorGain);
   }
 
-  /// Gains by where the hubs are now; they hold over the step.
+  /// Gains at the present hub positions, constant over the step.
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
     const Real radius = radius_(env), least = max(least_height_ratio_(env) * radius, Real(kTiny));
@@ -47,17 +48,17 @@ class GroundEffect : public Effect {
   }
 
  private:
-  static constexpr double kTiny = 1e-9;  ///< [m], for radii that are drawn as 0
+  static constexpr double kTiny = 1e-9;  ///< [m], for radii randomized to 0
 
-  /// 1 / (1 - (R / 4 h)^2) with h = height / upright, the way down the rotor's axis to the ground;
-  /// 1 of a rotor that does not blow down.
+  /// 1 / (1 - (R / 4 h)^2) with h = height / upright, the distance to the ground down the rotor's
+  /// axis; 1 for a rotor that does not blow down.
   template <class Real>
   static SKYBODY_INLINE Real cheeseman_bennett(const Real& radius, const Real& height,
                                                const Real& upright) {
     const Real share = (0.25 * radius) * max(upright, Real(0.0)) / height;
     return 1.0 / (1.0 - share * share);
   }
-  /// The added thrust K w^2 / h^2 over the thrust k_f w^2, whatever the attitude.
+  /// Added thrust K w^2 / h^2 relative to the thrust k_f w^2, for any attitude.
   /// @param ratio  K / k_f [m^2]
   template <class Real>
   static SKYBODY_INLINE Real gzdrl(const Real& ratio, const Real& height) {

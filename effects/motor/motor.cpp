@@ -1,12 +1,11 @@
-// Motor: direct-current motors behind a speed controller of limited current, in place of the
-// first-order lag of paper eq. 2.
+// Motor: direct-current motors with a current-limited speed controller, in place of the first-order
+// lag of paper eq. 2.
 //
-// A motor has three torques: k i of the current, drag k_m w^2 of the air, friction. Its equation is
-// stiff where the resistance is low, and the engine wants one acceleration for the whole step. So
-// the equation is linearised about the speed at the start of the step, and the acceleration is the
-// one that leads to the exact end of the linear equation: an exponential, stable for every dt. The
-// limits of the current are equations of their own; the motor goes the way that the narrowest of
-// them allows.
+// Three torques act on a motor: k i of the current, air drag k_m w^2, friction. The equation is
+// stiff at low resistance, and the engine needs one acceleration for the whole step. So the
+// equation is linearised about the speed at the start of the step, and the acceleration is the one
+// that reaches the exact end of the linear equation: an exponential, stable for every dt. Each
+// current limit has its own linear equation; the most restrictive one applies.
 #include <vector>
 
 #include "effects/common/rotors.h"
@@ -44,19 +43,19 @@ class Motor : public Effect {
 
  private:
   struct Rotor {
-    int index;        ///< in the world
-    int first_param;  ///< of its constants
+    int index;        ///< world index
+    int first_param;  ///< first of its constants
   };
-  /// Of the motors, in each environment.
+  /// Constants of the motors, per environment.
   template <class Real>
   struct Constants {
-    Real torque;            ///< k: torque by current [N m/A], and back voltage by speed [V s/rad]
+    Real torque;            ///< k: torque per current [N m/A], and back EMF per speed [V s/rad]
     Real per_ohm;           ///< 1 / R
     Real friction;          ///< [N m]
-    Real driving, braking;  ///< torques at the limits of the current [N m]
-    Real voltage;           ///< the largest [V]
+    Real driving, braking;  ///< torques at the current limits [N m]
+    Real voltage;           ///< largest voltage [V]
   };
-  /// What a motor turns.
+  /// Load of a motor.
   template <class Real>
   struct Load {
     Real per_inertia;  ///< 1 / J
@@ -76,13 +75,13 @@ class Motor : public Effect {
 
   template <class Real>
   SKYBODY_INLINE Load<Real> load_of(const EnvView<Real>& env, const Rotor& rotor) const {
-    // A drawn inertia may be 0; so small a one already follows at once.
+    // A randomized inertia may be 0; a motor of this inertia already follows at once.
     const Real inertia = max(env.param(rotor.first_param + SKYBODY_ROTOR_INERTIA), 1e-12);
     return {1.0 / inertia, env.param(rotor.first_param + SKYBODY_ROTOR_MOMENT_CONSTANT)};
   }
 
-  /// The voltage at which the commanded speed is steady: V = k w + (R / k) (k_m w^2 + friction), as
-  /// far as the supply goes.
+  /// The steady-state voltage of the commanded speed, V = k w + (R / k) (k_m w^2 + friction),
+  /// limited by the supply.
   template <class Real>
   SKYBODY_INLINE Real voltage(const Constants<Real>& motor, const Load<Real>& load,
                               const Real& command) const {
@@ -102,15 +101,14 @@ class Motor : public Effect {
       return speed + change((torque - resisting) * load.per_inertia,
                             (torque_slope + slope) * load.per_inertia);
     };
-    // Of dw/dt = min(f, g) the solution is below those of f and of g, and the like with max.
+    // The solution of dw/dt = min(f, g) is below those of f and of g; with max it is above them.
     const Real unlimited = after(free, Real(-by_speed));
     const Real slowest = after(motor.braking, Real(0.0));
     const Real fastest = after(motor.driving, Real(0.0));
     return clamp(unlimited, slowest, fastest);
   }
 
-  /// Change over the step of what begins with this rate and has this slope <= 0: the integral of
-  /// rate exp(slope t).
+  /// Change over the step for an initial rate and a slope <= 0: the integral of rate exp(slope t).
   template <class Real>
   SKYBODY_INLINE Real change(const Real& rate, const Real& slope) const {
     const Real steep = slope * dt_;

@@ -1,4 +1,4 @@
-// Rotor failure: from a drawn time on, rotors are stuck at a speed, weaker, or off.
+// Rotor failure: from a random time on, rotors are stuck at a speed, weaker, or off.
 #include <algorithm>
 #include <vector>
 
@@ -14,7 +14,7 @@ class RotorFailure : public Effect {
   template <class Real>
   struct State {
     Real time;   ///< of the failure [s]; -1: none in this episode
-    Real rotor;  ///< place in rotors_ of the one that was drawn; -1: all of them fail
+    Real rotor;  ///< index in rotors_ of the failed one; -1: all of them fail
   };
 
   void configure(const Setup& setup) override {
@@ -46,7 +46,7 @@ class RotorFailure : public Effect {
     first_speed_ = 1 + count;
   }
 
-  /// Whether, when and which.
+  /// Draws whether, when and which rotor fails.
   template <class Real>
   void reset(const EnvView<Real>& env, State<Real>& state, Values<Real> buffer) const {
     Random<Real> draw = random(env);
@@ -79,8 +79,8 @@ class RotorFailure : public Effect {
 
  private:
   struct Rotor {
-    int index;  ///< in the world
-    int place;  ///< within its robot
+    int index;  ///< world index
+    int place;  ///< index within its robot
   };
 
   /// @param speed  of the rotor when it failed [rad/s]
@@ -97,7 +97,7 @@ class RotorFailure : public Effect {
                      select(has_failed, kept, Real(kInfinity)));
   }
 
-  /// Those that are named, by name or by place; without names all, of which one is drawn.
+  /// The rotors selected by name or index; without names all, one of which is drawn.
   void choose_rotors(const Setup& setup, int robot) {
     const View<RotorInfo> all = setup.rotors_of(robot);
     const auto first = static_cast<int>(all.begin() - setup.rotors().begin());
@@ -171,7 +171,7 @@ class RotorFailure : public Effect {
 
   bool is_partial_ = false, is_stuck_ = false;
   double dt_ = 0.0;
-  int first_speed_ = 0;  ///< word of the buffer: speeds at the failure
+  int first_speed_ = 0;  ///< buffer word: speeds at the failure
   std::vector<Rotor> rotors_;
 };
 

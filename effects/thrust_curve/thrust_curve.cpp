@@ -1,5 +1,5 @@
 // Thrust curve: thrust and reaction moment as polynomials of a rotor's speed, and their loss with
-// the speed at which it advances along its axis.
+// its axial velocity through the air.
 #include <algorithm>
 #include <vector>
 
@@ -26,7 +26,7 @@ class ThrustCurve : public Effect {
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
     for (const Rotor& rotor : rotors_) {
-      // Below the least speed the gains are those there: bounded, where w^2 goes to 0.
+      // Below the least speed the gains are constant, because w^2 tends to 0.
       const Real speed = max(env.rotor_speed(rotor.index), rotor.least_speed);
       Real thrust = curve_gain(thrust_, rotor.per_thrust, speed);
       Real moment = curve_gain(moment_, rotor.per_moment, speed);
@@ -42,14 +42,15 @@ class ThrustCurve : public Effect {
 
  private:
   struct Rotor {
-    int index, body;                ///< in the world
+    int index, body;                ///< world indices
     int place;                      ///< EnvParam of the hub's x; y and z follow
     Vec3<double> axis;              ///< in the body's frame
     double per_thrust, per_moment;  ///< 1 / k_f and 1 / k_m, nominal
     double least_speed;             ///< [rad/s]
   };
 
-  /// The polynomial by the constant's parabola: sum of c_k w^k, over k w^2; 1 without a polynomial.
+  /// The polynomial relative to the constant's parabola: sum of c_k w^k, over k w^2; 1 without a
+  /// polynomial.
   template <class Real>
   static SKYBODY_INLINE Real curve_gain(const RealsParameter& coefficients, double per_constant,
                                         const Real& speed) {
@@ -69,7 +70,7 @@ class ThrustCurve : public Effect {
     return sum + 1.0;
   }
 
-  /// J = v_axial / (n D), n in turns a second, held to its range.
+  /// J = v_axial / (n D), n in revolutions per second, clamped to its range.
   template <class Real>
   SKYBODY_INLINE Real advance_ratio(const EnvView<Real>& env, const Rotor& rotor,
                                     const Real& speed) const {
@@ -110,8 +111,8 @@ class ThrustCurve : public Effect {
     return sum;
   }
 
-  /// A curve whose rotors cannot carry the robot at `max_speed` is a mistake: of signs, or of units
-  /// (revolutions a minute). So is a moment that drives the rotor.
+  /// Rejects a curve whose rotors cannot carry the robot at `max_speed`: usually wrong signs or
+  /// units (revolutions per minute). Also rejects a moment that drives the rotor.
   void check_thrust(const Setup& setup, int robot) const {
     double most = 0.0;
     for (const RotorInfo& rotor : setup.rotors_of(robot)) {

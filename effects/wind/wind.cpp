@@ -1,5 +1,5 @@
-// Wind: a constant velocity of the air, and 1-cosine gusts at drawn times; both the same at every
-// height, or with a profile of the boundary layer above the ground.
+// Wind: a constant air velocity, and 1-cosine gusts at random times; both uniform, or with a
+// boundary-layer profile above the ground.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -15,7 +15,7 @@ class Wind : public Effect {
 
   template <class Real>
   struct State {
-    Real begin;            ///< of the present gust, or the next one [s]
+    Real begin;            ///< start of the present or the next gust [s]
     Vec3<Real> direction;  ///< of that gust, unit, W
   };
 
@@ -53,7 +53,7 @@ class Wind : public Effect {
 
  private:
   static constexpr std::uint64_t kApplyDraws = 0, kResetDraws = 1;
-  /// [m]; below every `reference_height` of a logarithmic profile, whatever is drawn.
+  /// [m]; below every `reference_height` of a logarithmic profile, including randomized ones.
   static constexpr double kRoughest = 1.0;
   enum class Profile { kUniform, kPower, kLogarithmic };
 
@@ -79,7 +79,7 @@ class Wind : public Effect {
     }
   }
 
-  /// Wind at a body's height by the wind at `reference_height`.
+  /// Wind at a body's height, from the wind at `reference_height`.
   template <class Real>
   SKYBODY_INLINE Real share_at(const EnvView<Real>& env, int body) const {
     const Real height = max(env.body(body).position.z, least_height_.value());
@@ -89,7 +89,7 @@ class Wind : public Effect {
     return log(max(height, roughness) / roughness) / log(reference / roughness);
   }
 
-  /// From the end of a gust to the next one.
+  /// Time from the end of a gust to the next one.
   template <class Real>
   SKYBODY_INLINE Real wait(Random<Real>& draw) const {
     return -gust_interval_.value() * log(draw.uniform());
@@ -102,7 +102,7 @@ class Wind : public Effect {
     return {Real(fixed_direction_.x), Real(fixed_direction_.y), Real(fixed_direction_.z)};
   }
 
-  /// The 1-cosine gust; where it is over, the next one is drawn.
+  /// The 1-cosine gust; when it is over, draws the next one.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> gust(const EnvView<Real>& env, const Real& time,
                                  State<Real>& state) const {

@@ -21,7 +21,7 @@ constexpr const char* kNames[VelocityTable::kColumns] = {"t", "x", "y", "z"};
   throw std::runtime_error("`file`: " + place + ": " + why);
 }
 
-/// The whole file. Nothing is waited for: only regular files are opened.
+/// Reads the whole file. Only regular files are opened, so reading never blocks.
 std::string text_of(const std::string& file) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(file, failed)) {
@@ -44,7 +44,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// Cuts off the text before a separator, which may be missing.
+/// Splits off the text before a separator, which may be missing.
 std::string_view cut(std::string_view& rest, char separator) {
   const std::size_t end = std::min(rest.find(separator), rest.size());
   const std::string_view part = rest.substr(0, end);
@@ -78,7 +78,7 @@ double number_of(std::string_view cell, int column, const std::string& place) {
   return value;
 }
 
-/// Takes the lines of one file in order.
+/// Reads the lines of one file in order.
 class Reader {
  public:
   void take(std::string_view line, const std::string& place) {
@@ -123,7 +123,7 @@ bool VelocityTable::has_equal_steps() const {
 VelocityTable read_velocity_table(const std::string& file) {
   const std::string text = text_of(file);
   std::string_view rest = text;
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets write it
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // written by spreadsheets
   if (rest.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
     rest.remove_prefix(kByteOrderMark.size());
   }

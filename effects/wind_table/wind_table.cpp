@@ -1,4 +1,4 @@
-// The air's velocity over time from a CSV file, linear between its rows.
+// Wind from a CSV file of air velocities over time, linear between its rows.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -34,7 +34,7 @@ class WindTable : public Effect {
   }
 
  private:
-  /// A time since the first row, within the table.
+  /// Maps a time since the first row into the table.
   template <class Real>
   SKYBODY_INLINE Real within(const Real& time) const {
     const Real wrapped = loop_.value() ? time - length_ * floor(time / length_) : time;
@@ -59,13 +59,14 @@ class WindTable : public Effect {
     return {between(1), between(2), between(3)};
   }
 
-  /// The row at whose interval a time lies: by its index where the steps are equal, which may miss
-  /// by rounding at a row, where both intervals say the same; else by bisection in each lane.
+  /// The row whose interval contains a time. With equal steps it is computed; rounding may then
+  /// select the neighbouring interval at a row, where both give the same value. Otherwise it is
+  /// found by bisection in each lane.
   template <class Real>
   SKYBODY_INLINE Word<Real> row_before(const Real& time) const {
     const auto last = static_cast<double>(table_.rows() - 2);
     if (steps_per_second_ > 0.0) {
-      // No number, as of a `start` that a state brings along, is row 0, as in bisect().
+      // A NaN, such as a `start` from a loaded state, gives row 0, as in bisect().
       return to_word(min(max(floor(time * steps_per_second_), Real(0.0)), Real(last)));
     }
     const ValueOf<Real> plain = value_of(time);
@@ -115,7 +116,7 @@ class WindTable : public Effect {
                             .doc = "between two values of the wind"}};
 
   double dt_ = 0.0, begin_ = 0.0, length_ = 0.0;
-  double steps_per_second_ = 0.0;  ///< 0: steps differ
+  double steps_per_second_ = 0.0;  ///< 0: unequal steps
   VelocityTable table_;
   std::vector<int> bodies_;
 };

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""`skybody train` with the yardstick `lean-ppo`, which is no learner of Skybody's any more.
+"""`skybody train` with the yardstick `lean-ppo`, which is no longer a learner of Skybody.
 
     .venv/bin/python experiments/yardstick/command.py hover_learn --algo lean-ppo [OPTIONS]
 
-The same options, run folder and guarantees. learn_table.py runs it, so that rates of today's
-learners stand beside one that does not change, measured on the same machine in the same run.
+The same options, run folder and guarantees. learn_table.py runs it, so that rates of the current
+learners are compared with one that does not change, on the same machine in the same run.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ SETTINGS = (  # its hyper-parameters there
 
 @dataclass(frozen=True)
 class LeanHyperparameters(Hyperparameters):
-    """Those of a learner in PyTorch; the value function learns by itself."""
+    """Hyper-parameters of a learner in PyTorch; the value function has its own."""
 
     envs: int = 256
     rollout_steps: int = 32
-    # One pass: a second one fits noise of the first one's advantages, and in the end little else.
+    # One pass: a second one fits noise of the first one's advantages, and at the end little else.
     epochs: int = 1
     value_epochs: int = 5
 

@@ -1,18 +1,19 @@
-"""A lean PPO (Schulman et al. 2017) in Python on the native pool: what `fast-ppo` is measured by.
+"""A lean PPO (Schulman et al. 2017) in Python on the native pool: the reference for `fast-ppo`.
 
-A rollout is `rollout_steps` steps of all environments, written to tensors that are made once.
-Rows come from the pool without a copy. Observations are normalized by running statistics that stay
-as they are from a rollout's beginning to the end of its update; rewards are divided by the
+A rollout is `rollout_steps` steps of all environments, written to preallocated tensors.
+Rows come from the pool without a copy. Observations are normalized by running statistics that are
+constant from a rollout's beginning to the end of its update; rewards are divided by the
 deviation of the discounted return. Values are computed after the rollout, not step by step.
 
-Episodes end in three ways. A terminated one is worth nothing further. A truncated one is worth what
-the value function says of its last observation, before the reset. A fault is worth nothing
-further: what the environment became is not something to learn from. During the first horizon some
-environments begin anew after each rollout, so that later rollouts show all parts of an episode.
+Episodes end in three ways. After a termination there is no further return. After a truncation the
+further return is the value function of the last observation, before the reset. After a fault
+there is no further return: nothing may be learned from the state after it. During the first horizon
+some environments begin anew after each rollout, so that later rollouts contain all parts of an
+episode.
 
-Policy and value function share no parameters, so that each learns from a rollout on a thread of its
-own: two processors are used, and the bits do not depend on how many there are. (PyTorch's own
-threads meet in every operation, which at this size costs more than it gains.)
+Policy and value function share no parameters, so that each learns from a rollout on a separate
+thread: two processors are used, and the bits do not depend on their number. (PyTorch's own
+threads synchronize in every operation, which at this size costs more than it gains.)
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ if TYPE_CHECKING:
     from command import LeanHyperparameters
 
 EPSILON = 1e-8
-ADAM_EPSILON = 1e-5  # steps shrink with gradients that vanish, as in most implementations of PPO
+ADAM_EPSILON = 1e-5  # steps decrease with vanishing gradients, as in most implementations of PPO
 
 
 class TanhBySigmoid(torch.autograd.Function):
-    """tanh x = 2 sigmoid(2 x) - 1, within 2e-7; sigmoid takes PyTorch a sixth of tanh's time."""
+    """tanh x = 2 sigmoid(2 x) - 1, within 2e-7; PyTorch's sigmoid takes a sixth of tanh's time."""
 
     @staticmethod
     def forward(context: Any, x: Tensor) -> Tensor:
@@ -80,16 +81,16 @@ class RunningMoments:
         self.count = total
 
     def scale(self) -> Tensor:
-        """1 / deviation."""
+        """1 / standard deviation."""
         return 1.0 / torch.sqrt(self.var + EPSILON)
 
 
 @dataclass
 class Rollout:
-    """T steps of N environments; row t, i is what environment i did at step t."""
+    """T steps of N environments; row t, i is step t of environment i."""
 
-    observation: Tensor  # (T, N, O), as the environment gave them
-    normalized: Tensor  # (T, N, O), as the networks see them
+    observation: Tensor  # (T, N, O), from the environments
+    normalized: Tensor  # (T, N, O), inputs of the networks
     action: Tensor  # (T, N, A), before clipping
     noise: Tensor  # (T, N, A), standard normal
     reward: Tensor  # (T, N)
@@ -106,7 +107,7 @@ class Rollout:
 
 
 class LeanPpo:
-    """The learner `lean-ppo`; learner.Learner says what its methods do."""
+    """The learner `lean-ppo`; for its methods see learner.Learner."""
 
     def __init__(
         self,
@@ -136,7 +137,7 @@ class LeanPpo:
         )
         self.horizon = compiled.horizon
         self.pool.send_reset()
-        self.observation = self.pool.recv().observation  # a view, which the next step reads
+        self.observation = self.pool.recv().observation  # a view, read by the next step
 
     def _make_networks(self, observations: int, actions: int) -> None:
         hyper = self.hyper
@@ -209,7 +210,7 @@ class LeanPpo:
         self.episode_return[torch.from_numpy(ended)] = 0.0
 
     def _spread_starts(self) -> None:
-        """Begins the k-th of `parts` groups anew after rollout k; its last values are taken."""
+        """Resets the k-th of `parts` groups after rollout k, whose last values have been used."""
         envs, steps = self.hyper.envs, self.hyper.rollout_steps
         parts = self.horizon // steps
         group = np.arange(envs) * parts // envs
@@ -221,7 +222,7 @@ class LeanPpo:
                 sums[torch.from_numpy(begins)] = 0.0
 
     def _normalized(self, observation: Tensor) -> Tensor:
-        """As policy.h5 says: in float64, then rounded."""
+        """As in policy.h5: in float64, then rounded."""
         clip = self.hyper.observation_clip
         return ((observation - self.mean) * self.scale).clamp_(-clip, clip).float()
 
@@ -273,13 +274,13 @@ class LeanPpo:
         orders = [torch.randperm(count, generator=self.generator) for _ in range(epochs)]
         done = min(1.0, self.steps / self.total_steps)
         rate = self.hyper.learning_rate * (1.0 - done * (1.0 - self.hyper.final_learning_rate))
-        # The value function's rate stays: one that lags behind the policy misleads it.
+        # The value function's learning rate is constant: a lagging one misleads the policy.
         passes, full = orders[: self.hyper.value_epochs], self.hyper.learning_rate
         fit = self.helper.submit(self._fit_value, returns, passes, full)
         losses = self._improve_policy(advantage, orders[: self.hyper.epochs], rate)
         losses["value_loss"] = fit.result()
         check_finite("lean-ppo", self.parameters(), self.steps)
-        error = advantage  # of what the value function said before the update
+        error = advantage  # of the value function before the update
         losses["explained_variance"] = float(1 - error.var() / (returns.var() + EPSILON))
         losses["action_std"] = float(self.log_std.detach().exp().mean())
         losses["learning_rate"] = rate
@@ -302,7 +303,7 @@ class LeanPpo:
     ) -> dict[str, float]:
         """All gradient steps of the policy; returns means of loss, KL divergence, clipped share."""
         hyper, rollout = self.hyper, self.rollout
-        with torch.no_grad():  # of the noise, up to the constant that ratios do not see
+        with torch.no_grad():  # of the noise, up to a constant that cancels in ratios
             log_probability = -0.5 * rollout.noise.square().sum(2) - self.log_std.sum()
         rest = torch.stack([log_probability, advantage], dim=2)
         data = torch.cat([rollout.normalized, rollout.action, rest], dim=2).flatten(0, 1)

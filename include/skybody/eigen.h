@@ -1,8 +1,8 @@
 // Batches, actions and states as Eigen matrices with a row for each environment, without copies.
 // Header only; your project brings Eigen (find_package(Eigen3), version 3.4).
 //
-// A map refers to memory of somebody else: those of a Batch hold for as long as its shared_ptr is
-// held, those of a span for as long as the values that it names.
+// A map does not own its memory. A map of a Batch is valid as long as the batch's shared_ptr is
+// held, a map of a span as long as the span's values exist.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,18 +15,18 @@
 
 namespace skybody {
 
-/// A row for each environment, the values of a row side by side.
+/// A row for each environment; the values of a row are contiguous.
 template <class Scalar>
 using RowMatrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A map of values that may be written unless they are const.
+/// A map of values, writable unless they are const.
 template <class Scalar>
 using RowMap =
     Eigen::Map<std::conditional_t<std::is_const_v<Scalar>,
                                   const RowMatrix<std::remove_const_t<Scalar>>, RowMatrix<Scalar>>>;
 
-/// Values as rows, such as what Pool::state() wrote.
-/// @throws Error unless there are rows * width of them
+/// Maps values as rows, such as the output of Pool::state().
+/// @throws Error unless there are rows * width values
 template <class Scalar>
 RowMap<Scalar> row_map(std::span<Scalar> values, int rows, int width) {
   check_values("values", values.size(), static_cast<std::size_t>(rows), width);
@@ -48,12 +48,12 @@ inline RowMap<const float> observations(const Batch& batch) {
   return {batch.observation.data(), batch.rows, batch.width.observation};
 }
 
-/// Privileged rows of a batch, for a critic only: rows x privileged_size().
+/// Privileged rows of a batch, for the critic only: rows x privileged_size().
 inline RowMap<const float> privileged(const Batch& batch) {
   return {batch.privileged.data(), batch.rows, batch.width.privileged};
 }
 
-/// Info values of a batch: rows x info_size(), or x 0 without PoolOptions::info.
+/// Info values of a batch: rows x info_size(), rows x 0 without PoolOptions::info.
 inline RowMap<const float> infos(const Batch& batch) {
   return {batch.info.data(), batch.rows, batch.width.info};
 }

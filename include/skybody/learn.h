@@ -1,6 +1,6 @@
-// Everything that lab code includes to train in its own process: a learner on a scenario, one
-// rollout and its update at a time, and the policy file that `skybody run --policy` flies.
-// make_learner() makes either.
+// The header for programs that train in their own process: a learner on a scenario, one rollout and
+// its update at a time, and the policy file for `skybody run --policy`. make_learner() makes a
+// learner with either algorithm.
 #pragma once
 
 #include "core/assemble/load.h"

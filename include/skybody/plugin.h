@@ -1,4 +1,4 @@
-// Everything that a plugin author includes.
+// The header for plugin authors.
 #pragma once
 
 #include "core/base/distribution.h"

@@ -1,5 +1,5 @@
-// Everything that lab code includes to fly scenarios in its own process: one environment under
-// direct control (Simulation), many of them (SimulationPool), many for a learner (Pool).
+// The header for programs that run scenarios in their own process: one environment under direct
+// control (Simulation), many of them (SimulationPool), many for a learner (Pool).
 #pragma once
 
 #include "core/assemble/load.h"

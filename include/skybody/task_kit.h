@@ -1,5 +1,5 @@
-// What tasks share, for their authors: named parts of observations, histories, limits of flight,
-// verdicts, terms of rewards, draws. docs/task_kit.md builds a task with it.
+// Building blocks for authors of tasks: named parts of observations, histories, flight limits,
+// verdicts, reward terms, draws. docs/task_kit.md builds a task with them.
 #pragma once
 
 #include "plugins/task_kit/attitude.h"

@@ -1,4 +1,4 @@
-// The floating-point mode of learning: denormal numbers are zero.
+// Floating-point mode of learning: denormal numbers are flushed to zero.
 #pragma once
 
 #ifdef __SSE2__
@@ -7,8 +7,8 @@
 
 namespace skybody::learn {
 
-/// For a scope, numbers below the normal ones count as zero, as operands and as results. On
-/// processors without SSE nothing changes.
+/// Within its scope, denormal operands and results count as zero. No effect on processors without
+/// SSE.
 class FlushedDenormals {
  public:
 #ifdef __SSE2__

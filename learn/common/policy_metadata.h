@@ -1,4 +1,4 @@
-// The head of a policy file: which scenario it flies, and how it came about.
+// The header of a policy file: its scenario and its training.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace skybody::learn {
 
-/// A policy without a network.
+/// A policy file without a network.
 /// @param steps  environment steps trained
 PolicyFile policy_metadata(const CompiledScenario& compiled, Algorithm algorithm,
                            std::int64_t steps);

@@ -11,7 +11,7 @@ void RunningMoments::add(double rows, std::span<const double> sum,
   const double total = count + rows;
   for (std::size_t k = 0; k < mean.size(); ++k) {
     const double delta = sum[k] / rows;
-    // Never below zero, which rounding makes of a column that hardly changes.
+    // Round-off can make the variance of a nearly constant column negative; clamp it.
     const double spread = std::max(squares[k] / rows - delta * delta, 0.0);
     variance[k] =
         (count * variance[k] + rows * spread + delta * delta * (count * rows / total)) / total;

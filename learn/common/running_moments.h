@@ -7,22 +7,22 @@
 
 namespace skybody::learn {
 
-/// Mean and variance of all rows so far, by the update of Chan, Golub and LeVeque (1979,
-/// "Updating formulae and a pairwise algorithm for computing sample variances", eq. 2.1). Of no
-/// rows: mean 0, variance 1.
+/// Mean and variance of all rows so far, by the update of Chan, Golub and LeVeque (1979, "Updating
+/// formulae and a pairwise algorithm for computing sample variances", eq. 2.1). Without rows: mean
+/// 0, variance 1.
 struct RunningMoments {
   std::vector<double> mean, variance;
   double count = 0.0;
 
   explicit RunningMoments(std::size_t columns) : mean(columns, 0.0), variance(columns, 1.0) {}
 
-  /// Takes in `rows` rows.
-  /// @param sum, squares  of each column's difference from `mean`, as it stands before this call
+  /// Adds `rows` rows.
+  /// @param sum, squares  of each column's difference from the current `mean`
   void add(double rows, std::span<const double> sum, std::span<const double> squares);
   /// 1 / sqrt(variance + 1e-8) of a column.
   double scale(std::size_t column) const;
 
-  /// Names to `visitor` what a checkpoint holds (state_blocks.h). @param self  const or not
+  /// Passes the checkpointed arrays to `visitor` (state_blocks.h). @param self  const or not
   template <class Self, class Visitor>
   static void visit(Self& self, const std::string& name, Visitor& visitor) {
     visitor(name + ".mean", self.mean.data(), self.mean.size());

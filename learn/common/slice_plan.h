@@ -1,4 +1,4 @@
-// How environments are cut into slices, and rows of a rollout into minibatches.
+// Divides environments into slices, and rows of a rollout into minibatches.
 #pragma once
 
 #include <algorithm>
@@ -6,20 +6,22 @@
 
 namespace skybody::learn {
 
-/// Slices that a learner's environments are cut into, whatever threads or machines there are;
-/// fewer where there are fewer environments. Another number gives other bits.
+/// Number of slices of a learner's environments, independent of threads or machines; fewer if there
+/// are fewer environments. Another number gives other bits.
 inline constexpr int kSlices = 8;
 
-/// The cuts, which follow from three numbers: everybody who knows these cuts alike.
+/// The division into slices and minibatches. It follows from the constructor's numbers alone, so
+/// that every thread and process computes the same.
 ///
-/// A minibatch takes its share of each slice's rows, in the slice's shuffled order. An epoch sees
-/// every row once: where the rows do not divide by the minibatch, all minibatches are a little
-/// smaller, equal but for one row of each slice. For policies with a memory, the rows of an
-/// environment (or robot) stay together: what is said of rows holds of these sequences.
+/// A minibatch takes its share of each slice's rows, in the slice's shuffled order. An epoch uses
+/// every row once: if the rows are not a multiple of the minibatch, all minibatches are slightly
+/// smaller, and their sizes differ by at most one row per slice. For policies with a memory, the
+/// rows of an environment (or robot) stay together as a sequence, and sequences take the place of
+/// rows.
 class SlicePlan {
  public:
-  /// @param rows_per_env  of a rollout: its steps, times the agents that are rows
-  /// @param together      rows of a sequence, which divide rows_per_env; 1: each by itself
+  /// @param rows_per_env  of a rollout: its steps, times the agents with rows of their own
+  /// @param together      rows of a sequence, which divide rows_per_env; 1: no sequences
   SlicePlan(int envs, int rows_per_env, int minibatch, int together = 1)
       : envs_(envs),
         rows_per_env_(rows_per_env),
@@ -30,16 +32,16 @@ class SlicePlan {
                                    std::int64_t{envs / slices_} * rows_per_env / together))) {}
 
   int slices() const { return slices_; }
-  /// Environments first_env(s) ... first_env(s + 1) - 1 are slice s's.
+  /// Slice s has the environments first_env(s) ... first_env(s + 1) - 1.
   int first_env(int slice) const { return static_cast<int>(part(envs_, slice, slices_)); }
   int envs(int slice) const { return first_env(slice + 1) - first_env(slice); }
   int rows(int slice) const { return envs(slice) * rows_per_env_; }
-  /// Of a rollout, over all slices.
+  /// Rows of a rollout, over all slices.
   std::int64_t rows() const { return std::int64_t{envs_} * rows_per_env_; }
 
-  /// Of an epoch.
+  /// Minibatches of an epoch.
   int minibatches() const { return minibatches_; }
-  /// Rows first_row(s, m) ... first_row(s, m + 1) - 1 of slice s's order are minibatch m's.
+  /// Minibatch m has the rows first_row(s, m) ... first_row(s, m + 1) - 1 of slice s's order.
   int first_row(int slice, int minibatch) const {
     return static_cast<int>(part(rows(slice) / together_, minibatch, minibatches_)) * together_;
   }

@@ -1,5 +1,5 @@
-// Words of a checkpoint, by name. What has a state names its parts once, to a visitor: the same
-// list writes, checks and reads.
+// Words of a checkpoint, by name. A class with state passes its arrays to a visitor in one
+// function, which serves for writing, checking and reading.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace skybody::learn {
 
 using StateBlocks = std::vector<std::pair<std::string, std::vector<std::uint64_t>>>;
 
-/// Adds a block for each array that it is told of.
+/// Adds a block for each array.
 class StateWriter {
  public:
   explicit StateWriter(StateBlocks& blocks) : blocks_(blocks) {}
@@ -31,14 +31,14 @@ class StateWriter {
   StateBlocks& blocks_;
 };
 
-/// Finds the block of each array that it is told of, and checks it or copies from it. Check all
-/// first, so that nothing changes where something is missing.
+/// Finds the block of each array, and checks it or copies from it. Check all blocks first, so that
+/// nothing changes if one is missing.
 class StateReader {
  public:
   enum class Mode { kCheck, kCopy };
   StateReader(const StateBlocks& blocks, Mode mode) : blocks_(blocks), mode_(mode) {}
 
-  /// @throws Error if there is no such block or it has another size
+  /// @throws Error if there is no such block or its size differs
   template <class T>
   void operator()(const std::string& name, T* values, std::size_t count) {
     const std::vector<std::uint64_t>& words = find(name);

@@ -40,7 +40,7 @@ void TaskThreads::run(const int* tasks, int count, int thread) {
   threads_.announce();
 }
 
-/// The first one; others follow from it or are as bad.
+/// Keeps the first failure only; later ones are usually its consequences.
 void TaskThreads::keep_failure() {
   const std::lock_guard lock(mutex_);
   if (!failure_) failure_ = std::current_exception();

@@ -1,4 +1,4 @@
-// The threads of a learner: tasks of a phase run on them, and the caller, who works too.
+// The threads of a learner. They run the tasks of a phase, and the calling thread takes part.
 #pragma once
 
 #include <atomic>
@@ -10,21 +10,21 @@
 
 namespace skybody::learn {
 
-/// A ThreadPool for phases of learning: some tasks at once, then all of them are done. While a task
-/// runs, its thread flushes denormal numbers to zero: they arise in gradients of saturated units,
-/// mean nothing there, and take a processor a hundred times as long as others. (A Pool that a task
-/// steps sets the standard mode for itself.)
+/// A ThreadPool for phases of learning: run() executes some tasks at once and waits for all of
+/// them. While a task runs, its thread flushes denormal numbers to zero. They arise in gradients of
+/// saturated units, are negligible there, and cost a processor a hundred times the time of other
+/// numbers. (A Pool stepped by a task sets the standard mode for itself.)
 class TaskThreads : private GroupRunner {
  public:
-  /// @param threads     the caller counted; 0: one per processor that the process may use
-  /// @param most_tasks  that run() is ever given; more threads than that are not started
+  /// @param threads     including the caller; 0: one per processor that the process may use
+  /// @param most_tasks  largest `count` of run(); no more threads than that are started
   TaskThreads(int threads, int most_tasks);
 
   int threads() const { return threads_.threads(); }
 
   /// Calls work(task, thread) once for each task 0 ... count - 1, on any thread, and returns when
   /// all have ended. Does not allocate.
-  /// @throws what a task threw, after the others have ended
+  /// @throws the exception of a task, after the others have ended
   template <class Work>
   void run(int count, Work&& work) {
     context_ = const_cast<void*>(static_cast<const void*>(&work));
@@ -44,7 +44,7 @@ class TaskThreads : private GroupRunner {
   std::atomic<int> left_{0};
   std::mutex mutex_;
   std::exception_ptr failure_;
-  ThreadPool threads_;  // last: its threads end before what they use
+  ThreadPool threads_;  // last: its threads end before the members they use
 };
 
 }  // namespace skybody::learn

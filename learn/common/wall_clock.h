@@ -1,4 +1,4 @@
-// Seconds of wall-clock time for reports: figures alone, no bits follow from them.
+// Seconds of wall-clock time for reports. Results do not depend on them.
 #pragma once
 
 #include <chrono>

@@ -48,7 +48,7 @@ struct AddGoalCost {
     const Vec3<Real> v = velocity - Vec3<Real>{g[4], g[5], g[6]} - toward * speed;
     const Real root = sqrt(squared_norm(v) + kSoftness);
     const Vec3<Real> to_v = v * (weight / root);
-    // v_g turns with the direction to the goal, and close by it shrinks, too.
+    // v_g turns with the direction to the goal; close to the goal it also shrinks.
     const Real along = dot(toward, to_v), turn = speed / d;
     const Vec3<Real> far = (to_v - toward * along) * turn;
     const Vec3<Real> near = to_v * Real(c.approach_rate);
@@ -78,7 +78,8 @@ struct AddGoalCost {
     store_lanes(distance, d, mask);
   }
 
-  /// What the point's position and velocity owe to the body's rotation and rates:
+  /// Contribution of the point's position and velocity to the derivatives by the body's rotation
+  /// and rates:
   ///   p = origin + R point, v = velocity + R (w x point).
   template <class Real>
   static SKYBODY_INLINE void add_lever(const Quat<Real>& q, const Vec3<Real>& w,

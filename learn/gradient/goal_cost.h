@@ -1,5 +1,5 @@
-// The smooth cost that a policy is taught by: derived from the task's goal, so that every task that
-// has one is learned alike.
+// The smooth cost for training a policy. It is derived from the task's goal, so that every task
+// with a goal is learned in the same way.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,22 @@
 
 namespace skybody::learn {
 
-/// Of a body's point with position p and velocity v, the body's rates w and heading psi, and a goal
-/// with the position g, velocity g' and heading psi_g, at the end of each transition:
+/// Cost of a body's point with position p and velocity v, the body's rates w and heading psi, and a
+/// goal with the position g, velocity g' and heading psi_g, at the end of each transition:
 ///
 ///   sqrt(|v - v_g|^2 + 0.1^2) + 0.3 min(|g - p|, 1) + 0.5 (psi - psi_g)^2 + 0.02 |w|^2
 ///
 /// where v_g = g' + (g - p) / |g - p| min(approach_rate |g - p|, approach_speed): far away fly
-/// towards it at a speed, close by brake to its own. A cost of the distance alone asks for the
-/// impossible, and a policy that dashes off tumbles. For each change of an action a between two
-/// transitions 0.1 |change|^2 is added (kSmoothness).
+/// towards the goal at a fixed speed, close to it brake to the goal's own velocity. A cost of the
+/// distance alone has no feasible optimum, and a policy that accelerates towards the goal at full
+/// power tumbles. Each change of an action a between two transitions adds 0.1 |change|^2
+/// (kSmoothness).
 struct GoalCost {
   double approach_speed, approach_rate;
   static constexpr double kSmoothness = 0.1;
   static constexpr int kGoalRows = 7;
 
-  Vec3<double> point;  ///< of the body, in its frame: what is brought to the goal [m]
+  Vec3<double> point;  ///< of the body, in its frame: the point that should reach the goal [m]
 
   GoalCost(const Hyperparameters& hyper, const Vec3<double>& goal_point)
       : approach_speed(hyper.approach_speed),
@@ -35,8 +36,8 @@ struct GoalCost {
 
   /// Adds `weight` times the cost's derivatives, in a group of kGroupLanes lanes.
   /// @param motion    13 rows: the body's BodyState
-  /// @param goal      kGoalRows: where the body's frame belongs, turned as it is, and its heading;
-  ///                  velocity
+  /// @param goal      kGoalRows: target position of the body's frame with its current rotation,
+  ///        heading, velocity
   /// @param adjoints  13 rows, added to in `lanes`
   /// @param cost      1 row: added to in `lanes`
   /// @param distance  1 row, overwritten [m]

@@ -17,11 +17,11 @@
 namespace skybody::learn {
 namespace {
 
-/// Observations are normalised by about the last so many rollouts: what an untrained policy sees,
-/// tumbling, says little of what it is to see.
+/// Number of recent rollouts whose statistics normalise observations. Older ones count less:
+/// observations of an untrained, tumbling policy do not resemble later ones.
 constexpr double kRemembered = 10.0;
-/// Added to the variance that observations are normalised by: those that hardly vary are not blown
-/// up.
+/// Added to the variance that normalises observations, so that nearly constant ones are not
+/// amplified.
 constexpr double kLeastVariance = 0.01;
 constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
@@ -30,13 +30,13 @@ NetworkShape shape_of(const CompiledScenario& compiled, const Hyperparameters& h
   return {compiled.observation_size(), hyper.hidden, compiled.action_size(), hyper.activation};
 }
 
-/// Physics steps of an action.
+/// Physics steps per action.
 struct PhysicsSteps {
   double dt;  ///< [s]
   int count;
 };
 
-/// Those that a scenario is trained in: its own, or fewer that take as long.
+/// Steps of the training version of a scenario: its own, or fewer of the same total duration.
 PhysicsSteps training_steps(const CompiledScenario& compiled, const Hyperparameters& hyper) {
   const Stepping& own = compiled.scenario().stepping;
   if (hyper.physics_steps == 0 || hyper.physics_steps >= own.action_repeat) {
@@ -105,7 +105,7 @@ AnalyticGradientLearner::AnalyticGradientLearner(const LearnerOptions& options,
 
 Report AnalyticGradientLearner::iterate() {
   const Clock::time_point begin = Clock::now();
-  const FlushedDenormals guard;  // as on the threads of the threads
+  const FlushedDenormals guard;  // as on the worker threads
   const std::span<float> parameters{parameters_.data(), parameters_.size()};
   network_.transpose(parameters, transposed_);
   for (std::size_t k = 0; k < scale_.size(); ++k) {
@@ -138,7 +138,7 @@ Report AnalyticGradientLearner::iterate() {
     const std::span<const float> returns = slice->episode_returns();
     report.episode_returns.insert(report.episode_returns.end(), returns.begin(), returns.end());
   }
-  // Slices run side by side: the time of all is shared out as their own is.
+  // Slices run side by side: the elapsed time is divided in proportion to their own times.
   const double flight = sums_[kSumFlightSeconds], inference = sums_[kSumInferenceSeconds];
   const double share =
       seconds_between(begin, middle) / (flight + inference + sums_[kSumReturnSeconds]);
@@ -153,7 +153,7 @@ Report AnalyticGradientLearner::iterate() {
   return report;
 }
 
-/// Some steps of the optimiser over all transitions of the iteration. @returns the last loss
+/// Some optimiser steps over all transitions of the iteration. @returns the last loss
 double AnalyticGradientLearner::update_value() {
   double loss = 0.0;
   for (int epoch = 0; epoch < hyper_.value_epochs; ++epoch) {

@@ -1,5 +1,5 @@
 // Learning through the dynamics: the policy's gradient is the derivative of a smooth cost over a
-// horizon of the engine's own transitions, by going back through them.
+// horizon of the engine's own transitions, computed backwards through them.
 #pragma once
 
 #include <memory>
@@ -14,20 +14,21 @@
 
 namespace skybody::learn {
 
-/// Overrides of a scenario ("PATH=VALUE", LoadOptions::overrides) by which it is trained in: as
-/// many physics steps of an action as `physics_steps` says, longer ones, so that an action stays as
-/// long as it is. Empty: the scenario's own steps.
+/// Overrides ("PATH=VALUE", LoadOptions::overrides) that turn a scenario into its training version:
+/// `physics_steps` physics steps per action, which are longer, so that the duration of an action is
+/// unchanged. Empty: the scenario's own steps.
 std::vector<std::string> training_overrides(const CompiledScenario& compiled,
                                             const Hyperparameters& hyper);
 
-/// A deterministic policy, tanh(network(normalised observation)), taught by the gradient of
-/// GoalCost. The same bits for any number of threads.
+/// Trains a deterministic policy, tanh(network(normalised observation)), by the gradient of
+/// GoalCost. The result does not depend on the number of threads.
 class AnalyticGradientLearner : public Learner {
  public:
   /// make_learner() compiles `training` and calls this.
-  /// @param training  the scenario as it is trained in: options.compiled with training_overrides()
-  /// @throws Error (naming what) where derivatives are not known (TransitionAdjoint), or where
-  ///         `training` has other physics steps than `physics_steps` asks for
+  /// @param training  the training version of the scenario: options.compiled with
+  ///        training_overrides()
+  /// @throws Error (with the cause) if derivatives are not available (TransitionAdjoint), or if the
+  ///         physics steps of `training` differ from `physics_steps`
   AnalyticGradientLearner(const LearnerOptions& options,
                           std::shared_ptr<const CompiledScenario> training);
 
@@ -57,8 +58,8 @@ class AnalyticGradientLearner : public Learner {
   TransposedWeights transposed_;
   Adam adam_;
   RunningMoments moments_;
-  std::unique_ptr<ValueFunction> value_;  ///< null: there is none
-  std::vector<double> scale_;             ///< that observations are normalised by
+  std::unique_ptr<ValueFunction> value_;  ///< null: none
+  std::vector<double> scale_;             ///< factors that normalise observations
   WeightAverage average_;
   Counters counters_;
   TaskThreads threads_;

@@ -1,4 +1,4 @@
-// A slice's making, and its flights through a horizon.
+// A slice's construction, and its forward pass through a horizon.
 #include "learn/gradient/gradient_slice.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr std::uint32_t kAllLanes = ~0u;
 
 std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << count) - 1u; }
 
-/// The adjoint refuses tasks without a goal.
+/// TransitionAdjoint refuses tasks without a goal.
 Vec3<double> goal_point(const CompiledScenario& compiled) {
   const std::vector<Goal>& goals = compiled.task().goals;
   return goals.empty() ? Vec3<double>{0.0, 0.0, 0.0} : goals[0].point;
@@ -93,11 +93,11 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   begin();
 }
 
-/// Which values of plugins depend on which follows from some flights with random actions, the same
+/// Finds the dependencies among plugins' values, from some flights with random actions, the same
 /// for all slices and seeds.
 void GradientSlice::look() {
   Group& group = groups_[0];
-  constexpr std::uint64_t kKey = 0x67726164;  // any
+  constexpr std::uint64_t kKey = 0x67726164;  // arbitrary
   for (int l = 0; l < kGroupLanes; ++l) {
     compiled_->initialize(group.state, l, kKey, static_cast<std::uint64_t>(l));
   }
@@ -239,8 +239,8 @@ std::uint32_t GradientSlice::ending(int t) const {
   return t + 1 < horizon_ ? sound_[at] & ~flying_[at + 1] : sound_[at];
 }
 
-/// Where flights are left: do they touch something, which derivatives do not know of? And what do
-/// they see there? Flights of a fault see nothing.
+/// Inspects the ends of flights: contacts, which the derivatives ignore, and the last observations.
+/// Flights that ended by a fault have none.
 void GradientSlice::look_at_ends(Group& group, const GradientInputs& inputs) {
   std::uint32_t sound = 0;
   for (int t = 0; t < horizon_; ++t) sound |= ending(t);
@@ -259,8 +259,8 @@ void GradientSlice::look_at_ends(Group& group, const GradientInputs& inputs) {
 
 // --- between two horizons -----------------------------------------------------------------------
 
-/// Environments whose episode has ended, and a part of the others, so that every horizon shows all
-/// parts of an episode: one after `episode / horizon` iterations.
+/// Resets environments whose episode has ended. During the first `episode / horizon` iterations
+/// also resets a part of the others, so that later horizons sample all parts of an episode.
 void GradientSlice::begin_anew(Group& group, std::int64_t iteration) {
   const FpEnvironment guard;
   std::uint32_t flying = sound_.back();

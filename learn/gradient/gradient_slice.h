@@ -1,5 +1,5 @@
-// One of the eight slices of a AnalyticGradientLearner's environments: flies a horizon of
-// transitions and goes back through them.
+// One of the eight slices of an AnalyticGradientLearner's environments: runs a horizon of
+// transitions forward and backward.
 #pragma once
 
 #include <memory>
@@ -22,43 +22,43 @@ namespace skybody::learn {
 struct GradientInputs {
   std::span<const float> parameters;
   const TransposedWeights* transposed = nullptr;
-  std::span<const double> mean, scale;  ///< observations are normalised by: (x - mean) scale
+  std::span<const double> mean, scale;  ///< observations are normalised to (x - mean) scale
   std::int64_t iteration = 0;
 };
 
-/// Sums of a slice over an iteration, in this order; behind them, of each observation, the sum
-/// of its difference from the mean, and of that squared.
+/// Sums of a slice over an iteration, in this order. After them, for each observation, the sum of
+/// its difference from the mean, and the sum of the squared difference.
 enum GradientSum : int {
   kSumCost,
   kSumDistance,
   kSumSteps,
   kSumFaulted,
-  kSumEnds,              ///< environments
-  kSumTouching,          ///< of them, those that a horizon leaves in contact with something
-  kSumFlightSeconds,     ///< in transitions; figures alone, no bits follow from them
-  kSumInferenceSeconds,  ///< in the network, forwards
-  kSumReturnSeconds,     ///< from the horizon's end to its beginning
+  kSumEnds,              ///< environments at the end of the horizon
+  kSumTouching,          ///< number of these that are in contact at the end of the horizon
+  kSumFlightSeconds,     ///< time in transitions; for reports only
+  kSumInferenceSeconds,  ///< time in the network's forward pass
+  kSumReturnSeconds,     ///< time in the backward pass through the horizon
   kGradientSums
 };
 
-/// A slice's environments are groups of lanes that it steps itself. What it gives does not depend
-/// on the thread that runs it.
+/// A slice's environments are groups of lanes that it steps itself. Its results do not depend on
+/// the thread that runs it.
 class GradientSlice {
  public:
-  /// @param compiled  that is trained in
-  /// @param network   outlives this
-  /// @param value     outlives this; null: there is none
-  /// @param alike     a slice of the same scenario, which knows already which values of plugins
-  ///                  depend on which; null: this one finds out
-  /// @throws Error where no derivatives are known
+  /// @param compiled  the training version of the scenario
+  /// @param network   must outlive the slice
+  /// @param value     must outlive the slice; null: no value function
+  /// @param alike     a slice of the same scenario that has already found the dependencies among
+  ///        plugins' values; null: this one finds them
+  /// @throws Error if no derivatives are available
   GradientSlice(std::shared_ptr<const CompiledScenario> compiled, const Hyperparameters& hyper,
                 const Network& network, std::uint64_t seed, int first_env, int envs,
                 const ValueFunction* value, const GradientSlice* alike);
 
-  /// Flies a horizon in all environments and adds up gradients.
+  /// Runs a horizon in all environments and sums gradients.
   void run(const GradientInputs& inputs);
 
-  /// Lessons of the last run() for the value function; null: there is no value function.
+  /// Training data of the last run() for the value function; null: no value function.
   HorizonValue* value() const { return value_.get(); }
 
   std::span<const float> gradient() const { return {gradient_.data(), gradient_.size()}; }
@@ -77,9 +77,9 @@ class GradientSlice {
  private:
   struct Group {
     StateGroup state;
-    std::uint32_t lanes;  ///< that hold environments: the first
-    int count;            ///< of them
-    int first;            ///< environment, within the slice
+    std::uint32_t lanes;  ///< lanes with environments: the first ones
+    int count;            ///< number of these lanes
+    int first;            ///< first environment, within the slice
   };
   void look();
   void begin();
@@ -111,22 +111,23 @@ class GradientSlice {
   Isa isa_;
   std::uint64_t seed_;
   int first_env_, envs_, horizon_, actions_, seen_, stride_;
-  double weight_;                  ///< of one transition in the mean of an iteration
-  double reward_weight_;           ///< of its reward, beside the cost's 1
-  double goal_weight_;             ///< likewise of the cost
-  double end_weight_;              ///< likewise of the value behind the horizon
-  std::vector<double> discounts_;  ///< of each transition
+  double weight_;                  ///< weight of one transition in the mean of an iteration
+  double reward_weight_;           ///< weight of the reward
+  double goal_weight_;             ///< weight of the cost
+  double end_weight_;              ///< weight of the value after the horizon
+  std::vector<double> discounts_;  ///< discount of each transition
   std::unique_ptr<GroupWorkspace> work_;
   TransitionAdjoint adjoint_;
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> flying_, sound_;  ///< per transition: lanes that take it; those
-                                               ///< of them that no fault ended
-  std::uint32_t terminated_ = 0;               ///< lanes that the task has ended
+  std::vector<std::uint32_t> flying_,
+      sound_;  ///< per transition: lanes that take it; those of them that no fault ended
+  std::uint32_t terminated_ = 0;  ///< lanes whose episode the task has ended
   AlignedArray<double> goal_, adjoints_, to_action_, cost_row_, distance_;
-  AlignedArray<double> gain_;         ///< per transition and lane: what the value function sums up
-  AlignedArray<float> observations_;  ///< of all environments now
+  AlignedArray<double>
+      gain_;  ///< per transition and lane: the summands of the value function's targets
+  AlignedArray<float> observations_;  ///< current, of all environments
   AlignedArray<float> x_, action_;    ///< per transition and lane
-  AlignedArray<float> end_x_;         ///< likewise after the last transition, per lane
+  AlignedArray<float> end_x_;         ///< after the last transition, per lane
   AlignedArray<float> dx_, dy_, reward_, next_observation_;
   AlignedArray<std::uint64_t> status_;
   std::vector<NetworkActivations> memory_;  ///< per transition

@@ -1,4 +1,4 @@
-// A slice's way back through a horizon.
+// A slice's backward pass through a horizon.
 #include <cmath>
 
 #include "core/base/fp_environment.h"
@@ -8,7 +8,7 @@
 namespace skybody::learn {
 namespace {
 
-constexpr double kMostGradient = 1e15;  // of a cost at an action, whose range is 2
+constexpr double kMostGradient = 1e15;  // of a cost by an action, whose range is 2
 
 }  // namespace
 
@@ -64,7 +64,8 @@ void GradientSlice::set_reward(int t, std::uint32_t lanes) {
   each_lane(lanes, [&](int l) { to[l] = -weight; });
 }
 
-/// Gradients at the network's outputs, from those at the actions and the actions' changes.
+/// Gradients at the network's outputs, from the gradients at the actions and at the changes of
+/// actions.
 void GradientSlice::add_actions(int t, std::uint32_t lanes) {
   dy_.fill_zero();
   const double weight = 2.0 * GoalCost::kSmoothness * goal_weight_ * weight_;
@@ -80,15 +81,15 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
         to += next * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
       }
       to *= 1.0 - a * a;
-      // A flight whose derivatives blow up teaches nothing, and spoils no other's: sums of squares
-      // are floats. NaN is not below the bound.
+      // A flight whose derivatives blow up is left out, so that it does not spoil the others: sums
+      // of squares are floats. A NaN fails the comparison.
       dy_[static_cast<std::size_t>(l * actions_ + k)] =
           static_cast<float>(std::abs(to) < kMostGradient ? to : 0.0);
     }
   });
 }
 
-/// Derivatives at the observations that slopes at the network's inputs bring.
+/// Adds derivatives at the observations, from slopes at the network's inputs.
 void GradientSlice::add_observations(const float* slopes, double weight, std::uint32_t lanes,
                                      const GradientInputs& inputs) {
   double* const to =

@@ -7,8 +7,8 @@
 namespace skybody::learn {
 namespace {
 
-/// Rows that go through the network at once: always as many, but for the last ones, so that its
-/// memory is what the first call makes it.
+/// Rows per pass through the network. Constant except for the last pass, so that only the first
+/// call allocates.
 constexpr int kChunk = 256;
 
 }  // namespace
@@ -33,7 +33,7 @@ HorizonValue::HorizonValue(const ValueFunction& value, const Hyperparameters& hy
   for (std::vector<double>* values : {&lane_gain_, &lane_value_, &lane_target_}) {
     values->resize(steps);
   }
-  // The largest call, so that later ones allocate nothing.
+  // Runs the largest call once, so that later ones allocate nothing.
   std::vector<float> zeros(static_cast<std::size_t>(kChunk) * static_cast<std::size_t>(stride));
   value_.network().forward(value_.target_parameters(), zeros.data(), stride_, kChunk, memory_,
                            output_.data(), 1);

@@ -1,4 +1,4 @@
-// A slice's questions to the value function, and its lessons for it.
+// A slice's evaluations of the value function, and its training data for it.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace skybody::learn {
 
-/// A group's horizon, in lanes of kGroupLanes: what value rows are made of.
+/// A group's horizon, in lanes of kGroupLanes: the source of the value function's rows.
 struct HorizonRows {
   int steps;
-  int stride;                ///< of rows of observations
+  int stride;                ///< stride of rows of observations
   const float* observation;  ///< normalised, before each transition: row t * kGroupLanes + lane
-  const float* end;          ///< likewise, after each lane's last transition: row lane
+  const float* end;          ///< normalised, after each lane's last transition: row lane
   const double* gain;        ///< of each transition: t * kGroupLanes + lane
-  std::span<const std::uint32_t> taken;  ///< per transition: lanes that took it, without a fault
-  std::uint32_t worthless;               ///< lanes whose episode has been terminated
+  std::span<const std::uint32_t> taken;  ///< per transition: lanes that took it without a fault
+  std::uint32_t worthless;               ///< lanes whose episode has terminated
 };
 
 /// Rows of one slice's horizons of an iteration.
@@ -29,18 +29,18 @@ class HorizonValue {
   HorizonValue(const ValueFunction& value, const Hyperparameters& hyper, int stride, double weight,
                int most_rows);
 
-  /// Forgets the rows of the iteration before.
+  /// Removes the rows of the previous iteration.
   void clear() { count_ = 0; }
-  /// The slope of the delayed value in the normalised observation, at each lane's end.
-  /// @returns kGroupLanes rows, until the next call
+  /// Slope of the delayed value by the normalised observation, at each lane's end.
+  /// @returns kGroupLanes rows, valid until the next call
   const float* slopes(const float* end);
-  /// Takes in a group's transitions with their targets.
+  /// Adds a group's transitions with their targets.
   void add(const HorizonRows& rows);
 
-  /// The gradient of the loss over all rows at the critic's present parameters.
+  /// Computes the gradient of the loss over all rows at the critic's current parameters.
   void find_gradient();
   std::span<const float> gradient() const { return {gradient_.data(), gradient_.size()}; }
-  /// Of the last find_gradient().
+  /// Loss at the last find_gradient().
   double loss() const { return loss_; }
 
  private:
@@ -51,7 +51,7 @@ class HorizonValue {
   int stride_, count_ = 0;
   double discount_, lambda_, weight_;
   NetworkActivations memory_;
-  AlignedArray<float> rows_, targets_;  ///< of the iteration
+  AlignedArray<float> rows_, targets_;  ///< of the current iteration
   AlignedArray<float> gradient_, unused_gradient_, slopes_, output_, error_;
   std::vector<double> before_, after_end_;                    ///< delayed values of a group's rows
   std::vector<double> lane_gain_, lane_value_, lane_target_;  ///< of one lane's transitions

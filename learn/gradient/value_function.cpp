@@ -8,11 +8,11 @@
 namespace skybody::learn {
 namespace {
 
-constexpr double kLastLayerGain = 0.01;  // what is not known yet is worth nothing
-/// The share of the way to the critic that its delayed copy goes in an iteration (arXiv 2204.07137,
-/// table 3: 0.2 to 0.8 of the copy stay).
+constexpr double kLastLayerGain = 0.01;  // unknown states start with a value near 0
+/// Fraction of the distance to the critic that the delayed copy moves per iteration (arXiv
+/// 2204.07137, table 3: 0.2 to 0.8 of the copy stay).
 constexpr float kFollow = 0.4f;
-constexpr double kLeastRest = 1e-3;  // of 1 - discount, as a scale of values
+constexpr double kLeastRest = 1e-3;  // lower bound of 1 - discount, as a scale of values
 
 }  // namespace
 

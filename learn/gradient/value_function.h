@@ -1,4 +1,4 @@
-// The value of what follows a horizon: a function of observations, learned from the horizons
+// Value of the states after a horizon: a function of observations, learned from the horizons
 // themselves.
 #pragma once
 
@@ -15,19 +15,20 @@
 
 namespace skybody::learn {
 
-/// TD(lambda) targets of a stretch of transitions (Sutton and Barto 2018, section 12.2), as the
-/// critic of Xu et al. 2022 (arXiv 2204.07137, eq. 6 and 7) takes them:
+/// TD(lambda) targets of a sequence of transitions (Sutton and Barto 2018, section 12.2), as in the
+/// critic of Xu et al. 2022 (arXiv 2204.07137, eq. 6 and 7):
 ///
 ///   target_t = gain_t + discount ((1 - lambda) value_t + lambda target_(t+1)),
 ///
-/// where value_t is that of the state after transition t, and target behind the last is its value.
-/// @param gains, values  one a transition   @param targets  likewise, written
+/// where value_t is the value of the state after transition t, and the target after the last
+/// transition is its value.
+/// @param gains, values  one per transition   @param targets  one per transition, output
 void td_lambda(std::span<const double> gains, std::span<const double> values, double discount,
                double lambda, std::span<double> targets);
 
-/// A critic and its delayed copy, which gives targets and the slope at a horizon's end (arXiv
-/// 2204.07137, section 3.2). The network says (1 - discount) times the value: about what a
-/// transition gains, whatever the discount.
+/// A critic and its delayed copy. The copy gives the targets and the slope at a horizon's end
+/// (arXiv 2204.07137, section 3.2). The network's output is (1 - discount) times the value: about
+/// the gain of one transition, whatever the discount.
 class ValueFunction {
  public:
   ValueFunction(int observed, const Hyperparameters& hyper, std::uint64_t seed);
@@ -37,17 +38,17 @@ class ValueFunction {
   std::span<const float> target_parameters() const { return {delayed_.data(), delayed_.size()}; }
   const TransposedWeights& transposed() const { return transposed_; }
   const TransposedWeights& delayed_transposed() const { return delayed_transposed_; }
-  /// The value is the network's output times this.
+  /// Factor from the network's output to the value.
   double scale() const { return scale_; }
   static double scale_of(const Hyperparameters& hyper);
 
-  /// A step of the optimiser. @returns the gradient's norm @param gradients  of the slices
+  /// One optimiser step. @returns the gradient's norm @param gradients  of the slices
   double step(std::span<const float* const> gradients, double learning_rate);
-  /// The delayed copy moves towards the critic. Once an iteration, after all steps.
+  /// Moves the delayed copy towards the critic. Called once per iteration, after all steps.
   void follow();
 
-  /// Names to `visitor` what a checkpoint holds (state_blocks.h), and makes ready to compute with
-  /// what it has written. @param self  const or not
+  /// Passes the checkpointed arrays to `visitor` (state_blocks.h), and prepares computations with
+  /// the values that it has written. @param self  const or not
   template <class Self, class Visitor>
   static void visit(Self& self, const std::string& name, Visitor& visitor) {
     visitor(name, self.parameters_.data(), self.parameters_.size());

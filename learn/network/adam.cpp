@@ -23,7 +23,7 @@ Adam::Adam(std::size_t size, double max_grad_norm, Isa isa)
       second_(size) {}
 
 void Adam::sum(std::span<const float* const> gradients) {
-  // Some values at a time, so that the sum stays in the first cache.
+  // In blocks, so that the sum stays in the L1 cache.
   for (std::size_t at = 0; at < size(); at += kBlock) {
     const std::size_t count = std::min(kBlock, size() - at);
     std::copy_n(gradients[0] + at, count, gradient_.data() + at);

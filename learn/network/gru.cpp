@@ -18,7 +18,7 @@ std::size_t area(int rows, int stride) {
   return static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride);
 }
 
-/// Where a gate's unit is among the columns.
+/// Column of a gate's unit.
 int column_of(int gate, int unit, int padded) { return gate * padded + unit; }
 
 }  // namespace
@@ -82,7 +82,7 @@ void Gru::forward(std::span<const float> parameters, const float* x, int x_strid
                   GruActivations& memory) const {
   memory.sequences = sequences;
   make_room(memory);
-  // Products with inputs do not wait for states: all rows at once.
+  // Products with inputs do not depend on states: all rows at once.
   kernels_->multiply({
       .x = x,
       .x_stride = x_stride,
@@ -104,7 +104,7 @@ void Gru::forward(std::span<const float> parameters, const float* x, int x_strid
   }
 }
 
-/// Puts the states before a step where it reads them.
+/// Stores the states before a step for the backward pass.
 void Gru::begin_step(const Sequences& sequences, int step, const std::uint8_t* begins,
                      const float* states, GruActivations& memory) const {
   for (int s = 0; s < sequences.count; ++s) {
@@ -203,7 +203,8 @@ void Gru::backward(const TransposedGru& transposed, const float* x, int x_stride
   }
 }
 
-/// From the gradient at the states after a step, in memory.d_before, to that before it.
+/// From the gradient at the states after a step, in memory.d_before, to the gradient at the states
+/// before it.
 void Gru::backward_step(const TransposedGru& transposed, int step, const std::uint8_t* begins,
                         const float* dy, int dy_stride, GruActivations& memory) const {
   const Sequences& sequences = memory.sequences;

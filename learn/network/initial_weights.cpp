@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLanes = 8;
 
-/// In eight sums, which the compiler keeps in lanes, that are added in order.
+/// Uses eight partial sums, which the compiler keeps in lanes, added in order.
 double dot(const double* a, const double* b, std::size_t count) {
   double sums[kLanes] = {};
   std::size_t i = 0;
@@ -23,8 +23,8 @@ double dot(const double* a, const double* b, std::size_t count) {
   return sum;
 }
 
-/// Takes from `vector` its parts along `count` orthonormal ones. Twice is enough (Giraud, Langou
-/// and Rozloznik 2005).
+/// Removes from `vector` its components along `count` orthonormal vectors. Two passes are enough
+/// (Giraud, Langou and Rozloznik 2005).
 void make_orthogonal(const double* others, std::size_t count, std::size_t size, double* vector) {
   for (int pass = 0; pass < 2; ++pass) {
     for (std::size_t k = 0; k < count; ++k) {

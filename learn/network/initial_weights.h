@@ -1,4 +1,4 @@
-// Orthogonal matrices, which networks begin with.
+// Orthogonal matrices, the initial weights of networks.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 
 namespace skybody::learn {
 
-/// Where the numbers of a matrix come from: core/base/random.h with key (`key`, 0), episode 0,
-/// stream `stream` and step `step`.
+/// Random stream of a matrix: core/base/random.h with key (`key`, 0), episode 0, stream `stream`
+/// and step `step`.
 struct WeightSource {
   std::uint64_t key = 0, stream = 0, step = 0;
 };
 
-/// A matrix whose shorter side's rows or columns are orthonormal, drawn uniformly among these:
-/// Gram and Schmidt's of one of standard normals (Saxe, McClelland and Ganguli, ICLR 2014).
+/// A uniformly distributed matrix whose rows or columns, whichever are fewer, are orthonormal:
+/// Gram-Schmidt on a matrix of standard normals (Saxe, McClelland and Ganguli, ICLR 2014).
 /// @returns rows x columns, row by row
 std::vector<double> orthogonal_matrix(int rows, int columns, const WeightSource& source);
 

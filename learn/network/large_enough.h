@@ -1,4 +1,4 @@
-// Memory that grows with the largest call, and is then kept.
+// Memory that grows to the largest call.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace skybody::learn {
 
-/// The content of an array that is too small is lost.
+/// Enlarges an array; the content of an array that is too small is lost.
 inline void make_large_enough(AlignedArray<float>& array, std::size_t size) {
   if (array.size() < size) array = AlignedArray<float>(size);
 }

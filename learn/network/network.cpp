@@ -11,15 +11,15 @@
 namespace skybody::learn {
 namespace {
 
-constexpr int kMostUnits = 1 << 24;  // as a policy file's
+constexpr int kMostUnits = 1 << 24;  // as in a policy file
 constexpr double kHiddenGain = 1.4142135623730951;
 
-// Rows go through all layers some at a time: as many as keep a layer's values in half of a small
-// second cache, and enough for a weight that is brought from memory to be used often.
+// Rows per chunk that goes through all layers: few enough to keep a layer's values in half of a
+// small L2 cache, and enough to reuse each loaded weight often.
 constexpr int kChunkValues = 1 << 16, kLeastChunk = 48, kMostChunk = 192;
 
-/// Rows of outputs that lie a multiple of 2048 bytes apart would all meet in the same few places of
-/// the first cache.
+/// Rows of outputs at a distance of a multiple of 2048 bytes would compete for the same few sets of
+/// the L1 cache.
 int row_stride(int padded) { return padded % 512 == 0 ? padded + kPad : padded; }
 
 Finish finish_of(Activation activation) {
@@ -210,7 +210,7 @@ void Network::backward_rows(const TransposedWeights& transposed, const Rows& x, 
             dx_stride);
 }
 
-/// From the gradient at a layer's sums to that at the sums of the layer before.
+/// From the gradient at a layer's sums to the gradient at the previous layer's sums.
 void Network::propagate(const TransposedWeights& transposed, std::size_t layer, int first, int rows,
                         NetworkActivations& memory) const {
   const PanelMatrix turned = layers_[layer].weight.transposed();

@@ -6,7 +6,7 @@ namespace skybody::learn {
 
 void transpose(const PanelMatrix& matrix, const float* from, float* to) {
   const PanelMatrix turned = matrix.transposed();
-  // One row of a panel of `turned` after another, from a column of a panel of `matrix`.
+  // Each row of a panel of `turned` comes from a column of a panel of `matrix`.
   for (int first = 0; first < turned.columns; first += kPanel) {
     const int width = std::min(kPanel, turned.columns - first);
     for (int o = 0; o < turned.rows; ++o) {

@@ -1,5 +1,5 @@
-// How a matrix of weights lies in memory: panels of 64 columns, so that a product reads it in one
-// stream and a block of it stays in the first cache whatever the layer's width.
+// Memory layout of weights: panels of 64 columns. A product reads such a matrix in one stream, and
+// a block of it stays in the L1 cache for any width of the layer.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,14 @@
 
 namespace skybody::learn {
 
-/// The next multiple of kPad: floats of a whole cache line.
+/// Rounds up to a multiple of kPad, which is a whole cache line of floats.
 template <class Int>
 constexpr Int padded(Int count) {
   return (count + Int{kPad} - 1) / Int{kPad} * Int{kPad};
 }
 
-/// Columns are padded to a multiple of kPad, and cut into panels of kPanel, the last one narrower.
-/// Panels lie one after another, each row by row.
+/// Columns are padded to a multiple of kPad, and divided into panels of kPanel, the last one
+/// narrower. Panels lie one after another, each row by row.
 struct PanelMatrix {
   int rows = 0, columns = 0;
 
@@ -24,7 +24,7 @@ struct PanelMatrix {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(padded_columns());
   }
   PanelMatrix transposed() const { return {columns, rows}; }
-  /// Where an element lies.
+  /// Index of an element.
   std::size_t at(int row, int column) const {
     const int first = column / kPanel * kPanel;
     const int width = padded_columns() - first < kPanel ? padded_columns() - first : kPanel;
@@ -34,7 +34,7 @@ struct PanelMatrix {
   }
 };
 
-/// Writes a matrix of this size transposed, as transposed() lays it out. Padding is not written.
+/// Writes the transposed matrix, in the layout of transposed(). Padding is not written.
 void transpose(const PanelMatrix& matrix, const float* from, float* to);
 
 }  // namespace skybody::learn

@@ -7,7 +7,7 @@ namespace skybody::learn {
 void WeightAverage::add(std::span<const float> weights, double steps) {
   if (values_.empty()) return;
   ++count_;
-  // The first updates count alike, so that the beginning is a plain mean.
+  // The first updates have equal weights, so that the average starts as a plain mean.
   const double share = std::max(1.0 / static_cast<double>(count_), std::min(1.0, steps / steps_));
   for (std::size_t k = 0; k < values_.size(); ++k) {
     values_[k] += share * (static_cast<double>(weights[k]) - values_[k]);

@@ -8,24 +8,24 @@
 
 namespace skybody::learn {
 
-/// Exponential mean, in double. Near its end, and at every moment of a training whose steps are
-/// still long, weights walk about good ones: their mean over the walk lies closer to the middle
-/// (Polyak and Juditsky 1992, "Acceleration of stochastic approximation by averaging"). Training
-/// itself goes on with the weights as they are.
+/// Exponential mean, in double. Near the end of a training, and at any time while its steps are
+/// still long, weights fluctuate around good ones; their mean lies closer to the middle (Polyak and
+/// Juditsky 1992, "Acceleration of stochastic approximation by averaging"). Training itself uses
+/// the weights, not the mean.
 class WeightAverage {
  public:
   /// @param size   weights
-  /// @param steps  environment steps that the mean reaches back, about; 0: there is no mean
+  /// @param steps  approximate length of the average in environment steps; 0: no mean
   WeightAverage(std::size_t size, double steps)
       : steps_(steps), values_(steps > 0.0 ? size : 0, 0.0) {}
 
-  /// Takes in the weights of an update.
-  /// @param steps  environment steps since the update before
+  /// Adds the weights of an update.
+  /// @param steps  environment steps since the previous update
   void add(std::span<const float> weights, double steps);
-  /// The mean; `weights` as they are where there is none yet.
+  /// The mean, or `weights` if there is none yet.
   std::vector<float> of(std::span<const float> weights) const;
 
-  /// Names to `visitor` what a checkpoint holds (state_blocks.h). @param self  const or not
+  /// Passes the checkpointed arrays to `visitor` (state_blocks.h). @param self  const or not
   template <class Self, class Visitor>
   static void visit(Self& self, const std::string& name, Visitor& visitor) {
     visitor(name + ".values", self.values_.data(), self.values_.size());
@@ -35,7 +35,7 @@ class WeightAverage {
  private:
   double steps_;
   std::vector<double> values_;
-  std::int64_t count_ = 0;  ///< updates taken in
+  std::int64_t count_ = 0;  ///< updates added
 };
 
 }  // namespace skybody::learn

@@ -18,7 +18,8 @@ void append(std::vector<int>& entries, int first, int count) {
   for (int k = 0; k < count; ++k) entries.push_back(first + k);
 }
 
-/// Its own columns first, so that all robots' columns have one order, wherever nobody's stand.
+/// The robot's own columns come first, so that all robots' columns have the same order, wherever
+/// the columns without an owner are.
 std::vector<int> seen_by(const CompiledScenario& compiled, int robot, bool is_privileged) {
   std::vector<int> entries;
   for (const int owner : {robot, -1}) {

@@ -1,5 +1,5 @@
-// Which entries of an environment's rows are seen and decided together: rows of a learner are
-// environments, or the robots of a team.
+// Rows of a learner: each is an environment, or one robot of a team. A row has its own part of the
+// environment's observation and action.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace skybody::learn {
 
-/// For each row that an environment gives a learner, the entries of the environment's rows that
-/// belong to it. All rows have the same widths.
+/// For each of an environment's rows, the entries of the environment's values that belong to it.
+/// All rows have the same widths.
 struct AgentTable {
-  std::vector<std::vector<int>> observation;  ///< what the policy sees
-  std::vector<std::vector<int>> privileged;   ///< what only the value function sees, besides
-  std::vector<std::vector<int>> action;       ///< what the policy decides
-  bool is_shared = false;                     ///< rows are robots, with rewards of their own
+  std::vector<std::vector<int>> observation;  ///< observed by the policy
+  std::vector<std::vector<int>> privileged;   ///< observed by the value function only
+  std::vector<std::vector<int>> action;       ///< chosen by the policy
+  bool is_shared = false;                     ///< rows are robots, each with its own reward
 
   int rows() const { return static_cast<int>(observation.size()); }
   int observation_size() const { return static_cast<int>(observation[0].size()); }
@@ -22,9 +22,9 @@ struct AgentTable {
   int action_size() const { return static_cast<int>(action[0].size()); }
 };
 
-/// One row an environment, of everything; or one row a robot that takes actions: its own columns
-/// and those of nobody, and its own part of the action.
-/// @throws Error if robots are to be rows and do not see or decide equally many values
+/// One row per environment with all values; or one row per robot with actions: its own columns, the
+/// columns that belong to no robot, and its own part of the action.
+/// @throws Error if rows are to be robots and their observations or actions differ in size
 AgentTable make_agent_table(const CompiledScenario& compiled, bool is_shared);
 
 }  // namespace skybody::learn

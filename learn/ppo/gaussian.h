@@ -1,4 +1,4 @@
-// The policy's distribution, independent normals about the network's outputs, and draws from it.
+// The policy's distribution, independent normals around the network's outputs, and draws from it.
 #pragma once
 
 #include <cstddef>
@@ -9,24 +9,24 @@
 
 namespace skybody::learn {
 
-/// x becomes tanh x, value by value, as units of networks compute it.
+/// Replaces each x by tanh x, with the function of the networks' units.
 void apply_tanh(float* values, std::size_t count, Isa isa);
 
-/// The actions' standard deviations, from the logarithms that are learned.
+/// The actions' standard deviations, computed from the learned logarithms.
 struct Deviations {
   std::vector<double> deviation, inverse;
   double log_sum = 0.0;  ///< sum of the logarithms
 
-  /// Allocates in the first call only.
+  /// Only the first call allocates.
   void update(std::span<const float> log_std);
 };
 
-/// Draws actions of some rows.
+/// Draws the actions of some rows.
 /// @param mean              rows x actions
 /// @param noise             standard normals, rows x actions
-/// @param action            row r's at action + r * stride: mean + deviation noise
-/// @param log_probability   row r's at log_probability + r * stride: logarithm of the action's
-///                          density, less the constant -actions ln(2 pi) / 2
+/// @param action            row r at action + r * stride: mean + deviation noise
+/// @param log_probability   row r at log_probability + r * stride: logarithm of the action's
+///        density, without the constant -actions ln(2 pi) / 2
 void draw_actions(const float* mean, const float* noise, int rows, const Deviations& deviations,
                   float* action, float* log_probability, int stride);
 

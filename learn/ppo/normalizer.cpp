@@ -14,8 +14,8 @@ struct Call {
   const ColumnSums* sums;
 };
 
-// Columns are independent of one another: the compiler makes vectors of the inner loops, with the
-// same bits for every width.
+// Columns are independent: the compiler vectorizes the inner loops, with the same bits for every
+// width.
 struct Normalize {
   template <int W>
   static SKYBODY_INLINE void run(const Call* call) {

@@ -19,7 +19,7 @@ struct Exponentials {
 
 constexpr int kWhole = 8;  // lanes of the widest pack
 
-/// ln of the density now over the density when the action was drawn.
+/// ln of the current density over the density when the action was drawn.
 double log_ratio_of(const float* action, const float* mean, double log_probability,
                     const Deviations& deviations) {
   double squares = 0.0;
@@ -64,7 +64,7 @@ void PolicyLoss::apply(const PolicyRows& rows, const Deviations& deviations,
     figures.loss -= std::min(advantage * ratio, advantage * clipped);
     figures.kl += ratio - 1.0 - log_ratio_[i];
     figures.clipped += ratio != clipped ? 1.0 : 0.0;
-    // Where the clipped term is the smaller one, it does not change with the policy.
+    // Where the clipped term is the smaller one, its derivative is zero.
     const bool counts = advantage >= 0.0 ? ratio <= clipped : ratio >= clipped;
     const double slope = counts ? -advantage * ratio * terms.weight : 0.0;
     const float* action = at(rows.action, r);

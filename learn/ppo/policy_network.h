@@ -1,4 +1,4 @@
-// The network of a policy, with a memory or without.
+// The network of a policy, with or without a memory.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace skybody::learn {
 
-/// Rows of a policy, and what it remembers at their beginning. Without a memory only the number of
-/// rows counts.
+/// Rows of a policy, with its memory at their beginning. Without a memory only the number of rows
+/// is used.
 struct PolicySteps {
-  Sequences sequences;                   ///< no memory: of one step each
-  const std::uint8_t* begins = nullptr;  ///< of each row: whether an episode begins
-  float* states = nullptr;               ///< of each sequence: in, then out
+  Sequences sequences;                   ///< without memory: of one step each
+  const std::uint8_t* begins = nullptr;  ///< for each row: whether an episode begins
+  float* states = nullptr;               ///< for each sequence: input, then output
 };
 
-/// Dense layers, behind a layer of gated recurrent units where `recurrent_units` are wanted. Its
-/// calls are those of Network and RecurrentNetwork.
+/// Dense layers, after a layer of gated recurrent units if `recurrent_units` is not 0. The
+/// functions are those of Network and RecurrentNetwork.
 class PolicyNetwork {
  public:
   struct Memory {
@@ -35,7 +35,7 @@ class PolicyNetwork {
 
   PolicyNetwork(int inputs, int outputs, const Hyperparameters& hyper, Isa isa);
 
-  /// Without a memory: of 0 units.
+  /// 0 units without a memory.
   const RecurrentShape& shape() const { return shape_; }
   std::size_t parameter_count() const;
   void initialize(std::span<float> parameters, double last_gain, std::uint64_t key,

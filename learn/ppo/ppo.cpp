@@ -82,7 +82,7 @@ void Ppo::add_episodes(Report& report) const {
 
 // --- checkpoints --------------------------------------------------------------------------------
 
-/// Environments of slice after slice, each with the number of its words before them.
+/// Environments of all slices in order, each slice preceded by its number of words.
 LearnerState Ppo::state() const {
   LearnerState state;
   driver_.save(state.blocks);
@@ -94,8 +94,8 @@ LearnerState Ppo::state() const {
   return state;
 }
 
-/// Sizes are checked before anything changes. What environments' words mean is known to those who
-/// hold them alone: where one refuses, the others get back what they had.
+/// Sizes are checked before anything changes. Only the holders can interpret the environments'
+/// words: if one refuses, the others restore their previous state.
 void Ppo::restore(const LearnerState& state) {
   driver_.check(state.blocks);
   for (int k = 0; k < slices_->count(); ++k) slices_->check(k, state.blocks);
@@ -110,7 +110,7 @@ void Ppo::restore(const LearnerState& state) {
   driver_.restore(state.blocks);
 }
 
-/// Whether the words are those of as many slices as there are.
+/// Checks that the words belong to as many slices as there are.
 void Ppo::check_environments(std::span<const std::uint64_t> words) const {
   const int slices = slices_->count();
   for (int k = 0; k < slices; ++k) {

@@ -12,19 +12,20 @@
 
 namespace skybody::learn {
 
-/// A PpoDriver and all slices. Two meetings a minibatch: all slices have their gradients; both
-/// networks have been stepped.
+/// A PpoDriver and all slices. Two synchronisation points per minibatch: when all slices have their
+/// gradients, and when both networks have been stepped.
 ///
-/// Episodes end in three ways. A terminated one is worth nothing further. A truncated one is worth
-/// what the value function says of its last observation, before the reset. A fault is worth nothing
-/// further, and its transition has no reward.
+/// Value after the end of an episode:
+///   - terminated: 0;
+///   - truncated: the value function at its last observation, before the reset;
+///   - fault: 0, and its transition has no reward.
 class Ppo : public Learner {
  public:
   /// @throws Error as PpoSetup
   explicit Ppo(const LearnerOptions& options);
-  /// With slices that somebody else holds.
+  /// With slices held elsewhere.
   /// @param slices   all of setup->plan
-  /// @param threads  that step the networks
+  /// @param threads  number of threads that step the networks
   Ppo(std::shared_ptr<const PpoSetup> setup, std::unique_ptr<SliceHolder> slices, int threads);
 
   std::int64_t steps() const override { return driver_.steps(); }

@@ -13,7 +13,7 @@
 namespace skybody::learn {
 namespace {
 
-/// Adds in the slices' order, whatever the sums are of.
+/// Adds the slices' sums in slice order.
 void add_up(SliceSums slices, std::vector<double>& total) {
   std::fill(total.begin(), total.end(), 0.0);
   for (const std::span<const double> sums : slices) {
@@ -67,8 +67,8 @@ const RolloutInputs& PpoDriver::begin_rollout() {
   return inputs_;
 }
 
-/// Below the line between the first and the last logarithm of the deviation, and above the smaller
-/// one.
+/// Limits the logarithm of the deviation: at most the line between its first and its last value, at
+/// least the smaller of the two.
 void PpoDriver::limit_noise() {
   const Hyperparameters& hyper = setup_->hyper;
   if (hyper.final_log_std == 0.0) return;
@@ -110,7 +110,7 @@ bool PpoDriver::next(Minibatch& minibatch) {
   return next_.policy || next_.value;
 }
 
-/// Whether the policy's last pass led further from the policy that drew than it may.
+/// Whether the KL divergence of the policy's last pass is beyond its limit.
 bool PpoDriver::is_beyond_kl() const {
   const double allowed = 1.5 * setup_->hyper.target_kl;
   return allowed > 0.0 && figures_.epoch_rows > 0.0 &&
@@ -134,7 +134,7 @@ void PpoDriver::step(Adam& adam, std::span<float> parameters, SliceGradients gra
                      const char* whose) {
   adam.sum(gradients);
   if (&adam == &policy_adam_) {
-    // The entropy of independent normals is the sum of log_std, but for a constant.
+    // The entropy of independent normals is the sum of log_std plus a constant.
     const auto slope = static_cast<float>(setup_->hyper.entropy_weight);
     const std::size_t actions = networks_.log_std().size();
     for (float& g : adam.gradient().subspan(networks_.log_std_at(), actions)) g -= slope;
@@ -187,7 +187,7 @@ void PpoDriver::diverge(const std::string& what) const {
                  " steps; try a smaller learning_rate (--set learning_rate=...)");
 }
 
-// --- what comes out -----------------------------------------------------------------------------
+// --- outputs ------------------------------------------------------------------------------------
 
 Report PpoDriver::report(double rollout_seconds) const {
   Report report;

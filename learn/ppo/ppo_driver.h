@@ -19,12 +19,12 @@
 
 namespace skybody::learn {
 
-/// Outputs of slices: an array from each, in their order.
+/// Outputs of slices: one array per slice, in their order.
 using SliceSums = std::span<const std::span<const double>>;
 using SliceGradients = std::span<const float* const>;
 
 /// PPO (Schulman et al. 2017, arXiv 1707.06347) with large batches, one pass of the policy over a
-/// rollout and several of the value function. Asks, in this order, for
+/// rollout and several of the value function. Order of calls, with the slices' work:
 ///
 ///   begin_rollout()      slices collect
 ///   take_rollout()       slices find advantages
@@ -33,46 +33,48 @@ using SliceGradients = std::span<const float* const>;
 ///     step_policy(), step_value(), take_figures()
 ///   finish()             slices spread their starts
 ///
-/// and adds what slices give in their order: where they are held changes no bits.
+/// Outputs of slices are added in slice order, so that the result does not depend on where slices
+/// run.
 class PpoDriver {
  public:
   explicit PpoDriver(std::shared_ptr<const PpoSetup> setup);
 
   const PpoNetworks& networks() const { return networks_; }
   std::int64_t steps() const { return counters_.steps; }
-  /// Rollouts done.
+  /// Completed rollouts.
   std::int64_t iteration() const { return counters_.iteration; }
 
-  /// Holds the noise to its limits. @returns what slices are to be told, until the next call
+  /// Limits the noise. @returns the inputs of slices, valid until the next call
   const RolloutInputs& begin_rollout();
-  /// @param sums  of RolloutSum
-  /// @returns what rewards are multiplied by
+  /// @param sums  indexed by RolloutSum
+  /// @returns the factor on rewards
   double take_rollout(SliceSums sums);
-  /// @param sums  of AdvantageSum
+  /// @param sums  indexed by AdvantageSum
   void take_advantages(SliceSums sums);
 
-  /// The next gradient step. @returns false if the update is over
+  /// The next gradient step. @returns false at the end of the update
   bool next(Minibatch& minibatch);
-  /// One step of a network, where the minibatch is the policy's or the value function's. The two
-  /// may run at the same time.
+  /// One step of a network, if the minibatch is for the policy or for the value function. Both may
+  /// run at the same time.
   /// @throws Diverged if the gradient is not finite
   void step_policy(SliceGradients gradients);
   void step_value(SliceGradients gradients);
-  /// @param sums  of MinibatchSum
+  /// @param sums  indexed by MinibatchSum
   void take_figures(const Minibatch& minibatch, SliceSums sums);
 
-  /// Ends the iteration: counts its steps, and takes its observations into the statistics.
+  /// Ends the iteration: counts its steps, and adds its observations to the statistics.
   /// @throws Diverged if a parameter or a loss is not finite
   void finish();
-  /// On the iteration that finish() has ended, without episodes' returns and seconds of the update.
-  /// @param rollout_seconds  that it took
+  /// Report of the iteration that finish() has ended, without episodes' returns and seconds of the
+  /// update.
+  /// @param rollout_seconds  duration of the rollout
   Report report(double rollout_seconds) const;
 
   PolicyFile policy() const;
   std::uint64_t parameter_hash() const;
 
   void save(StateBlocks& blocks) const;
-  /// @throws Error if `blocks` are another learner's; then nothing has changed
+  /// @throws Error if `blocks` belong to another learner; nothing has then changed
   void check(const StateBlocks& blocks);
   void restore(const StateBlocks& blocks);
 
@@ -84,7 +86,7 @@ class PpoDriver {
   struct Figures {
     double policy_loss = 0.0, kl = 0.0, clipped = 0.0, policy_rows = 0.0;
     double value_loss = 0.0, value_rows = 0.0;
-    double epoch_kl = 0.0, epoch_rows = 0.0;  ///< of the policy's pass under way
+    double epoch_kl = 0.0, epoch_rows = 0.0;  ///< of the policy's current pass
   };
 
   template <class Self, class Visitor>
@@ -105,7 +107,7 @@ class PpoDriver {
   WeightAverage average_;          ///< of the policy, over the last averaging_steps
   Counters counters_;
 
-  // Of the iteration under way:
+  // Of the current iteration:
   RolloutInputs inputs_;
   std::vector<double> rollout_, advantages_;  ///< sums over the slices
   Minibatch next_;

@@ -15,20 +15,20 @@
 namespace skybody::learn {
 
 /// A policy, whose parameters end with the logarithms of the actions' deviations, and a value
-/// function, which also sees what is privileged. They share nothing.
+/// function, which also observes privileged values. They share no parameters.
 class PpoNetworks {
  public:
   PpoNetworks(const AgentTable& agents, const Hyperparameters& hyper, Isa isa);
 
-  /// Fresh ones. @param seed  of all random numbers
+  /// Initializes all parameters. @param seed  of all random numbers
   void initialize(std::uint64_t seed, double log_std);
-  /// Another learner's: copies both arrays, and makes ready to compute.
-  /// @param policy, value  as policy_parameters() and value_parameters() are
-  /// @throws Error on another number of values
+  /// Copies the parameters of another learner, and prepares computations with them.
+  /// @param policy, value  in the layout of policy_parameters() and value_parameters()
+  /// @throws Error if the number of values differs
   void set(std::span<const float> policy, std::span<const float> value);
-  /// Change parameters in place, and make ready to compute with them. The two may run at the same
-  /// time.
-  /// @param change  is called with policy_parameters() or value_parameters(), to be written to
+  /// Change parameters in place, and prepare computations with them. Both functions may run at the
+  /// same time.
+  /// @param change  called with policy_parameters() or value_parameters(), writable
   template <class Change>
   void change_policy(Change&& change) {
     change(std::span<float>{parameters_[0].data(), parameters_[0].size()});
@@ -39,11 +39,11 @@ class PpoNetworks {
     change(std::span<float>{parameters_[1].data(), parameters_[1].size()});
     prepare_value();
   }
-  /// Brings every logarithm of a deviation into these limits.
+  /// Clamps every logarithm of a deviation to these limits.
   void limit_log_std(double least, double largest);
 
-  /// Names to `visitor` what a checkpoint holds (state_blocks.h), and makes ready to compute with
-  /// what it has written. @param self  const or not
+  /// Passes the checkpointed arrays to `visitor` (state_blocks.h), and prepares computations with
+  /// the values that it has written. @param self  const or not
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor) {
     visitor("policy", self.parameters_[0].data(), self.parameters_[0].size());
@@ -63,11 +63,11 @@ class PpoNetworks {
   std::span<const float> value_parameters() const {
     return {parameters_[1].data(), parameters_[1].size()};
   }
-  /// The policy's weights and biases alone.
+  /// The policy's weights and biases only.
   std::span<const float> policy_weights() const {
     return policy_parameters().first(policy_.parameter_count());
   }
-  /// The value function's, likewise.
+  /// The value function's weights and biases only.
   std::span<const float> value_weights() const {
     return value_parameters().first(value_.parameter_count());
   }

@@ -1,5 +1,5 @@
-// The setup of a PPO before anything is learned: scenario, hyper-parameters and the sizes that
-// follow from them. The same on every machine that takes part.
+// The setup of a PPO before learning: scenario, hyper-parameters and sizes derived from them.
+// Identical on every machine that takes part.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace skybody::learn {
 
-/// Where things lie within a row of a rollout [floats]. A row begins with what the value function
-/// sees, and that with what the policy sees. Rows are whole cache lines.
+/// Layout of a row of a rollout [floats]. A row begins with the value function's inputs, which
+/// begin with the policy's inputs. Rows are whole cache lines.
 struct RowLayout {
   int inputs = 0, actions = 0;
   int action() const { return inputs; }
@@ -29,8 +29,9 @@ struct RowLayout {
 
 /// Immutable.
 struct PpoSetup {
-  /// @throws Error if the scenario observes images, if robots that are to share a policy are not
-  ///         alike, or if hyper-parameters are beyond their range or exclude one another
+  /// @throws Error if the scenario observes images, if robots that share a policy differ in their
+  ///         observations or actions, or if hyper-parameters are out of range or exclude one
+  ///         another
   explicit PpoSetup(const LearnerOptions& options);
 
   std::shared_ptr<const CompiledScenario> compiled;

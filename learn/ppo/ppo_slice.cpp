@@ -1,4 +1,4 @@
-// A slice's making, and its part of a rollout.
+// A slice's construction, and its part of a rollout.
 #include "learn/ppo/ppo_slice.h"
 
 #include <algorithm>
@@ -26,15 +26,15 @@ std::size_t product(int a, int b) {
   return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
 }
 
-/// Sequences are longer than rows that are looked at by themselves: as many as are some hundred
-/// rows, for the products of one step to have enough of them.
+/// A policy with a memory gathers whole sequences: enough of them for some hundred rows, so that
+/// the products of one step have enough rows.
 int gathered_rows(const PpoSetup& setup) {
   const int steps = setup.hyper.rollout_steps;
   return setup.hyper.recurrent_units > 0 ? std::max(1, 4 * SliceScratch::kRows / steps) * steps
                                          : SliceScratch::kRows;
 }
 
-/// Floats that a policy remembers of a row.
+/// Floats of the policy's memory per row.
 int state_stride(const PpoSetup& setup) { return padded(setup.hyper.recurrent_units); }
 
 }  // namespace
@@ -94,7 +94,8 @@ PpoSlice::PpoSlice(std::shared_ptr<const PpoSetup> setup, int index)
   look_at_observations();
 }
 
-/// Without a batch: after environments were reset or restored.
+/// Reads the observations from the pool, if there is no batch: after environments were reset or
+/// restored.
 void PpoSlice::look_at_observations() {
   pool_.observations(own_observation_);
   pool_.privileged(own_privileged_);
@@ -125,7 +126,7 @@ void PpoSlice::collect(const RolloutInputs& inputs, const PpoNetworks& networks,
     take_outcome(step);
     if (!cut_.empty()) value_cut_episodes(networks, scratch);
   }
-  write_inputs(steps_, false);  // what the last values are of
+  write_inputs(steps_, false);  // inputs of the last values
   inputs_ = nullptr;
   rollout_sums_[kSumRows] = static_cast<double>(reward_.size());
   rollout_sums_[kSumSeconds] = seconds_since(begin);
@@ -137,7 +138,8 @@ void PpoSlice::clear_sums() {
   episode_returns_.clear();
 }
 
-/// The rows of an environment, one after the other from `first` on, not yet normalized.
+/// Copies the inputs of an environment's rows, one after the other from `first` on, not yet
+/// normalized.
 void PpoSlice::copy_inputs(const float* observation, const float* privileged, int env,
                            float* first) {
   const AgentTable& agents = setup_->agents;
@@ -152,7 +154,7 @@ void PpoSlice::copy_inputs(const float* observation, const float* privileged, in
   }
 }
 
-/// What the environments show now, as networks see it.
+/// Writes the environments' current observations, normalized, into the rows of a step.
 void PpoSlice::write_inputs(int step, bool adds_sums) {
   for (int env = 0; env < envs_; ++env) {
     copy_inputs(observation_, privileged_, env, row(step, env * setup_->agents.rows()));
@@ -163,7 +165,7 @@ void PpoSlice::write_inputs(int step, bool adds_sums) {
                     adds_sums ? &sums : nullptr);
 }
 
-/// What the policy remembers of `count` rows of a step, and where it puts what it will.
+/// The policy's memory for `count` rows of a step, read and then overwritten by the network.
 PolicySteps PpoSlice::recall(int step, int first, int count) {
   PolicySteps steps = {{count, 1}};
   if (state_stride_ == 0) return steps;
@@ -195,7 +197,7 @@ void PpoSlice::choose_actions(int step, const PpoNetworks& networks, SliceScratc
   command(step);
 }
 
-/// The environments' actions: each row's own part of its environment's.
+/// Assembles the environments' actions: each row fills its own part.
 void PpoSlice::command(int step) {
   const AgentTable& agents = setup_->agents;
   const int width = setup_->compiled->action_size();
@@ -235,7 +237,8 @@ void PpoSlice::take_outcome(int step) {
   }
 }
 
-/// Rewards of an environment's rows, and the discounted returns that rewards are scaled by.
+/// Stores the rewards of an environment's rows, and updates the discounted returns that scale
+/// rewards.
 void PpoSlice::take_rewards(int step, int env) {
   const AgentTable& agents = setup_->agents;
   const auto i = static_cast<std::size_t>(env);
@@ -258,8 +261,8 @@ void PpoSlice::take_rewards(int step, int env) {
   returns_[i] += static_cast<double>(batch_->reward[i]);
 }
 
-/// A truncated episode is worth what the value function says of its last observation; a terminated
-/// one nothing further, nor one that faulted: what it became is not something to learn from.
+/// Value after the end: of a truncated episode the value function at its last observation; of a
+/// terminated or faulted one 0. A fault's outcome is not used for learning.
 void PpoSlice::end_episode(int step, int env) {
   const auto i = static_cast<std::size_t>(env);
   episode_returns_.push_back(static_cast<float>(returns_[i]));

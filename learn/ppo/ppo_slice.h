@@ -1,4 +1,4 @@
-// Some environments of a PPO with their rollout: all that one thread does at a time.
+// Some environments of a PPO with their rollout: the unit of work of one thread.
 #pragma once
 
 #include <cstdint>
@@ -19,60 +19,62 @@
 
 namespace skybody::learn {
 
-/// Memory of a thread, for whichever slice it works on.
+/// Scratch memory of a thread, for any slice.
 struct SliceScratch {
   explicit SliceScratch(const PpoSetup& setup);
 
-  static constexpr int kRows = 128;  ///< that go through a network at a time
-  int minibatch_rows;  ///< the same of a minibatch, where a policy with a memory sees sequences
+  static constexpr int kRows = 128;  ///< rows per pass through a network
+  int minibatch_rows;  ///< rows per pass of a minibatch; larger for a policy with a memory, whose
+                       ///< sequences stay whole
   PolicyNetwork::Memory policy;
   NetworkActivations value;
   AlignedArray<float> rows;              ///< of a minibatch, gathered
-  AlignedArray<float> output, gradient;  ///< of either network, for so many rows
-  std::vector<std::uint8_t> begins;      ///< of the gathered rows, where there is a memory
-  AlignedArray<float> states;            ///< before the gathered sequences, likewise
+  AlignedArray<float> output, gradient;  ///< of either network, for these rows
+  std::vector<std::uint8_t> begins;      ///< for the gathered rows of a policy with a memory
+  AlignedArray<float> states;  ///< before the gathered sequences of a policy with a memory
   PolicyLoss loss;
 };
 
-/// Slice `index` of the plan. Between two calls of the driver nothing is pending.
+/// Slice `index` of the plan. No work is pending between two calls of the driver.
 ///
-/// Rows of a step are the slice's environments, or their robots, one environment's after the
-/// other's. Everything it draws follows from the seed, its rows and the iteration.
+/// Rows of a step are the slice's environments, or their robots, environment by environment. All
+/// its random numbers follow from the seed, its rows and the iteration.
 class PpoSlice {
  public:
   PpoSlice(std::shared_ptr<const PpoSetup> setup, int index);
 
-  /// A rollout: fills the rows and the sums.
+  /// Runs a rollout: fills the rows and the sums.
   void collect(const RolloutInputs& inputs, const PpoNetworks& networks, SliceScratch& scratch);
-  /// Values of the rollout's observations, then generalized advantage estimation (Schulman et al.
-  /// 2016, arXiv 1506.02438, eq. 16) of rewards times `reward_scale`.
+  /// Computes values of the rollout's observations, then generalized advantage estimation (Schulman
+  /// et al. 2016, arXiv 1506.02438, eq. 16) for rewards times `reward_scale`.
   void find_advantages(double reward_scale, const PpoNetworks& networks, SliceScratch& scratch);
-  /// Gradients of the slice's share of a minibatch, as parts of the minibatch's mean loss.
+  /// Computes the gradients of the slice's share of a minibatch, as parts of the minibatch's mean
+  /// loss.
   void find_gradients(const Minibatch& minibatch, const PpoNetworks& networks,
                       SliceScratch& scratch);
-  /// Begins the k-th of horizon / rollout_steps groups of environments anew after rollout k, so
-  /// that later rollouts show all parts of an episode.
-  /// @param iteration  rollouts done
+  /// Resets the k-th of horizon / rollout_steps groups of environments after rollout k, so that
+  /// later rollouts sample all parts of an episode.
+  /// @param iteration  completed rollouts
   void stagger_resets(std::int64_t iteration);
 
   std::span<const double> rollout_sums() const { return rollout_sums_; }
   std::span<const double> advantage_sums() const { return advantage_sums_; }
   std::span<const double> minibatch_sums() const { return minibatch_sums_; }
-  /// As PpoNetworks::policy_parameters() lies.
+  /// In the layout of PpoNetworks::policy_parameters().
   std::span<const float> policy_gradient() const {
     return {gradients_[0].data(), gradients_[0].size()};
   }
   std::span<const float> value_gradient() const {
     return {gradients_[1].data(), gradients_[1].size()};
   }
-  /// Of the episodes that ended in the rollout.
+  /// Returns of the episodes that ended in the rollout.
   std::span<const float> episode_returns() const { return episode_returns_; }
 
-  /// The last rollout, for whoever wants to check what was learned from. Row r of step t is row
-  /// t * rows_of_step + r; values and rows have those of the last observations behind.
+  /// The last rollout, for tests of the training data. Row r of step t is row t * rows_of_step + r.
+  /// `value` and `rows` also contain the last observations, after the last step.
   struct Rollout {
     int steps, rows_of_step;
-    std::span<const float> rows;  ///< RowLayout; the last step's have inputs alone
+    std::span<const float> rows;  ///< RowLayout; the rows after the last step have inputs only
     std::span<const float> reward, goes_on, bootstrap, value;
     std::span<const int> order;  ///< of the last epoch
   };
@@ -81,7 +83,7 @@ class PpoSlice {
             value_, order_};
   }
 
-  /// Names to `visitor` what a checkpoint holds beside the environments.
+  /// Passes the checkpointed arrays, without the environments, to `visitor`.
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor) {
     const std::string name = "slice" + std::to_string(self.index_);
@@ -125,32 +127,33 @@ class PpoSlice {
   Normalizer normalizer_;
   Pool pool_;
   std::shared_ptr<const Batch> batch_;                          ///< of the last step
-  const float *observation_ = nullptr, *privileged_ = nullptr;  ///< of all environments now
-  std::vector<float> own_observation_, own_privileged_;         ///< where no batch has them
-  const RolloutInputs* inputs_ = nullptr;                       ///< of the rollout under way
+  const float *observation_ = nullptr, *privileged_ = nullptr;  ///< current, of all environments
+  std::vector<float> own_observation_, own_privileged_;         ///< storage if no batch has them
+  const RolloutInputs* inputs_ = nullptr;                       ///< of the current rollout
   std::int64_t iteration_ = 0;                                  ///< of the last rollout
   Deviations deviations_;
 
-  AlignedArray<float> rows_;                         ///< steps + 1 times step_rows_; RowLayout
-  std::vector<float> reward_, goes_on_, bootstrap_;  ///< of each row: 1 where the episode goes on;
-                                                     ///< worth of what was cut off
-  std::vector<float> value_;                  ///< of each row, the last observations included
-  std::vector<float> following_;              ///< advantage of the step behind, of each row
+  AlignedArray<float> rows_;  ///< steps + 1 times step_rows_; RowLayout
+  std::vector<float> reward_, goes_on_,
+      bootstrap_;  ///< per row: 1 if the episode goes on; value after a truncated episode
+  std::vector<float> value_;                  ///< per row, including the last observations
+  std::vector<float> following_;              ///< advantage of the following step, per row
   std::vector<float> noise_, mean_, action_;  ///< of a step
-  AlignedArray<float> last_inputs_;           ///< of episodes that were cut off in a step
+  AlignedArray<float> last_inputs_;           ///< last inputs of the episodes truncated in a step
   std::vector<int> cut_;                      ///< their rows
   std::vector<int> order_;                    ///< of the rollout's rows, in this epoch
-  std::vector<std::uint8_t> begins_;          ///< environments that begin anew
+  std::vector<std::uint8_t> begins_;          ///< environments to reset
 
-  // Of a policy with a memory, else empty:
+  // Only for a policy with a memory, otherwise empty:
   int state_stride_ = 0;
-  AlignedArray<float> states_;                ///< of each row of a step, now
-  AlignedArray<float> first_states_;          ///< at the beginning of the rollout
-  std::vector<std::uint8_t> is_fresh_;        ///< of each row of a step: its episode begins
-  std::vector<std::uint8_t> episode_begins_;  ///< of each row of the rollout, as order_ counts
+  AlignedArray<float> states_;          ///< current, for each row of a step
+  AlignedArray<float> first_states_;    ///< at the beginning of the rollout
+  std::vector<std::uint8_t> is_fresh_;  ///< for each row of a step: whether its episode begins
+  std::vector<std::uint8_t>
+      episode_begins_;  ///< for each row of the rollout, in the numbering of order_
 
-  std::vector<double> discounted_;  ///< return so far, of each row of a step
-  std::vector<double> returns_;     ///< likewise undiscounted, of each environment
+  std::vector<double> discounted_;  ///< return so far, for each row of a step
+  std::vector<double> returns_;     ///< undiscounted return, for each environment
   std::vector<float> episode_returns_;
   std::vector<double> rollout_sums_, advantage_sums_, minibatch_sums_;
   std::vector<double> log_std_gradient_;

@@ -80,10 +80,9 @@ void PpoSlice::find_gradients(const Minibatch& minibatch, const PpoNetworks& net
   }
 }
 
-/// Another order of the rollout's rows for each epoch (Durstenfeld 1964, algorithm 235), or of its
-/// sequences, whose rows then follow one another. A word
-/// serves two draws: the upper half of its half times the choices, biased by less than 1e-5 where a
-/// slice has fewer than 40,000 rows.
+/// Shuffles the rollout's rows for each epoch (Durstenfeld 1964, algorithm 235), or its sequences,
+/// whose rows stay together. A word serves two draws: each is the upper half of a half-word times
+/// the number of choices, biased by less than 1e-5 if a slice has fewer than 40,000 rows.
 void PpoSlice::shuffle(int epoch) {
   constexpr std::uint64_t kOrderStream = derive_stream("learn.order");
   Random<double> random({setup_->seed, static_cast<std::uint64_t>(index_)},
@@ -97,7 +96,7 @@ void PpoSlice::shuffle(int epoch) {
     word = drawn % 2 == 0 ? random.bits() : word << 32;
     std::swap(order_[left - 1], order_[((word >> 32) * left) >> 32]);
   }
-  // From the last one on, for places of rows are those of sequences that follow.
+  // From the last one on, because the rows' places overlap those of later sequences.
   for (std::size_t s = count; together > 1 && s-- > 0;) {
     const int sequence = order_[s];
     for (int step = 0; step < steps_; ++step) {
@@ -107,9 +106,9 @@ void PpoSlice::shuffle(int epoch) {
   }
 }
 
-/// Rows `first` ... of the order, one after the other, so that networks read them as they lie.
+/// Copies rows `first` ... of the order to contiguous memory for the networks.
 void PpoSlice::gather(int first, int count, SliceScratch& scratch) {
-  constexpr int kAhead = 8;  // rows that are on their way from memory
+  constexpr int kAhead = 8;  // prefetch distance in rows
   const auto stride = static_cast<std::size_t>(stride_);
   const int* order = order_.data() + first;
   float* to = scratch.rows.data();
@@ -124,8 +123,8 @@ void PpoSlice::gather(int first, int count, SliceScratch& scratch) {
   }
 }
 
-/// What the policy remembered before the rows that gather() takes, which are whole sequences if it
-/// does.
+/// The policy's memory before the rows of gather(), which are whole sequences for a policy with a
+/// memory.
 PolicySteps PpoSlice::gather_memory(int first, int count, SliceScratch& scratch) const {
   if (state_stride_ == 0) return {{count, 1}};
   const int* order = order_.data() + first;
@@ -173,7 +172,7 @@ void PpoSlice::add_policy_gradient(const Minibatch& minibatch, const PolicySteps
       actions, std::span(gradients_[0].data(), gradients_[0].size()).first(networks.log_std_at()));
 }
 
-/// Of value_weight times the mean squared error.
+/// Gradient of value_weight times the mean squared error.
 void PpoSlice::add_value_gradient(const Minibatch& minibatch, int count,
                                   const PpoNetworks& networks, SliceScratch& scratch) {
   const float* rows = scratch.rows.data();

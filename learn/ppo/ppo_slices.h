@@ -1,5 +1,4 @@
-// Consecutive slices of a PPO's environments: all of them, or what a worker on another machine
-// holds.
+// Consecutive slices of a PPO's environments: all of them, or those of a worker on another machine.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +16,14 @@
 
 namespace skybody::learn {
 
-/// Runs the phases of its slices on the threads of a threads, in the order in which PpoDriver asks.
-/// What a slice gives does not depend on who holds it, nor on what else he holds. Numbers go in and
-/// out as plain arrays: parameters (by PpoNetworks::set), RolloutInputs, Minibatch in; sums and
-/// gradients of each slice out, which stay until the next call.
+/// Runs the phases of its slices on a TaskThreads, in the order given in PpoDriver. The results of
+/// a slice do not depend on its holder or on the holder's other slices. Data is passed as plain
+/// arrays. Inputs: parameters (by PpoNetworks::set), RolloutInputs, Minibatch. Outputs: sums and
+/// gradients of each slice, valid until the next call.
 class PpoSlices : public SliceHolder {
  public:
   /// Slices `first` ... first + count - 1 of setup->plan.
-  /// @param threads  outlives this; may serve others between calls
+  /// @param threads  must outlive this object; may run other work between calls
   PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskThreads& threads);
 
   int count() const override { return static_cast<int>(slices_.size()); }
@@ -44,7 +43,7 @@ class PpoSlices : public SliceHolder {
  private:
   TaskThreads& threads_;
   std::vector<std::unique_ptr<PpoSlice>> slices_;
-  std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< of each thread of the threads
+  std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< one per thread
 };
 
 }  // namespace skybody::learn

@@ -1,4 +1,4 @@
-// A PPO whose slices are held elsewhere and may be lost.
+// A PPO whose slices are held by workers that may die.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,11 @@
 
 namespace skybody::learn {
 
-/// Keeps the words of the last iteration. Where workers die in the next one, they are replaced, all
-/// slices are put back, and the iteration is done again: the same bits as if nobody had died.
+/// Keeps the state after the last iteration. If workers die in the next one, it replaces them,
+/// restores all slices, and repeats the iteration: the same bits as without a failure.
 class RecoveringPpo : public Learner {
  public:
-  /// @param replace  brings the holders of slices to life again, with any state
+  /// @param replace  restarts the holders of slices, in any state
   /// @throws Error as Ppo, SlicesLost
   RecoveringPpo(std::shared_ptr<const PpoSetup> setup, std::unique_ptr<SliceHolder> slices,
                 int threads, std::function<void()> replace);
@@ -27,7 +27,7 @@ class RecoveringPpo : public Learner {
   void restore(const LearnerState& state) override;
 
  private:
-  static constexpr int kMostTries = 20;  ///< of one iteration
+  static constexpr int kMostTries = 20;  ///< per iteration
 
   Report iterate_and_keep();
 

@@ -1,22 +1,21 @@
-/* The binary contract between Skybody and a plugin: plain C, nothing else crosses the boundary.
+/* The binary contract between Skybody and a plugin. Plain C only.
  *
- * A plugin is a shared library that exports one object, `skybody_plugin_library`. The host checks
- * magic, ABI version, structure sizes and the floating-point probe before it calls anything else.
- * A structure that is added here is also added to <plugins/api/structures.h>.
- * Authors do not write against this file but against <skybody/plugin.h>, which fills it in.
+ * A plugin is a shared library that exports one object, `skybody_plugin_library`. Before any call
+ * the host checks magic, ABI version, structure sizes and the floating-point probe. A structure
+ * that is added here is also added to <plugins/api/structures.h>. Authors include
+ * <skybody/plugin.h>, which fills in these structures, and not this file.
  *
  * Values lie in lanes: scalar k of lane l of a group of L lanes is at p[k * L + l]. A step function
- * serves every lane whose bit is set in `active` and must not write to the others, but for the
- * output of control() and what evaluate() gives.
+ * serves every lane whose bit is set in `active` and must not write to the others. Exceptions: the
+ * output of control() and the results of evaluate().
  *
- * Functions on dual numbers (SkybodyNumber) serve full groups only. Each value in lanes is then two
- * rows: the value at p[2 k * L + l] and its tangent at p[(2 k + 1) * L + l]. This holds for all
- * doubles and for the words of `state`, where the tangent of a word that is not a double is neither
- * read nor written. Keys, counters, `active` and `end` stay as they are.
+ * Functions on dual numbers (SkybodyNumber) serve full groups only. Each value in lanes then has
+ * two rows: the value at p[2 k * L + l] and its tangent at p[(2 k + 1) * L + l]. This holds for all
+ * doubles and for the words of `state`; the tangent of a word that is not a double is neither read
+ * nor written. Keys, counters, `active` and `end` keep one row.
  *
  * Step functions (`SkybodyKernels`) are called concurrently on one instance from several threads.
- * They do not allocate, lock, log, throw or keep anything: all that changes lies in `state`.
- */
+ * They do not allocate, lock, log, throw or keep data: all mutable data is in `state`. */
 #ifndef SKYBODY_PLUGINS_API_ABI_H
 #define SKYBODY_PLUGINS_API_ABI_H
 
@@ -59,7 +58,7 @@ typedef struct SkybodyParameter {
   int32_t max_count;
   uint32_t required;     /* 1: no default */
   uint32_t randomizable; /* 1: one value per environment, in state words; reals only */
-  uint32_t is_file;      /* 1: texts name files; the host hands over paths that can be opened */
+  uint32_t is_file;      /* 1: the texts are file names; the host passes paths that can be opened */
   double min;            /* inclusive */
   double max;            /* inclusive */
   const double* default_numbers;
@@ -75,22 +74,22 @@ typedef struct SkybodyValue {
   const char* const* texts;
   uint32_t count;
   int32_t env_param; /* first index into SkybodyLanes::params if randomizable, else -1 */
-  uint32_t is_given; /* 1: the scenario says so; 0: it is the default */
+  uint32_t is_given; /* 1: set by the scenario; 0: the default */
 } SkybodyValue;
 
-/* How a body moves relative to its parent. */
+/* Joint types: the motion of a body relative to its parent. */
 enum SkybodyJointType {
-  SKYBODY_WELD = 0,      /* not at all: a fixed base */
-  SKYBODY_FREE = 1,      /* in any way: a base, or a link on a floating joint */
-  SKYBODY_PIN = 2,       /* turns about z of the joint's frame */
-  SKYBODY_SLIDER = 3,    /* travels along its x */
-  SKYBODY_UNIVERSAL = 4, /* turns about its x, then about the new y */
-  SKYBODY_BALL = 5       /* turns in any way */
+  SKYBODY_WELD = 0,      /* no motion: a fixed base */
+  SKYBODY_FREE = 1,      /* six degrees of freedom: a base, or a link on a floating joint */
+  SKYBODY_PIN = 2,       /* rotates about z of the joint's frame */
+  SKYBODY_SLIDER = 3,    /* translates along x of the joint's frame */
+  SKYBODY_UNIVERSAL = 4, /* rotates about x of the joint's frame, then about the new y */
+  SKYBODY_BALL = 5       /* rotates about any axis */
 };
 
-/* One rigid body: the links that fixed joints connect. */
+/* One rigid body: all links connected by fixed joints. */
 typedef struct SkybodyBodyInfo {
-  const char* name;          /* of the link whose frame is the body's */
+  const char* name;          /* name of the link whose frame is the body frame */
   int32_t robot;             /* index of its robot */
   int32_t parent;            /* world body index or -1 */
   double mass;               /* nominal [kg] */
@@ -101,25 +100,27 @@ typedef struct SkybodyBodyInfo {
   int32_t first_u;           /* within the u block */
   int32_t joint;             /* SkybodyJointType of its inboard joint */
   int32_t first_joint_param; /* EnvParams of that joint, at the places of SkybodyJointConstant */
-  int32_t joint_param_count; /* as many of them, from the first on, as apply to it */
+  int32_t joint_param_count; /* number of these EnvParams that apply to this joint, counted from the
+                                first */
   const char* joint_name;    /* "" of a base */
   int32_t joint_is_limited;  /* pin and slider: 1: it has limits */
   double joint_lower, joint_upper; /* [rad] or [m] */
   double joint_start;              /* pin and slider: its coordinate at a reset [rad] or [m] */
-  double joint_in_parent[7];       /* its frame on the parent's side, in the parent's frame (of a
-                                      fixed base in W): position [m], quaternion w x y z */
-  double joint_in_body[7]; /* its frame on this body's side, in the body's frame, likewise; the
-                              two coincide where the joint's coordinates are 0 */
+  double joint_in_parent[7]; /* joint frame on the parent's side, in the parent's frame (fixed base:
+                                in W): position [m], quaternion w x y z */
+  double joint_in_body[7];   /* joint frame on this body's side, in the body frame: position [m],
+                                quaternion w x y z; the two frames coincide where the joint's
+                                coordinates are 0 */
 } SkybodyBodyInfo;
 
-/* A link as the URDF names it. */
+/* A link of the URDF. */
 typedef struct SkybodyLinkInfo {
   const char* name;   /* in the URDF */
   int32_t robot;      /* index of its robot */
   int32_t body;       /* world body index */
   double position[3]; /* link frame in the body's frame [m] */
   double rotation[4]; /* body frame from link frame, w x y z */
-  double com[3];      /* the link's own centre of mass in the body's frame [m] */
+  double com[3];      /* centre of mass of the link alone, in the body's frame [m] */
 } SkybodyLinkInfo;
 
 /* One rotor. */
@@ -129,15 +130,18 @@ typedef struct SkybodyRotorInfo {
   int32_t body;               /* world body that carries it */
   double position[3];         /* body frame [m] */
   double axis[3];             /* body frame, unit */
-  double position_in_base[3]; /* in the frame of the robot's base, joints as at a reset [m] */
-  double axis_in_base[3];     /* likewise, unit */
-  double direction;           /* +1 counter-clockwise about the axis, -1 clockwise */
-  double min_speed; /* below 0: it turns backwards, too, and then pushes against the axis [rad/s] */
+  double position_in_base[3]; /* in the frame of the robot's base, joints at their reset position
+                                 [m] */
+  double
+      axis_in_base[3]; /* in the frame of the robot's base, joints at their reset position, unit */
+  double direction;    /* +1 counter-clockwise about the axis, -1 clockwise */
+  double min_speed;    /* below 0: the rotor can turn backwards and then pushes against the axis
+                          [rad/s] */
   double constants[SKYBODY_ROTOR_CONSTANT_COUNT]; /* at the places of SkybodyRotorConstant */
   int32_t first_param;                            /* EnvParams, at the same places */
 } SkybodyRotorInfo;
 
-/* One robot, and where its bodies, rotors and coordinates lie among the world's. */
+/* One robot and the places of its bodies, rotors and coordinates in the world's arrays. */
 typedef struct SkybodyRobotInfo {
   const char* name;                 /* in the scenario */
   int32_t first_body, body_count;   /* the base first */
@@ -162,26 +166,27 @@ typedef struct SkybodySensorInfo {
 
 /* Consecutive controllers of one robot or team, from a command to actuators. */
 typedef struct SkybodyChainInfo {
-  int32_t robot;         /* index of its robot; of a team's the first one */
+  int32_t robot;         /* index of its robot; for a team the first robot */
   int32_t signal;        /* SkybodySignal of its first controller */
-  int32_t first_command; /* within the command block, and within an action that is not the task's */
-  int32_t count;         /* of values */
+  int32_t first_command; /* within the command block, and within an action that the task does not
+                            declare */
+  int32_t count;         /* number of command values */
 } SkybodyChainInfo;
 
-/* What a shape is, and what its size means. */
+/* Kinds of shapes and the meaning of their sizes. */
 enum SkybodyShapeKind {
   SKYBODY_BOX = 0,      /* size: edge lengths [m] */
   SKYBODY_CYLINDER = 1, /* size: radius, length along z [m], 0 */
   SKYBODY_SPHERE = 2,   /* size: radius [m], 0, 0 */
   SKYBODY_MESH = 3,     /* size: scale factors */
-  SKYBODY_GATE = 4,     /* of obstacles; size: width (y) and height (z) of the opening, thickness */
-  SKYBODY_CAPSULE = 5,  /* size: radius, length along z between the centres of its caps [m], 0 */
-  SKYBODY_PLANE = 6,    /* of obstacles: all below z = 0 of its frame; size: 0 */
-  SKYBODY_HEIGHT_FIELD = 7 /* of obstacles: all below heights on a grid; size: along x and y [m],
-                              greatest height [m] */
+  SKYBODY_GATE = 4, /* obstacles only; size: width (y) and height (z) of the opening, thickness */
+  SKYBODY_CAPSULE = 5,     /* size: radius, length along z between the centres of its caps [m], 0 */
+  SKYBODY_PLANE = 6,       /* obstacles only: the half-space below z = 0 of its frame; size: 0 */
+  SKYBODY_HEIGHT_FIELD = 7 /* obstacles only: the space below heights on a grid; size: extents along
+                              x and y [m], greatest height [m] */
 };
 
-/* A collision shape of a body, or an obstacle. Its place among all shapes is its id. */
+/* A collision shape of a body, or an obstacle. Its index among all shapes is its id. */
 typedef struct SkybodyShapeInfo {
   const char* name; /* of the body or the obstacle */
   const char* mesh; /* file, or "" */
@@ -189,13 +194,12 @@ typedef struct SkybodyShapeInfo {
   int32_t robot;    /* index of its robot; -1: an obstacle */
   int32_t body;     /* world body index; -1: an obstacle */
   int32_t
-      obstacle; /* its place among the obstacles (SkybodyDeclare::contact_pair); -1: of a body */
-  int32_t
-      first_param;    /* EnvParams of an obstacle, at the places of SkybodyObstacleConstant: whether
-                         it is there, its pose and its size; -1: of a body, whose shapes are fixed */
-  double size[3];     /* nominal, as the kind says */
-  double position[3]; /* of its frame in the body's frame; of an obstacle in W [m] */
-  double rotation[4]; /* body frame (W) from its frame, w x y z */
+      obstacle; /* index among the obstacles (SkybodyDeclare::contact_pair); -1: a body's shape */
+  int32_t first_param; /* EnvParams of an obstacle, at the places of SkybodyObstacleConstant:
+                          presence, pose, size; -1: a body's shape, which is fixed */
+  double size[3];      /* nominal, see SkybodyShapeKind */
+  double position[3];  /* of its frame, in the body frame; obstacles: in W [m] */
+  double rotation[4];  /* body frame (obstacles: W) from the shape's frame, w x y z */
 } SkybodyShapeInfo;
 
 /* A randomizable value. */
@@ -203,20 +207,20 @@ typedef struct SkybodyEnvParamInfo {
   const char* path;  /* such as robots.quad.rotors[2].thrust_constant */
   const char* alias; /* robots.quad.rotors.rear_left.thrust_constant, or "" */
   double nominal;    /* the scenario's value, in SI units */
-  double min;        /* the least that may be drawn */
-  double max;        /* the greatest, likewise */
+  double min;        /* lower bound of draws */
+  double max;        /* upper bound of draws */
 } SkybodyEnvParamInfo;
 
-/* The world as configure() sees it. It and all that it points to are valid during create() only: an
- * instance copies what it needs later. */
+/* The world, as passed to configure(). The structure and all its pointers are valid during create()
+ * only: an instance copies the data that it needs later. */
 typedef struct SkybodySetup {
-  const char* instance; /* unique in the world: names this instance's random numbers */
+  const char* instance; /* unique in the world: the key of this instance's random numbers */
   double dt;            /* physics step [s] */
   int32_t action_repeat;
   int32_t horizon;           /* steps until truncation, 0: none */
   double gravity[3];         /* nominal [m/s^2], W */
   int32_t first_world_param; /* EnvParams, at the places of SkybodyWorldConstant */
-  const int32_t* team;       /* the robots that a controller serves, in order; of others none */
+  const int32_t* team;       /* controllers: the robots served, in order; other kinds: empty */
   int32_t team_size;
   const SkybodyRobotInfo* robots;
   int32_t robot_count;
@@ -226,7 +230,7 @@ typedef struct SkybodySetup {
   int32_t link_count;
   const SkybodyRotorInfo* rotors;
   int32_t rotor_count;
-  const SkybodySensorInfo* sensors; /* for all others, and for sensors that come later */
+  const SkybodySensorInfo* sensors; /* for other kinds and for sensors that come later */
   int32_t sensor_count;
   const SkybodyChainInfo* chains; /* for tasks and randomizers */
   int32_t chain_count;
@@ -238,7 +242,7 @@ typedef struct SkybodySetup {
   int32_t value_count;
 } SkybodySetup;
 
-/* What the values of an image are. Vectors are doubles in lanes, and float32 for learners. */
+/* Element types of images. Vectors are doubles in lanes, and float32 for learners. */
 enum SkybodyColumnType {
   SKYBODY_FLOAT32 = 0,
   SKYBODY_UINT8 = 1,
@@ -246,23 +250,23 @@ enum SkybodyColumnType {
   SKYBODY_COLUMN_TYPE_COUNT = 3
 };
 
-/* A vector that a plugin declares while it is configured, with bounds, for the spaces; or an image
- * of a sensor. */
+/* A vector declared in configure(), with bounds for the spaces, or an image of a sensor. */
 typedef struct SkybodyChannel {
   const char* name;
   const char* unit;
   int32_t count;
   double low; /* bounds of the values; -inf, inf where there are none */
   double high;
-  int32_t robot; /* whose observation it belongs to where each robot has its own; -1: everyone's */
-  uint32_t privileged; /* 1: of an observation, for a critic only: the policy does not see it */
-  uint32_t type;       /* SkybodyColumnType; of a vector SKYBODY_FLOAT32 */
-  int32_t rank;        /* 0: a vector; 1 to 3: an image of `count` values, the product of extents */
-  int32_t shape[3];    /* its first `rank` are the extents, the last one varies fastest */
-  const char* doc;     /* what the values are, for tables of observations and infos; "": unsaid */
+  int32_t robot; /* owner, where each robot has its own observation; -1: all robots */
+  uint32_t
+      privileged; /* 1: part of an observation for the critic only; the policy does not see it */
+  uint32_t type;  /* SkybodyColumnType; vectors: SKYBODY_FLOAT32 */
+  int32_t rank;   /* 0: a vector; 1 to 3: an image of `count` values, the product of its extents */
+  int32_t shape[3]; /* the first `rank` entries are the extents; the last one varies fastest */
+  const char* doc;  /* meaning of the values, for tables of observations and infos; "": none */
 } SkybodyChannel;
 
-/* What a body may touch. */
+/* Possible contact partners of a body. */
 enum SkybodyPartner {
   SKYBODY_GROUND = 0,
   SKYBODY_OTHER_BODY = 1,
@@ -270,127 +274,130 @@ enum SkybodyPartner {
   SKYBODY_PARTNER_COUNT = 3
 };
 
-/* Where a wrench acts. */
+/* Point of application of a wrench. */
 typedef struct SkybodySite {
   int32_t body;       /* world body index */
   double point[3];    /* body frame [m] */
-  int32_t at_com;     /* 1: at the present centre of mass, point ignored */
+  int32_t at_com;     /* 1: acts at the current centre of mass, `point` is ignored */
   int32_t world_axes; /* 1: force and moment in W; 0: in the body's axes */
 } SkybodySite;
 
-/* What the value of a joint's drive means. */
+/* Meaning of the command of a joint drive. */
 enum SkybodyJointMode {
   SKYBODY_JOINT_POSITION = 0, /* [rad] or [m] */
   SKYBODY_JOINT_VELOCITY = 1, /* [rad/s] or [m/s] */
   SKYBODY_JOINT_EFFORT = 2    /* [N m] or [N] */
 };
 
-/* A drive of one coordinate of a pin, slider or universal joint. With r the command behind its lag:
+/* A drive of one coordinate of a pin, slider or universal joint. With r the command after its lag:
  *   position  effort = clamp(stiffness (r - q) - damping u)
  *   velocity  effort = clamp(damping (r - u))
  *   effort    effort = clamp(r)
  * to [-effort_limit, effort_limit]. */
 typedef struct SkybodyJointDrive {
-  int32_t body;        /* world body index: its inboard joint */
-  int32_t coordinate;  /* 0; of a universal joint 0 or 1 */
+  int32_t body;        /* world body index: the drive acts on its inboard joint */
+  int32_t coordinate;  /* 0; universal joints: 0 or 1 */
   int32_t mode;        /* SkybodyJointMode */
   double stiffness;    /* [N m/rad] or [N/m], >= 0 */
   double damping;      /* [N m s/rad] or [N s/m], >= 0 */
   double effort_limit; /* [N m] or [N], > 0, may be infinite */
   double tau;          /* time constant of the first-order lag [s]; 0: none */
-  double low, high;    /* bounds to which the command is held */
+  double low, high;    /* the command is clamped to these bounds */
 } SkybodyJointDrive;
 
-/* What configure() tells the host. Texts are copied during the call. */
+/* Declarations that configure() makes. Texts are copied during the call. */
 typedef struct SkybodyDeclare {
   void* host;
-  /* Controllers: the command taken, and the physical values of action -1 and +1 per component; NULL
-   * both: those of the controller behind it, to which it passes the command on. */
+  /* Controllers: the command, and the physical values of action -1 and +1 per component. NULL for
+   * both: the ranges of the next controller, to which this one passes its command on. */
   void (*input)(void* host, int32_t signal, int32_t count, const double* low, const double* high);
-  /* Of one robot that it serves: to the controller that follows, or to the robot's own chain that
-   * takes the signal, or to the robot's actuators. */
+  /* Controllers: an output for one robot that it serves. Its receiver: the next controller, or the
+   * robot's own chain that takes this signal, or the robot's actuators. */
   void (*output)(void* host, int32_t robot, int32_t signal, int32_t count);
   void (*site)(void* host, const SkybodySite* site);
   void (*joint)(void* host, const SkybodyJointDrive* drive);
   /* Sensors: outputs. Tasks: parts of the observation, in order. */
   void (*channel)(void* host, const SkybodyChannel* channel);
-  /* Sensors: called after every `period` physics steps. Controllers and effects: before every such
-   * step, and what they gave last holds in between. Tasks: process() is called so often; without it
-   * once an action. */
+  /* Sensors: called after every `period` physics steps. Controllers and effects: called before
+   * every such step; the last output holds in between. Tasks: period of process(); without it
+   * process() is called once per action. */
   void (*period)(void* host, int32_t physics_steps);
-  /* Any kind: words of state besides State, reachable as a buffer of doubles. */
+  /* Any kind: words of state besides State, accessible as a buffer of doubles. */
   void (*buffer)(void* host, int32_t words);
-  /* Any kind: doubles that a call may use, SkybodyLanes::scratch. What is in it is not kept. */
+  /* Any kind: doubles for use during a call, SkybodyLanes::scratch. Their content is not kept. */
   void (*scratch)(void* host, int32_t values);
-  /* Any kind: doubles that are kept from call to call but are no state, SkybodyLanes::memo. */
+  /* Any kind: doubles that are kept from call to call but are not state, SkybodyLanes::memo. */
   void (*memo)(void* host, int32_t values);
-  /* Effects: what apply() fills, SkybodyHeldInput. */
+  /* Effects: an input that apply() fills, SkybodyHeldInput. */
   void (*holds)(void* host, int32_t input);
-  /* Effects: what apply() fills follows from EnvParams alone. It is called before the first physics
-   * step of an episode and before one ahead of which EnvParams may have changed. */
+  /* Effects: the output of apply() depends on EnvParams only. It is called before the first physics
+   * step of an episode and before a step ahead of which EnvParams may have changed. */
   void (*steady)(void* host);
   /* Any kind but tasks: the next `info` values are these words of the buffer. */
   void (*report)(void* host, const SkybodyChannel* info, int32_t first_word);
-  /* Any kind: asks for SkybodyLanes::contacts. */
+  /* Any kind: requests SkybodyLanes::contacts. */
   void (*contacts)(void* host);
-  /* Any kind: asks for what `body` feels of one SkybodyPartner: a world body, or an obstacle, by
-   * its place among the obstacles. Gives its place within SkybodyLanes::contact_pairs. */
+  /* Any kind: requests the contact forces on `body` from one SkybodyPartner. `other` is a world
+   * body or the index of an obstacle. Returns the pair's place in SkybodyLanes::contact_pairs. */
   int32_t (*contact_pair)(void* host, int32_t body, int32_t partner, int32_t other);
-  /* Any kind: asks for what the inboard joint of `body` exerts on it. Gives its place within
-   * SkybodyLanes::joint_reactions. */
+  /* Any kind: requests the force and moment that the inboard joint of `body` exerts on it. Returns
+   * the place in SkybodyLanes::joint_reactions. */
   int32_t (*joint_reaction)(void* host, int32_t body);
-  /* Tasks: a part of the action, in robot order, with what -1 and +1 mean. With none of these the
-   * action is made of the chains' commands. process() is then required and gets physical values. */
+  /* Tasks: a part of the action, in robot order, with the physical values of -1 and +1. Without
+   * such a call the action consists of the chains' commands. With it process() is required and
+   * receives physical values. */
   void (*action)(void* host, const SkybodyChannel* action);
-  /* Tasks: the command goes from the last one to the present one in equal parts over the physics
-   * steps of an action. */
+  /* Tasks: the command is interpolated linearly from the previous to the current one over the
+   * physics steps of an action. */
   void (*interpolate)(void* host);
-  /* Any kind: asks for SkybodyLanes::bodies_before. */
+  /* Any kind: requests SkybodyLanes::bodies_before. */
   void (*bodies_before)(void* host);
-  /* Any kind: an output of a sensor that it reads, by the first value within SkybodyLanes::sensors.
-   */
+  /* Any kind: the plugin reads this sensor output, given by its first value within
+   * SkybodyLanes::sensors. */
   void (*reads)(void* host, int32_t first);
-  /* Sensors: calls may be left out whose output nobody reads, over SKYBODY_LONGEST_LEFT_OUT physics
-   * steps at most. */
+  /* Sensors: a call whose output has no reader may be skipped, for at most SKYBODY_LONGEST_LEFT_OUT
+   * physics steps. */
   void (*only_when_read)(void* host);
-  /* Randomizers: this parameter will be written, and is held to its bounds after each draw. Two
+  /* Randomizers: this parameter will be written. It is clamped to its bounds after each draw. Two
    * writers of one parameter are an error. */
   void (*writes)(void* host, int32_t env_param);
-  /* Randomizers: asks to be called before every physics step, too. */
+  /* Randomizers: requests a call before every physics step, too. */
   void (*draws_in_time)(void* host);
-  /* Tasks: the body of `robot` that the goal is about, and the point of it (body frame, 3 values,
-   * [m]) that is to be brought to its place; goal() gives the body's frame. */
+  /* Tasks: the body of `robot` that the goal refers to, and the point of that body (body frame, 3
+   * values, [m]) that should reach the target; goal() returns the pose of the body's frame. */
   void (*goal)(void* host, int32_t robot, int32_t body, const double* point);
   /* Tasks: evaluate() will write SkybodyEvaluation::robot_reward. */
   void (*robot_rewards)(void* host);
-  /* Tasks: values beside the observation, for people and evaluations, in order. */
+  /* Tasks: values besides the observation, for users and evaluations, in order. */
   void (*info)(void* host, const SkybodyChannel* channel);
-  /* Tasks: `count` values of the observation from `to` on are those from `from` on. Packs of lanes
-   * may leave them unwritten; one lane and dual numbers write them. */
+  /* Tasks: `count` values of the observation from `to` on repeat those from `from` on. Packs of
+   * lanes may leave them unwritten; single lanes and dual numbers write them. */
   void (*repeat)(void* host, int32_t to, int32_t from, int32_t count);
 } SkybodyDeclare;
 
-/* In checked mode, on groups of one lane: how many values a call may touch, and the first that it
- * touched beyond them. What lies beyond is `nothing`, so that memory stays whole. */
+/* Checked mode, for groups of one lane: the number of values that a call may access, and the first
+ * access out of range. Such an access is redirected to `nothing`, so that memory is not corrupted.
+ */
 typedef struct SkybodyChecks {
   int32_t bodies, q, u, rotors, params, sensors, action, command, robots;
-  int32_t bodies_before, contacts;        /* bodies, or 0 where the plugin did not ask */
-  int32_t contact_pairs, joint_reactions; /* likewise, those of all plugins */
-  int32_t buffer, scratch, memo;          /* of the plugin that is called */
-  int32_t input, output, info;            /* of this call; output: the observation, too */
-  const char* what;                       /* such as "output"; NULL: all was well */
+  int32_t bodies_before, contacts; /* bodies; 0 if the plugin did not request them */
+  int32_t contact_pairs,
+      joint_reactions;           /* those of all plugins; 0 if the plugin did not request them */
+  int32_t buffer, scratch, memo; /* of the called plugin */
+  int32_t input, output, info;   /* of this call; `output` also stands for the observation */
+  const char* what; /* array of the first access out of range, such as "output"; NULL: none */
   int32_t index, size;
   double nothing;
 } SkybodyChecks;
 
-/* What every step function reads. Pointers are per group; strides are `lanes`. */
+/* Inputs of every step function. Pointers are per group; strides are `lanes`. */
 typedef struct SkybodyLanes {
-  uint32_t lanes;               /* L: 1 or SKYBODY_GROUP_LANES */
-  uint32_t active;              /* bit l: serve lane l */
-  const uint64_t* key;          /* 2: seed, stream env */
-  const uint64_t* episode;      /* 1 */
-  const uint64_t* step;         /* 1: actions taken in this episode. The present one is not counted
-                                   in process, control and sense; in evaluate and goal it is */
+  uint32_t lanes;          /* L: 1 or SKYBODY_GROUP_LANES */
+  uint32_t active;         /* bit l: serve lane l */
+  const uint64_t* key;     /* 2: seed, stream env */
+  const uint64_t* episode; /* 1 */
+  const uint64_t* step; /* 1: actions taken in this episode; the current one is counted in evaluate
+                           and goal, but not in process, control and sense */
   const uint64_t* physics_step; /* 1: physics steps completed in this episode */
   const double* bodies;         /* 13 per body: p (W), q (w x y z), v (W), w (B) */
   const double* bodies_before;  /* the same at the start of the last physics step, or NULL */
@@ -398,74 +405,73 @@ typedef struct SkybodyLanes {
   const double* u;
   const double* rotor_speed; /* 1 per rotor [rad/s] */
   const double*
-      rotor_command;      /* 1 per rotor [rad/s]: what controllers gave last, not yet limited */
+      rotor_command;      /* 1 per rotor [rad/s]: last output of the controllers, not yet limited */
   const double* params;   /* EnvParams */
   const double* sensors;  /* outputs of all sensors */
   const double* action;   /* clipped action row of this step */
   const double* command;  /* commands of all chains */
   const double* contacts; /* 7 per body, or NULL: force and moment about the body's origin of all
-                             that touches it (W) [N, N m], and 1 or 0: whether anything does */
-  const double* contact_pairs;   /* 7 per pair that plugins ask for, the same of what touches it
-                                    there, or NULL */
-  const double* joint_reactions; /* 6 per joint that plugins ask for, or NULL: force and moment
+                             contacts (W) [N, N m], then 1 if the body is in contact, else 0 */
+  const double* contact_pairs;   /* 7 per pair that plugins request, as in `contacts`, or NULL */
+  const double* joint_reactions; /* 6 per joint that plugins request, or NULL: force and moment
                                     about the body's origin (W) [N, N m] */
   double* scratch;               /* of this call, see SkybodyDeclare::scratch */
   double* memo;                  /* of this plugin, see SkybodyDeclare::memo */
   unsigned char* images; /* in sense: the images of this sensor in lane 0, in the order of their
-                            declaration, each at a multiple of 8 bytes; elsewhere NULL */
-  uint64_t image_stride; /* bytes from lane to lane */
+                            declaration, each at a multiple of 8 bytes; otherwise NULL */
+  uint64_t image_stride; /* bytes between the images of neighbouring lanes */
   SkybodyChecks* checks; /* NULL: not checked */
 } SkybodyLanes;
 
-/* Why a randomizer is called. */
+/* Reason for a call of a randomizer. */
 typedef enum SkybodyOccasion {
   SKYBODY_AT_RESET = 0,
-  SKYBODY_ON_REQUEST = 1, /* a caller asks: draw now, whatever the randomizer's own schedule says */
-  SKYBODY_IN_TIME = 2     /* before a physics step, where it has declared draws_in_time */
+  SKYBODY_ON_REQUEST = 1, /* a caller requests a draw now, whatever the randomizer's own schedule */
+  SKYBODY_IN_TIME = 2     /* before a physics step, if it has declared draws_in_time */
 } SkybodyOccasion;
 
-/* What a randomizer changes at a reset. */
+/* State that a randomizer may change at a reset. */
 typedef struct SkybodyStart {
   double* q;
   double* u;
   double* rotor_speed;
   double* params;
-  uint32_t occasion; /* SkybodyOccasion; parameters alone may be written but at a reset */
+  uint32_t occasion; /* SkybodyOccasion; outside of a reset only parameters may be written */
 } SkybodyStart;
 
-/* What an effect adds to; NULL where it does not hold that input. Neutral when it is called. */
+/* Inputs that an effect adds to; NULL if it does not hold that input. Neutral at the call. */
 typedef struct SkybodyHeld {
   double* input[SKYBODY_HELD_COUNT];
 } SkybodyHeld;
 
-/* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. Lanes that are not active
-   may be written, except for `end`. */
+/* Results of a task after a step. `end` bits: 1 terminated, 2 truncated. Lanes that are not active
+ * may be written, except for `end`. */
 typedef struct SkybodyEvaluation {
   double* observation;
-  double* reward;       /* 1: the environment's, or the team's */
+  double* reward;       /* 1: of the environment or the team */
   uint64_t* end;        /* 1 */
   double* robot_reward; /* 1 per robot of the world; read if the task declared robot_rewards */
   double* info;         /* values as declared by info */
-  uint32_t wants_info;  /* 0: nobody will look at info, which may be left as it is */
+  uint32_t wants_info;  /* 0: nothing reads info, which may be left unwritten */
 } SkybodyEvaluation;
 
-/* What a step function computes with: doubles, or dual numbers (core/base/dual.h), which carry a
+/* Number type of a step function: doubles, or dual numbers (core/base/dual.h), which carry a
  * derivative. */
 enum SkybodyNumber { SKYBODY_NUMBER_REAL = 0, SKYBODY_NUMBER_DUAL = 1, SKYBODY_NUMBER_COUNT = 2 };
 
-/* The functions of one instruction set; those of other kinds are NULL, optional ones may be. */
+/* The functions of one instruction set. Functions of other kinds are NULL; optional ones may be. */
 typedef struct SkybodyKernels {
-  /* any kind, optional: initial state at a reset (else all words 0) */
+  /* any kind, optional: initial state at a reset (without it all words are 0) */
   void (*reset)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer);
   void (*control)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                   const double* input, double* output);
   void (*sense)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                 double* output);
-  /* randomizers; tasks: optional, called at a reset when robots are placed and before reset(), to
-   * draw parameters of their own that they announced by writes */
+  /* randomizers; tasks: optional, called at a reset after the robots are placed and before reset(),
+   * to draw parameters that the task declared by `writes` */
   void (*randomize)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                     const SkybodyStart* start);
-  /* tasks: optional; else the host scales the action to the first controllers' ranges */
+  /* tasks, optional: without it the host scales the action to the first controllers' ranges */
   void (*process)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                   const double* action, double* command);
   void (*apply)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
@@ -475,7 +481,8 @@ typedef struct SkybodyKernels {
   /* tasks: optional; 4 values per declared goal: position (W) [m], yaw [rad] */
   void (*goal)(const void* self, const SkybodyLanes* lanes, const uint64_t* state,
                const double* buffer, double* goal);
-  /* tasks: optional; how the goals move: 6 values each: velocity (W) [m/s], acceleration [m/s^2] */
+  /* tasks: optional; motion of the goals, 6 values each: velocity (W) [m/s], acceleration [m/s^2]
+   */
   void (*goal_motion)(const void* self, const SkybodyLanes* lanes, const uint64_t* state,
                       const double* buffer, double* motion);
 } SkybodyKernels;
@@ -488,13 +495,13 @@ typedef struct SkybodyPlugin {
   const char* doc; /* one line */
   const SkybodyParameter* parameters;
   uint32_t parameter_count;
-  uint32_t vectorized; /* 1: kernels serve several lanes at a time; 0: lane after lane */
-  /* Makes an instance. NULL and a message in `error` if it cannot. Never throws. */
+  uint32_t vectorized; /* 1: kernels serve several lanes at once; 0: one lane after the other */
+  /* Creates an instance. On failure returns NULL and writes a message to `error`. Never throws. */
   void* (*create)(const SkybodySetup* setup, const SkybodyDeclare* declare, char* error,
                   size_t error_size);
   void (*destroy)(void* self);
-  /* By SkybodyNumber and SkybodyIsa. On dual numbers there are reset, control, apply, process and
-   * evaluate of plugins that declare themselves smooth; all else is NULL. */
+  /* By SkybodyNumber and SkybodyIsa. Dual numbers: reset, control, apply, process and evaluate of
+   * plugins that declare themselves smooth; all others are NULL. */
   SkybodyKernels kernels[SKYBODY_NUMBER_COUNT][SKYBODY_ISA_COUNT];
 } SkybodyPlugin;
 
@@ -502,7 +509,7 @@ typedef struct SkybodyPlugin {
 typedef struct SkybodyPluginLibrary {
   uint64_t magic;
   uint32_t abi_version;
-  uint32_t library_size; /* sizeof of each structure as the author's compiler saw it */
+  uint32_t library_size; /* sizeof of each structure in the author's compiler */
   uint32_t plugin_size;
   uint32_t kernels_size;
   uint32_t setup_size;
@@ -513,7 +520,7 @@ typedef struct SkybodyPluginLibrary {
   uint64_t (*fp_probe)(void);
   const SkybodyPlugin* const* plugins;
   uint32_t plugin_count;
-  const char* failure; /* why the plugin could not describe itself, or NULL */
+  const char* failure; /* reason why the plugin could not describe itself, or NULL */
 } SkybodyPluginLibrary;
 
 #ifdef __cplusplus

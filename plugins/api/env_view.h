@@ -1,4 +1,4 @@
-// What a plugin sees of its environment while it steps.
+// View of an environment in a plugin's step methods.
 #pragma once
 
 #include <type_traits>
@@ -20,36 +20,36 @@ struct BodyMotion {
   Vec3<Real> angular_velocity;  ///< B axes [rad/s]
 };
 
-/// All that touches one body, added up.
+/// Sum of all contacts of one body.
 template <class Real>
 struct ContactSum {
   Vec3<Real> force;       ///< W axes [N]
   Vec3<Real> moment;      ///< about the body's origin, W axes [N m]
-  MaskOf<Real> touching;  ///< whether anything does
+  MaskOf<Real> touching;  ///< whether the body is in contact
 };
 
-/// What an inboard joint exerts on its body, at the latest physics state and with the commands of
-/// the last physics step: constraint, spring, damper, limit and drive together. Nothing of a free
-/// base.
+/// Force and moment that an inboard joint exerts on its body: constraint, spring, damper, limit and
+/// drive together, at the latest physics state and with the commands of the last physics step. Zero
+/// for a free base.
 template <class Real>
 struct JointReaction {
   Vec3<Real> force;   ///< W axes [N]
   Vec3<Real> moment;  ///< about the body's origin, W axes [N m]
 };
 
-/// Number of values in a ContactSum as the host has it.
+/// Number of values in a ContactSum in the host's layout.
 inline constexpr int kContactSumSize = SKYBODY_CONTACT_VALUES;
 
 /// Number of values in a BodyMotion.
 inline constexpr int kBodyMotionSize = 13;
 
-/// One environment (Real = double) or several side by side (Real = Pack<W>), read-only.
-/// Indices of bodies, rotors, sensors and parameters are found in configure().
+/// One environment (Real = double) or several side by side (Real = Pack<W>), read-only. Indices of
+/// bodies, rotors, sensors and parameters come from configure().
 template <class Real>
 class EnvView {
  public:
-  /// @param lanes  of the group: raw.lanes, but for full groups a constant, so that strides become
-  ///               immediates
+  /// @param lanes  lanes of the group: raw.lanes, or a constant for full groups, so that strides
+  ///        become immediates
   /// @param first  the first lane that this view serves
   EnvView(const SkybodyLanes& raw, std::uint32_t lanes, std::uint32_t first, MaskOf<Real> mask)
       : raw_(raw), lanes_(lanes), first_(first), mask_(mask) {}
@@ -59,23 +59,24 @@ class EnvView {
     return motion(raw_.bodies, index, "body",
                   [](const SkybodyChecks& c) { return kBodyMotionSize * c.bodies; });
   }
-  /// The same at the start of the last physics step; configure() must have asked for it by
-  /// Setup::need_bodies_before().
+  /// Motion of a world body at the start of the last physics step. Requires
+  /// Setup::need_bodies_before() in configure().
   BodyMotion<Real> body_before(int index) const {
     return motion(raw_.bodies_before, index, "body_before",
                   [](const SkybodyChecks& c) { return kBodyMotionSize * c.bodies_before; });
   }
-  /// What touches a world body; configure() must have asked for it by Setup::need_contacts().
+  /// Sum of all contacts of a world body. Requires Setup::need_contacts() in configure().
   ContactSum<Real> contact(int body) const {
     return contact_sum(raw_.contacts, body, "contact",
                        [](const SkybodyChecks& c) { return kContactSumSize * c.contacts; });
   }
-  /// What a body feels of one other; `pair` is what Setup::contact_pair() gave.
+  /// Contact between a body and one partner. @param pair  from Setup::contact_pair()
   ContactSum<Real> contact_pair(int pair) const {
     return contact_sum(raw_.contact_pairs, pair, "contact pair",
                        [](const SkybodyChecks& c) { return kContactSumSize * c.contact_pairs; });
   }
-  /// What a joint exerts on the body that it moves; `index` is what Setup::joint_reaction() gave.
+  /// Force and moment of a joint on the body that it moves. @param index  from
+  /// Setup::joint_reaction()
   JointReaction<Real> joint_reaction(int index) const {
     const int first = SKYBODY_REACTION_VALUES * index;
     const auto v = values_of(raw_.joint_reactions, "joint reaction", [](const SkybodyChecks& c) {
@@ -88,18 +89,18 @@ class EnvView {
     return values_of(raw_.rotor_speed, "rotor",
                      [](const SkybodyChecks& c) { return c.rotors; })[index];
   }
-  /// The speed that a world rotor's controllers gave last [rad/s], before any limit. In apply() it
-  /// is that of the physics step that begins; without a chain that drives rotors the scenario's
-  /// own.
+  /// Last command of a world rotor from its controllers [rad/s], before any limit. In apply() it is
+  /// the command for the physics step that begins. Without a chain that drives rotors it is the
+  /// scenario's value.
   Real rotor_command(int index) const {
     return values_of(raw_.rotor_command, "rotor",
                      [](const SkybodyChecks& c) { return c.rotors; })[index];
   }
-  /// A coordinate of a joint [rad] or [m]; its place is BodyInfo::first_q.
+  /// A joint coordinate [rad] or [m]; its index is BodyInfo::first_q.
   Real q(int index) const {
     return values_of(raw_.q, "q", [](const SkybodyChecks& c) { return c.q; })[index];
   }
-  /// A joint's rate [rad/s] or [m/s]; its place is BodyInfo::first_u.
+  /// A joint rate [rad/s] or [m/s]; its index is BodyInfo::first_u.
   Real u(int index) const {
     return values_of(raw_.u, "u", [](const SkybodyChecks& c) { return c.u; })[index];
   }
@@ -107,7 +108,7 @@ class EnvView {
   Real param(int index) const {
     return values_of(raw_.params, "param", [](const SkybodyChecks& c) { return c.params; })[index];
   }
-  /// Three of them, `first` and those behind it: a vector such as a rotor's position.
+  /// Three parameters from `first` on: a vector such as a rotor's position.
   Vec3<Real> param_vec3(int first) const {
     return {param(first), param(first + 1), param(first + 2)};
   }
@@ -116,34 +117,34 @@ class EnvView {
     return values_of(raw_.sensors, "sensor",
                      [](const SkybodyChecks& c) { return c.sensors; })[index];
   }
-  /// Value `index` of this step's action, clipped to [-1, 1]; a robot's begin at
+  /// Value `index` of this step's action, clipped to [-1, 1]. A robot's values start at
   /// RobotInfo::first_action.
   Real action(int index) const {
     return values_of(raw_.action, "action", [](const SkybodyChecks& c) { return c.action; })[index];
   }
-  /// Value `index` of the chains' commands made from it, in physical units; see
+  /// Value `index` of the chains' commands computed from the action, in physical units; see
   /// ChainInfo::first_command.
   Real command(int index) const {
     return values_of(raw_.command, "command",
                      [](const SkybodyChecks& c) { return c.command; })[index];
   }
-  /// Memory of this call: Setup::scratch() values, of any content.
+  /// Scratch memory of this call: Setup::scratch() values with undefined content.
   Values<Real> scratch() const {
     return values(raw_.scratch, first_, mask_, "scratch",
                   [](const SkybodyChecks& c) { return c.scratch; });
   }
-  /// Setup::memo() values that keep what was written last, in lanes that are not served, too: a
-  /// store for results that other values lead to, beside those values. Other calls, threads and
-  /// environments may have written what is there, so compare before you believe it.
-  /// Not for dual numbers, whose tangents have no room in it.
+  /// Setup::memo() values that keep the last written content, also in lanes that are not served: a
+  /// cache for results, stored together with the inputs they were computed from. Other calls,
+  /// threads and environments may have written the content, so compare the inputs before you use
+  /// it. Not available for dual numbers, because the memory has no room for tangents.
   Values<Real> memo() const {
     static_assert(!kIsDual<Real>);
     return values(raw_.memo, first_, MaskOf<Real>(true), "memo",
                   [](const SkybodyChecks& c) { return c.memo; });
   }
 
-  /// Sensors in sense(), written for plain double: the values of an image of this environment, in
-  /// C order. They keep what they had at the sense() before; at a reset they begin as 0.
+  /// Sensors in sense(), written for plain double: the values of an image of this environment, in C
+  /// order. They keep their content from the previous sense(); at a reset they start at 0.
   template <class T>
   T* pixels(const Image<T>& image) const {
     static_assert(std::is_same_v<Real, double>,
@@ -151,30 +152,31 @@ class EnvView {
     return reinterpret_cast<T*>(raw_.images + first_ * raw_.image_stride + image.offset);
   }
 
-  /// The seed that the environment's random numbers come from.
+  /// Seed of the environment's random numbers.
   Word<Real> seed() const { return word(raw_.key, 0); }
-  /// Whose random numbers it draws: its id in the batch, or another one after a fork with `rekey`.
+  /// Id of the environment's random stream: its id in the batch, or another id after a fork with
+  /// `rekey`.
   Word<Real> stream_env() const { return word(raw_.key, 1); }
   /// Resets of this environment so far; 1 in its first episode.
   Word<Real> episode() const { return word(raw_.episode, 0); }
-  /// Actions taken in this episode. In process(), control() and sense() the present one is not
-  /// counted; in evaluate() and goal() it is: 1 after the first action. 0 at a reset, everywhere.
+  /// Actions taken in this episode. 0 at a reset. The current action is counted in evaluate() and
+  /// goal() (1 after the first action), but not in process(), control() and sense().
   Word<Real> step() const { return word(raw_.step, 0); }
   /// Physics steps completed in this episode.
   Word<Real> physics_step() const { return word(raw_.physics_step, 0); }
-  /// Which lanes are being served; the others hold values that must not be relied upon.
+  /// Lanes that are being served. The others hold undefined values.
   MaskOf<Real> served() const { return mask_; }
 
-  /// For the library: how far apart the values of a lane lie.
+  /// For the library: stride between the values of a lane.
   std::uint32_t lanes() const { return lanes_; }
-  /// For the library: these lanes' view of values in lanes; `base` may be null if nothing is read.
-  /// @param what  their name in messages; @param size  size(checks): how many there are
+  /// For the library: a view of these lanes in an array; `base` may be null if nothing is read.
+  /// @param what  name of the values in messages; @param size  size(checks): their number
   template <class Size>
   ConstValues<Real> const_values(const double* base, std::uint32_t first, const char* what,
                                  const Size& size) const {
     return {base == nullptr ? nullptr : base + first, lanes_, bounds(what, size)};
   }
-  /// For the library: likewise, to be written.
+  /// For the library: the writable counterpart of const_values().
   template <class Size>
   Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask, const char* what,
                       const Size& size) const {
@@ -210,7 +212,7 @@ class EnvView {
     return {v.vec3(first), v.vec3(first + 3), v[first + 6] > 0.5};
   }
 
-  SkybodyLanes raw_;  // a copy: nothing that is written can alias its pointers
+  SkybodyLanes raw_;  // a copy: no write can alias its pointers
   std::uint32_t lanes_, first_;
   MaskOf<Real> mask_;
 };

@@ -1,4 +1,4 @@
-// From a plugin class to the C descriptor: SKYBODY_PLUGIN(Class, "name", "version", "one line").
+// Builds the C descriptor of a plugin class: SKYBODY_PLUGIN(Class, "name", "version", "one line").
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace skybody::plugin_export {
 
-/// Makes, binds and configures an instance; turns exceptions into a message.
+/// Creates, binds and configures an instance; turns exceptions into a message.
 template <class T>
 void* create(const SkybodySetup* setup, const SkybodyDeclare* declare, char* error,
              std::size_t error_size) noexcept {
@@ -82,7 +82,7 @@ class Description {
   Description& operator=(const Description&) = delete;
 
   const SkybodyPlugin* plugin() const { return &plugin_; }
-  /// What the class's constructor threw, or nullptr.
+  /// Message of the exception from the class's constructor, or nullptr.
   const char* failure() const { return failure_[0] != '\0' ? failure_ : nullptr; }
 
  private:
@@ -115,8 +115,9 @@ inline SkybodyPluginLibrary library(const SkybodyPlugin* const* plugins, std::ui
 
 }  // namespace skybody::plugin_export
 
-/// Exports one plugin class from a shared library. Once per library, at file scope, outside of
-/// namespaces: SKYBODY_PLUGIN(RateFilter, "rate_filter", "1.0.0", "Filters body rates.");
+/// Exports one plugin class from a shared library. Use once per library, at file scope, outside of
+/// namespaces:
+///   SKYBODY_PLUGIN(RateFilter, "rate_filter", "1.0.0", "Filters body rates.");
 #define SKYBODY_PLUGIN(CLASS, NAME, VERSION, DOC)                                           \
   namespace {                                                                               \
   const skybody::plugin_export::Description<CLASS> skybody_description(NAME, VERSION, DOC); \

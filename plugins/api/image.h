@@ -1,4 +1,4 @@
-// Images that a sensor gives.
+// Images as sensor outputs.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,8 @@
 
 namespace skybody {
 
-/// Where an image of a sensor lies in its memory. Made by Setup::image(), used by
-/// EnvView::pixels().
-/// @tparam T  of its values: std::uint8_t, std::uint16_t or float
+/// Location of an image in its sensor's memory. Made by Setup::image(), used by EnvView::pixels().
+/// @tparam T  type of the values: std::uint8_t, std::uint16_t or float
 template <class T>
 struct Image {
   std::size_t offset = 0;  ///< first byte
@@ -30,18 +29,18 @@ constexpr std::uint32_t column_type() {
   return std::is_same_v<T, std::uint8_t> ? SKYBODY_UINT8 : SKYBODY_UINT16;
 }
 
-/// The number of values with one more extent; what no image can have becomes 0.
+/// Number of values after one more extent; 0 for an invalid extent or on overflow.
 constexpr int product(int count, int extent) {
   constexpr int most = std::numeric_limits<int>::max();
   return extent > 0 && count <= most / extent ? count * extent : 0;
 }
 
-/// Bytes of an image, up to the next multiple of 8: there the next one begins.
+/// Size of an image rounded up to a multiple of 8 bytes, where the next image begins.
 constexpr std::size_t image_room(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 
 }  // namespace plugin_detail
 
-/// Bounds of T where an image declares none: of float there are none.
+/// Default bounds of an image with values of type T; float has none.
 template <class T>
 inline constexpr double kLeast = std::is_integral_v<T> ? 0.0
                                                        : -std::numeric_limits<double>::infinity();

@@ -2,11 +2,13 @@
 //
 // Each step method is compiled for double and for packs as wide as the vectors of an instruction
 // set (core/base/kernels.h); those of smooth classes (Plugin::kSmooth) also for packs of dual
-// numbers. `flatten` pulls the author's code into functions of that target; the arithmetic is the
-// same everywhere, so all give the same bits. None of the functions below is always_inline: g++
-// inlines into a flattened function only what it has seen before, and it does not look through
-// always_inline functions when it orders them, so that the author's code would stay outside,
-// compiled for the baseline. tests/unit/plugins/codegen_test.cpp watches this.
+// numbers. `flatten` inlines the author's code into functions of that target. The arithmetic is the
+// same everywhere, so all targets give the same bits.
+//
+// None of the functions below is always_inline. g++ inlines into a flattened function only
+// functions that it has already processed, and it does not look through always_inline functions
+// when it orders them. With always_inline the author's code would stay a separate function,
+// compiled for the baseline. tests/unit/plugins/codegen_test.cpp checks this.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +22,8 @@
 
 namespace skybody::plugin_export {
 
-/// Calls `function(env, state, first, mask)` for the lanes [first, first + lanes of Real) that are
-/// to be served, with the state loaded before and stored after.
+/// Calls `function(env, state, first, mask)` for the active lanes in [first, first + lanes of
+/// Real). Loads the state before the call and stores it after.
 /// @param width  lanes of the group
 template <class T, class Real, class Function>
 inline void serve(const SkybodyLanes& lanes, std::uint32_t width, std::uint32_t first,
@@ -36,7 +38,7 @@ inline void serve(const SkybodyLanes& lanes, std::uint32_t width, std::uint32_t 
   store_state<T, Real>(state, words, first, width, mask);
 }
 
-/// Serves a full group, as many lanes at a time as Real has.
+/// Serves a full group, kLanesOf<Real> lanes at a time.
 template <class T, class Real, class Function>
 inline void serve_all(const SkybodyLanes& lanes, std::uint64_t* words, Function&& function) {
   for (std::uint32_t first = 0; first < SKYBODY_GROUP_LANES; first += kLanesOf<Real>) {
@@ -44,8 +46,8 @@ inline void serve_all(const SkybodyLanes& lanes, std::uint64_t* words, Function&
   }
 }
 
-/// Serves a group: in packs where the class has lane code and the group is a full one, else lane
-/// after lane. Groups of dual numbers are always full.
+/// Serves a group: in packs if the class has lane code and the group is full, otherwise lane by
+/// lane. Groups of dual numbers are always full.
 template <class T, SkybodyNumber N, int W, class Function>
 inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&& function) {
   if constexpr (N == SKYBODY_NUMBER_DUAL) {
@@ -63,7 +65,7 @@ inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&
   }
 }
 
-/// The views that calls hand over, with their names and sizes for checked mode.
+/// The views passed to step methods, with their names and sizes for checked mode.
 struct Views {
   template <class Env, class Mask>
   static auto buffer(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
@@ -102,7 +104,7 @@ struct Views {
   }
 };
 
-/// What `p` points to: an instance of a plugin class.
+/// Casts `p` to the instance of plugin class T.
 template <class T>
 const T& self(const void* p) {
   return *static_cast<const T*>(p);
@@ -126,7 +128,7 @@ struct Control {
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const double* in, double* out) {
     for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
+      const decltype(mask) all(true);  // the host's scratch memory: other lanes may be overwritten
       call<ControlMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
                           Views::input(env, in, first), Views::output(env, out, first, all));
     });
@@ -188,7 +190,7 @@ struct Evaluate {
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const SkybodyEvaluation* result) {
     for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
+      const decltype(mask) all(true);  // the host's scratch memory: other lanes may be overwritten
       Evaluation<RealOf<decltype(env)>> out(Views::output(env, result->observation, first, all),
                                             Views::info(env, result->info, first, all),
                                             Views::one(env, result->reward, first, all),
@@ -199,8 +201,8 @@ struct Evaluate {
   }
 };
 
-/// goal() or goal_motion(): lane by lane on every instruction set. Reads the state only: a goal can
-/// be asked for at any time.
+/// goal() or goal_motion(): lane by lane on every instruction set. Only reads the state: a goal can
+/// be requested at any time.
 template <class Method, class T>
 void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double* buffer,
           double* goal) {
@@ -215,8 +217,8 @@ void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const do
   }
 }
 
-/// The functions that a class has on one type of number. On dual numbers only smooth classes have
-/// any.
+/// The functions of a class for one number type. Only smooth classes have functions on dual
+/// numbers.
 template <class T, SkybodyNumber N>
 constexpr SkybodyKernels kernels_of(Isa isa) {
   SkybodyKernels k{};

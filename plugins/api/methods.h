@@ -1,5 +1,5 @@
-// Which methods a plugin class has, for which Real, and how they are called. Every method may take
-// the instance's buffer as one more argument.
+// Detects the methods of a plugin class, their Real types and signatures. Every method may take the
+// instance's buffer as one more argument.
 #pragma once
 
 #include <type_traits>
@@ -23,8 +23,8 @@ using RealOf = typename RealOfImpl<std::remove_cvref_t<Env>>::type;
 template <class... Types>
 struct TypeList {};
 
-/// A method that plugin classes may have: its name, how it takes the State, and the arguments
-/// behind `const EnvView<Real>&` and State.
+/// Declares a method that plugin classes may have: its name, the type of its State argument, and
+/// the arguments after `const EnvView<Real>&` and State.
 // No call below is always_inline, see kernels.h.
 #define SKYBODY_PLUGIN_METHOD(TYPE, NAME, STATE, ...)                      \
   struct TYPE {                                                            \
@@ -78,12 +78,12 @@ struct Callable<Method, T, Real, TypeList<Arguments...>> {
 template <class Method, class T, class Real>
 using CallableOn = Callable<Method, T, Real, typename Method::template Arguments<Real>>;
 
-/// Has the class the method for this Real?
+/// Whether the class has the method for this Real.
 template <class Method, class T, class Real>
 inline constexpr bool kHas =
     CallableOn<Method, T, Real>::kPlain || CallableOn<Method, T, Real>::kWithBuffer;
 
-/// The same for the packs of every instruction set.
+/// Whether the class has the method for the packs of every instruction set.
 template <class Method, class T, class Widths = PackWidths>
 inline constexpr bool kHasInPacks = false;
 template <class Method, class T, int... W>
@@ -92,11 +92,11 @@ inline constexpr bool kHasInPacks<Method, T, std::integer_sequence<int, W...>> =
 
 template <class Method, class T>
 struct WithNamesake : T, Method::Namesake {};
-/// Has the class any member of the method's name?
+/// Whether the class has any member of the method's name.
 template <class Method, class T>
 inline constexpr bool kIsNamed = !Method::template kNamesOneThing<WithNamesake<Method, T>>;
 
-/// Calls the method, with the buffer where it takes it.
+/// Calls the method, with the buffer if it takes one.
 template <class Method, class T, class Real, class State, class... Arguments>
 inline void call(const T& t, const EnvView<Real>& e, State& s, const Values<Real>& buffer,
                  Arguments&&... a) {
@@ -129,7 +129,7 @@ template <>
 struct StepMethodOf<SKYBODY_EFFECT> {
   using type = ApplyMethod;
 };
-/// The method that a class of its kind must have.
+/// The step method that a class of its kind must have.
 template <class T>
 using StepMethod = typename StepMethodOf<T::kKind>::type;
 
@@ -137,13 +137,13 @@ template <class T, bool = HasStateTemplate<T>>
 inline constexpr bool kVectorizedImpl = kHasInPacks<StepMethod<T>, T>;
 template <class T>
 inline constexpr bool kVectorizedImpl<T, false> = false;
-/// Serves several lanes at a time, in packs of every width that the kernels use. Otherwise lane
-/// after lane.
+/// Whether the class serves several lanes at once, in packs of every width that the kernels use.
+/// Otherwise it serves lane by lane.
 template <class T>
 inline constexpr bool kVectorized = kVectorizedImpl<T>;
 
-/// An optional method that has the right name has the right form, too: for double, and for packs
-/// where the step method is.
+/// Whether an optional method of the right name also has the right signature: for double, and for
+/// packs if the step method has one.
 template <class Method, class T, bool kInPacks = kVectorized<T>>
 constexpr bool is_sound() {
   if constexpr (!kIsNamed<Method, T>) {

@@ -1,5 +1,5 @@
-// Declared parameters: members of a plugin class that carry name, unit, default, range and one line
-// of documentation. Validation, the docs table and the JSON schema all come from here.
+// Declared parameters: members of a plugin class with name, unit, default, range and one line of
+// documentation. Validation, the docs table and the JSON schema are generated from them.
 // Definitions are in parameter_inl.h, which plugin.h includes.
 #pragma once
 
@@ -13,29 +13,29 @@
 
 namespace skybody {
 
-/// One number. `value` is the default; without a default set `required`.
+/// One number. `value` is the default; if there is no default, set `required`.
 struct RealSpec {
-  const char* name;           ///< key in scenarios: a-z, 0-9 and _, a letter first
+  const char* name;           ///< key in scenarios: a-z, 0-9 and _, starting with a letter
   const char* unit = "";      ///< such as "N m"; "" for a pure number
   double value = 0.0;         ///< the default, within the range
   double min = -kInfinity;    ///< inclusive
   double max = kInfinity;     ///< inclusive
   const char* doc = "";       ///< one line, for tables and the schema
-  bool randomizable = false;  ///< one value per environment; randomizers may name it by path
-  bool required = false;      ///< the scenario has to give it; the default is ignored
+  bool randomizable = false;  ///< one value per environment; randomizers may refer to it by path
+  bool required = false;      ///< the scenario must set it; the default is ignored
 };
 
 /// A vector of numbers. `count` -1: any length.
 struct RealsSpec {
   const char* name;                 ///< key in scenarios
-  const char* unit = "";            ///< of every value
+  const char* unit = "";            ///< unit of every value
   std::vector<double> values = {};  ///< the default, `count` of them
   int count = 3;                    ///< -1: any number
   double min = -kInfinity;          ///< of every value, inclusive
   double max = kInfinity;           ///< of every value, inclusive
   const char* doc = "";             ///< one line
-  bool randomizable = false;        ///< every environment has values of its own
-  bool required = false;            ///< the scenario has to give it
+  bool randomizable = false;        ///< every environment has its own values
+  bool required = false;            ///< the scenario must set it
 };
 
 /// A whole number.
@@ -46,7 +46,7 @@ struct IntegerSpec {
   std::int64_t min = -(std::int64_t{1} << 53);  ///< inclusive
   std::int64_t max = std::int64_t{1} << 53;     ///< inclusive
   const char* doc = "";                         ///< one line
-  bool required = false;                        ///< the scenario has to give it
+  bool required = false;                        ///< the scenario must set it
 };
 
 /// true or false.
@@ -56,16 +56,16 @@ struct BooleanSpec {
   const char* doc = "";  ///< one line
 };
 
-/// A word. `choices` empty: anything.
+/// A word. Empty `choices`: any word.
 struct TextSpec {
   const char* name;                       ///< key in scenarios
   const char* value = "";                 ///< the default
-  std::vector<const char*> choices = {};  ///< what is allowed
+  std::vector<const char*> choices = {};  ///< allowed words
   const char* doc = "";                   ///< one line
-  bool required = false;                  ///< the scenario has to give it
-  /// It names a file. A relative name starts at the folder of the YAML file that holds it, or at
-  /// the working directory where it comes from the command line; value() is a path from the working
-  /// directory. Whether the file is there is for configure() to see.
+  bool required = false;                  ///< the scenario must set it
+  /// The word is a file name. A relative name starts at the folder of the YAML file that contains
+  /// it, or at the working directory if it comes from the command line; value() is a path from the
+  /// working directory. configure() must check that the file exists.
   bool is_file = false;
 };
 
@@ -74,12 +74,12 @@ struct TextsSpec {
   const char* name;                      ///< key in scenarios
   std::vector<const char*> values = {};  ///< the default
   const char* doc = "";                  ///< one line
-  bool required = false;                 ///< the scenario has to give it
+  bool required = false;                 ///< the scenario must set it
 };
 
 class Plugin;
 
-/// What all parameter members have in common. Neither copied nor moved: the plugin points to it.
+/// Common base of all parameter members. Not copyable or movable: the plugin points to it.
 class Parameter {
  public:
   Parameter(const Parameter&) = delete;
@@ -87,13 +87,13 @@ class Parameter {
 
   /// For the library: the declaration in C form; points into this object.
   SkybodyParameter declaration() const;
-  /// For the library: takes the validated value. Never throws: the host has checked type, count and
-  /// range.
+  /// For the library: stores the validated value. Never throws: the host has checked type, count
+  /// and range.
   void bind(const SkybodyValue& value);
 
-  /// Whether the scenario gives the value; else it is the default.
+  /// Whether the scenario sets the value; otherwise it is the default.
   bool is_given() const { return is_given_; }
-  /// Of a randomizable one the index of its first value among EnvView::param(); else -1.
+  /// Index of the first value for EnvView::param() if randomizable, otherwise -1.
   int env_param() const { return env_param_; }
 
  protected:
@@ -116,11 +116,11 @@ class Parameter {
 /// One number, declared as a member: RealParameter gain{this, {.name = "gain", .value = 2.0}};
 class RealParameter : public Parameter {
  public:
-  /// Joins the parameters of the plugin `owner`, which is `this`.
+  /// Registers with the plugin `owner`, which is `this`.
   RealParameter(Plugin* owner, const RealSpec& spec);
   /// The scenario's value, the same for all environments.
   double value() const { return numbers_[0]; }
-  /// The value of each environment: drawn if it is randomizable, else the scenario's.
+  /// The value in each environment: the drawn value if randomizable, otherwise the scenario's.
   template <class Real>
   Real operator()(const EnvView<Real>& env) const {
     return env_param_ < 0 ? Real(numbers_[0]) : env.param(env_param_);
@@ -130,20 +130,20 @@ class RealParameter : public Parameter {
 /// Several numbers of one unit.
 class RealsParameter : public Parameter {
  public:
-  /// Joins the parameters of the plugin `owner`, which is `this`.
+  /// Registers with the plugin `owner`, which is `this`.
   RealsParameter(Plugin* owner, const RealsSpec& spec);
-  /// How many there are: of a spec with `count` -1 as many as the scenario gives.
+  /// Number of values; with `count` -1 in the spec the number that the scenario sets.
   int count() const { return static_cast<int>(numbers_.size()); }
   /// The scenario's value i, 0 <= i < count().
   double value(int i) const { return numbers_[static_cast<std::size_t>(i)]; }
   /// The scenario's first three values.
   Vec3<double> vec3() const { return {value(0), value(1), value(2)}; }
-  /// Value i of each environment: drawn if it is randomizable, else the scenario's.
+  /// Value i in each environment: the drawn value if randomizable, otherwise the scenario's.
   template <class Real>
   Real operator()(const EnvView<Real>& env, int i) const {
     return env_param_ < 0 ? Real(numbers_[static_cast<std::size_t>(i)]) : env.param(env_param_ + i);
   }
-  /// The first three values of each environment.
+  /// The first three values in each environment.
   template <class Real>
   Vec3<Real> vec3(const EnvView<Real>& env) const {
     return {(*this)(env, 0), (*this)(env, 1), (*this)(env, 2)};
@@ -153,7 +153,7 @@ class RealsParameter : public Parameter {
 /// A whole number.
 class IntegerParameter : public Parameter {
  public:
-  /// Joins the parameters of the plugin `owner`, which is `this`.
+  /// Registers with the plugin `owner`, which is `this`.
   IntegerParameter(Plugin* owner, const IntegerSpec& spec);
   /// The scenario's value.
   std::int64_t value() const { return static_cast<std::int64_t>(numbers_[0]); }
@@ -162,7 +162,7 @@ class IntegerParameter : public Parameter {
 /// true or false.
 class BooleanParameter : public Parameter {
  public:
-  /// Joins the parameters of the plugin `owner`, which is `this`.
+  /// Registers with the plugin `owner`, which is `this`.
   BooleanParameter(Plugin* owner, const BooleanSpec& spec);
   /// The scenario's value.
   bool value() const { return numbers_[0] != 0.0; }
@@ -171,16 +171,16 @@ class BooleanParameter : public Parameter {
 /// A word.
 class TextParameter : public Parameter {
  public:
-  /// Joins the parameters of the plugin `owner`, which is `this`.
+  /// Registers with the plugin `owner`, which is `this`.
   TextParameter(Plugin* owner, const TextSpec& spec);
-  /// The scenario's word; one of the choices where there are any. Of a file: its path.
+  /// The scenario's word; one of the choices if there are any. For a file: its path.
   const std::string& value() const { return texts_[0]; }
 };
 
 /// A list of words.
 class TextsParameter : public Parameter {
  public:
-  /// Joins the parameters of the plugin `owner`, which is `this`.
+  /// Registers with the plugin `owner`, which is `this`.
   TextsParameter(Plugin* owner, const TextsSpec& spec);
   /// The scenario's words.
   const std::vector<std::string>& values() const { return texts_; }

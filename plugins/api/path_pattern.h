@@ -1,4 +1,4 @@
-// Which randomizable values a path names.
+// Patterns for the paths of randomizable values.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace skybody::plugin_detail {
 
-/// Does `path` match `pattern`, in which `[*]` stands for any index, and `*` elsewhere for any
-/// part of a name?
+/// Whether `path` matches `pattern`. `[*]` stands for any index, `*` elsewhere for any part of a
+/// name.
 inline bool matches(const std::string& pattern, const std::string& path) {
   std::size_t i = 0, j = 0;
   while (i < pattern.size() && j < path.size()) {
@@ -25,12 +25,13 @@ inline bool matches(const std::string& pattern, const std::string& path) {
       return false;
     }
   }
-  if (i + 1 == pattern.size() && pattern[i] == '*') ++i;              // it may stand for nothing
-  if (i == pattern.size() && j < path.size()) return path[j] == '[';  // a whole vector
+  if (i + 1 == pattern.size() && pattern[i] == '*') ++i;  // `*` may match nothing
+  if (i == pattern.size() && j < path.size())
+    return path[j] == '[';  // the pattern names a whole vector
   return i == pattern.size() && j == path.size();
 }
 
-/// What a path may stand for: `robot.` and `controllers.` mean those of every robot.
+/// Expands a path: `robot.` and `controllers.` stand for those of every robot.
 template <class Names>
 std::vector<std::string> patterns_of(const std::string& path, const Names& robots) {
   std::vector<std::string> patterns{path};

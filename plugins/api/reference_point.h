@@ -1,4 +1,4 @@
-// A point of a reference: what signal `trajectory` says of one moment.
+// A point of a reference: one element of the signal `trajectory`.
 #pragma once
 
 #include "core/base/vec3.h"
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// Where a robot's base should be at one moment and how that changes. W axes.
+/// Desired motion of a robot's base at one time. W axes.
 template <class Real>
 struct ReferencePoint {
   Vec3<Real> position;      ///< [m]

@@ -1,9 +1,8 @@
-/* Words in which controllers speak to one another and to the actuators: the one list. Plain C, part
- * of abi.h. Normative units and frames: docs/control-modes.md.
+/* The list of signals between controllers, and from controllers to actuators. Plain C, part of
+ * abi.h. Normative units and frames: docs/control-modes.md.
  *
- * A row: symbol, C++ name, word, least and greatest number of values, meaning. Greatest 0: any
- * multiple of the least one; least 0, too: by the robot.
- */
+ * A row: symbol, C++ name, word, minimum and maximum number of values, meaning. Maximum 0: any
+ * multiple of the minimum; minimum 0, too: the number depends on the robot. */
 #ifndef SKYBODY_PLUGINS_API_SIGNALS_H
 #define SKYBODY_PLUGINS_API_SIGNALS_H
 

@@ -1,5 +1,5 @@
-// How a plugin's State lies in state words: one 64-bit word per member and environment; with dual
-// numbers two, of which the second is the tangent.
+// Layout of a plugin's State in state words: one 64-bit word per member and environment. With dual
+// numbers two words, the second of which is the tangent.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@
 namespace skybody {
 namespace plugin_export {
 
-/// A Real of three bytes. In a State<ThreeBytes> everything else, padding too, shows in the size.
+/// A Real of three bytes. In a State<ThreeBytes> any other member, or padding, changes the size.
 struct ThreeBytes {
   char bytes[3];
 };
 
-/// A Real and a Word of one byte. The bytes of a State<RealMember>{} say what its members are.
+/// A Real and a Word of one byte. The bytes of a State<RealMember>{} show which members are Real.
 struct WordMember {
   bool is_real = false;
   constexpr WordMember() = default;
@@ -90,8 +90,8 @@ constexpr void check_state() {
   }
 }
 
-/// Where the pieces of a State of dual numbers lie among the rows of words, `count` pieces: of a
-/// Real the value and the tangent, of a Word the word alone.
+/// The rows of words of a State of dual numbers, `count` of them: a Real takes the rows of the
+/// value and the tangent, a Word takes one row.
 template <class T>
 struct DualRows {
   std::array<std::size_t, 2 * kStateWords<T>> row{};
@@ -107,7 +107,7 @@ struct DualRows {
   }
 };
 
-/// The row of words in which piece i of a State lies. A piece has the size of a Word<Real>.
+/// The row of words of piece i of a State. A piece has the size of a Word<Real>.
 template <class T, class Real>
 constexpr std::size_t state_row(std::size_t i) {
   if constexpr (kRowsOf<Real> == 1) {
@@ -135,7 +135,7 @@ inline void load_state(StateOf<T, Real>& state, const std::uint64_t* words, std:
   }
 }
 
-/// Puts a State back, for the lanes of `mask`.
+/// Stores a State, for the lanes of `mask`.
 template <class T, class Real>
 inline void store_state(const StateOf<T, Real>& state, std::uint64_t* words, std::uint32_t first,
                         std::size_t stride, const MaskOf<Real>& mask) {

@@ -1,4 +1,4 @@
-// One word for the sizes of all structures that cross the boundary between Skybody and a plugin.
+// A hash of the sizes of all structures that cross the boundary between Skybody and a plugin.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace skybody::plugin_export {
 
-/// Hash of the sizes of all structures of abi.h, in the order of that file, as this compiler sees
-/// them. Word by word as FNV-1a takes bytes.
+/// Hash of the sizes of all structures of abi.h, in the order of that file, in this compiler.
+/// FNV-1a over words instead of bytes.
 constexpr std::uint64_t structures_hash() {
   constexpr std::size_t sizes[] = {
       sizeof(SkybodyParameter),    sizeof(SkybodyValue),        sizeof(SkybodyBodyInfo),

@@ -1,4 +1,4 @@
-// Views of values in lanes: what plugin code reads and writes without knowing strides.
+// Views of values in lanes. They hide the strides from plugin code.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace skybody {
 
-/// How many values a view has; known in checked mode alone, and never to packs.
+/// Number of values of a view; stored in checked mode only, and never for packs.
 template <class Real>
 class Bounds {
  public:
@@ -79,11 +79,11 @@ class ConstValues : private Bounds<Real> {
   std::size_t stride_;
 };
 
-/// Whether values that Setup::repeat() names need not be written.
+/// Whether the values declared by Setup::repeat() need not be written.
 template <class Real>
 inline constexpr bool kLeavesRepeats = kLanesOf<Real> > 1 && !kIsDual<Real>;
 
-/// Values that plugin code may write; lanes that are not being served keep theirs.
+/// Writable values; lanes that are not served keep theirs.
 template <class Real>
 class Values : private Bounds<Real> {
  public:
@@ -91,11 +91,11 @@ class Values : private Bounds<Real> {
          const Bounds<Real>& bounds = {})
       : Bounds<Real>(bounds), data_(data), stride_(stride), mask_(mask) {}
 
-  /// Value `k` as it is now.
+  /// Current value `k`.
   Real operator[](int k) const { return load_rows<Real>(this->place(data_, stride_, k), stride_); }
-  /// Values k, k+1, k+2 as they are now.
+  /// Current values k, k+1, k+2.
   Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
-  /// Values k..k+3 as they are now, as a quaternion w x y z.
+  /// Current values k..k+3 as a quaternion w x y z.
   Quat<Real> quat(int k) const {
     return {(*this)[k], (*this)[k + 1], (*this)[k + 2], (*this)[k + 3]};
   }
@@ -116,8 +116,8 @@ class Values : private Bounds<Real> {
     set(k + 2, q.y);
     set(k + 3, q.z);
   }
-  /// Values from `first` on, as values 0 to count - 1 of their own.
-  /// @param what  they are, for checked mode: a text that lasts
+  /// A view of values from `first` on, renumbered from 0 to count - 1.
+  /// @param what  name of the values for checked mode: a text that outlives the view
   Values part(int first, int count, const char* what) const {
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(first) * kRowsOf<Real>;
     return {data_ + row * static_cast<std::ptrdiff_t>(stride_), stride_, mask_,

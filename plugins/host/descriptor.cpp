@@ -14,7 +14,8 @@
 namespace skybody {
 namespace {
 
-/// Bounds of what is copied: far beyond any plugin, but damaged numbers are not memory.
+/// Upper bounds of the copied counts: far beyond any plugin. They stop damaged numbers from
+/// exhausting memory.
 constexpr std::uint32_t kMostParameters = 1000, kMostEntries = 10'000;
 
 /// The shortest decimal text that reads back as the same double.
@@ -26,7 +27,7 @@ std::string number(double value) {
 
 std::string quoted(const char* text) { return "`" + std::string(text) + "`"; }
 
-/// Printable UTF-8 in one line, perhaps empty.
+/// Printable UTF-8 in one line, may be empty.
 bool is_line(const char* text) { return text != nullptr && printable(text) == text; }
 
 bool is_text(const char* text) { return is_line(text) && *text != '\0'; }
@@ -133,8 +134,7 @@ bool has_any_function(const SkybodyKernels& k) {
          k.evaluate != nullptr || k.goal != nullptr || k.goal_motion != nullptr;
 }
 
-/// Functions on dual numbers: none at all, or for every instruction set the same as on real
-/// numbers.
+/// Functions on dual numbers: none, or for every instruction set the same ones as on real numbers.
 std::string dual_kernels_problem(const SkybodyPlugin& plugin) {
   const auto& duals = plugin.kernels[SKYBODY_NUMBER_DUAL];
   if (std::none_of(std::begin(duals), std::end(duals), has_any_function)) return {};
@@ -155,7 +155,7 @@ std::string dual_kernels_problem(const SkybodyPlugin& plugin) {
   return {};
 }
 
-/// @param names  of the parameters before this one; takes this one's
+/// @param names  of the parameters before this one; this one's name is added
 std::string declaration_problem(const SkybodyParameter& p, std::set<std::string_view>& names) {
   if (!is_snake_case(p.name)) {
     return "has a badly named parameter " + quoted(p.name == nullptr ? "" : p.name) +

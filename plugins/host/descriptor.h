@@ -1,4 +1,4 @@
-// The C descriptor of a plugin: is it sound, and what does it declare?
+// Checks the C descriptor of a plugin and reads its declarations.
 #pragma once
 
 #include <string>
@@ -9,11 +9,12 @@
 
 namespace skybody {
 
-/// What is wrong with a descriptor whose structure sizes are right, or an empty text: names, kind,
-/// functions of the kind for every instruction set, parameters with defaults within their ranges.
+/// Problem of a descriptor whose structure sizes are right; empty if it is valid. Checks names,
+/// kind, functions of the kind for every instruction set, and parameters with defaults within their
+/// ranges.
 std::string descriptor_problem(const SkybodyPlugin& plugin);
 
-/// The declared parameters, in order. The descriptor must be sound.
+/// The declared parameters, in order. The descriptor must be valid.
 std::vector<ParameterSpec> parameter_specs(const SkybodyPlugin& plugin);
 
 }  // namespace skybody

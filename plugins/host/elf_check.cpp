@@ -1,7 +1,7 @@
 // The dynamic linker trusts the files that it loads: a page beyond a file's end or a table of zeros
-// kills the process. Here every offset is held against the file's size before it is followed, and
-// the tables that a linker writes last (section headers and their names, at the end of the file)
-// must be there: what is zero in them was lost by a copy or a crash.
+// kills the process. Therefore every offset is compared with the file's size before it is followed.
+// The tables that a linker writes last (section headers and their names, at the end of the file)
+// must be present: zeros there mean data lost by a copy or a crash.
 #include "plugins/host/elf_check.h"
 
 #include <elf.h>
@@ -24,7 +24,8 @@ namespace skybody {
 namespace {
 
 constexpr const char* kAgain = "; build or copy it again";
-/// Names of all symbols of one library: those of LLVM take 20 MB. More is a damaged size.
+/// Bytes of the names of all symbols in one library; those of LLVM take 20 MB. More means a damaged
+/// size.
 constexpr std::uint64_t kMostNameBytes = 64u << 20;
 
 /// A regular file in memory.
@@ -33,7 +34,7 @@ class Mapping {
   explicit Mapping(const std::filesystem::path& file) {
     struct stat status {};
     if (stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) fail(file, kNoRegularFile);
-    // Without blocking, should it have become a pipe meanwhile, whose other end is never opened.
+    // Non-blocking, in case the file has become a pipe whose other end is never opened.
     const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) fail(file, "cannot be opened: " + std::string(std::strerror(errno)));
     const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
@@ -56,7 +57,7 @@ class Mapping {
   bool has(std::uint64_t offset, std::uint64_t bytes) const {
     return offset <= size_ && bytes <= size_ - offset;
   }
-  /// Bytes that are there, see has().
+  /// Bytes of the file; check them with has() first.
   std::string_view bytes(std::uint64_t offset, std::uint64_t count) const {
     return {static_cast<const char*>(memory_) + offset, count};
   }
@@ -76,7 +77,7 @@ class Mapping {
   std::uint64_t size_ = 0;
 };
 
-/// What this program was compiled for.
+/// The machine that this program was compiled for.
 #if defined(__x86_64__)
 constexpr std::uint16_t kOwnMachine = EM_X86_64;
 constexpr const char* kOwnMachineName = "x86-64";
@@ -87,7 +88,7 @@ constexpr const char* kOwnMachineName = "aarch64";
 #error "plugins of this processor have an ELF machine number that is missing here"
 #endif
 
-/// One 64-bit ELF file. Every function says what is wrong, or nothing.
+/// One 64-bit ELF file. Each check returns the problem, or an empty text.
 class Elf {
  public:
   explicit Elf(const Mapping& file) : file_(file), header_(file.read<Elf64_Ehdr>(0)) {}
@@ -122,13 +123,13 @@ class Elf {
            std::to_string(need) + kAgain;
   }
 
-  /// Section headers and their names lie last: zeros there are an end that was never written.
+  /// Section headers and their names lie last: zeros there mean that the end was never written.
   std::string end_problem() const {
     const std::string lost = std::string("has lost its end: ") + "zeros stand where its ";
     for (int i = 1; i < header_.e_shnum; ++i) {
       if (section(i).sh_type == SHT_NULL) return lost + "section headers should be" + kAgain;
     }
-    if (header_.e_shnum == 0 || header_.e_shstrndx == SHN_UNDEF) return {};  // stripped of them
+    if (header_.e_shnum == 0 || header_.e_shstrndx == SHN_UNDEF) return {};  // stripped
     const bool is_listed = header_.e_shstrndx < header_.e_shnum;
     if (!is_listed || !is_text_table(section(header_.e_shstrndx))) {
       return lost + "names of sections should be" + kAgain;
@@ -136,7 +137,7 @@ class Elf {
     return {};
   }
 
-  /// The names of its dynamic symbols, as the dynamic linker finds them.
+  /// The names of its dynamic symbols, found as the dynamic linker finds them.
   std::optional<std::string_view> symbol_names() const {
     std::uint64_t address = 0, size = 0;
     for (int i = 0; i < header_.e_phnum; ++i) {
@@ -161,7 +162,7 @@ class Elf {
                                   static_cast<std::uint64_t>(i) * sizeof(Elf64_Shdr));
   }
 
-  /// A table of texts begins with an empty one and ends with the end of the last.
+  /// A table of texts begins with an empty text and ends with a zero byte.
   bool is_text_table(const Elf64_Shdr& table) const {
     const std::uint64_t size = table.sh_size;
     if (table.sh_type != SHT_STRTAB || size < 2 || size > kMostNameBytes) return false;
@@ -180,7 +181,7 @@ class Elf {
     }
   }
 
-  /// Where the byte at an address lies in the file.
+  /// File offset of the byte at an address.
   std::optional<std::uint64_t> offset_of(std::uint64_t address) const {
     for (int i = 0; i < header_.e_phnum; ++i) {
       const Elf64_Phdr s = segment(i);

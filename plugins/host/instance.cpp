@@ -25,7 +25,7 @@ std::shared_ptr<const void> create_instance(const PluginEntry& entry, const Skyb
     throw PluginConfigureError(entry.name, error.empty() ? "gives no reason" : error);
   }
   const auto destroy = plugin.destroy;
-  // The library goes after the instance: the deleter holds it.
+  // The deleter holds the library, so that it is unloaded after the instance.
   return {static_cast<const void*>(self), [destroy, library = entry.library](const void* instance) {
             const PluginPhase phase(library->file(), "in its destructor");
             destroy(const_cast<void*>(instance));

@@ -1,4 +1,4 @@
-// Making instances of plugins, and choosing their functions.
+// Creates instances of plugins and selects their functions.
 #pragma once
 
 #include <memory>
@@ -10,16 +10,16 @@
 
 namespace skybody {
 
-/// Makes and configures an instance of a plugin that can be used (entry.failure is empty). The
-/// instance keeps its library loaded. The thread's floating-point mode is Skybody's meanwhile and
-/// the caller's afterwards.
+/// Creates and configures an instance of a usable plugin (entry.failure is empty). The instance
+/// keeps its library loaded. The thread runs in Skybody's floating-point mode during the call and
+/// in the caller's afterwards.
 /// @throws PluginConfigureError with the plugin's own text if it refuses
 /// @throws PluginLoadError      if the entry cannot be used
 std::shared_ptr<const void> create_instance(const PluginEntry& entry, const SkybodySetup& setup,
                                             const SkybodyDeclare& declare);
 
-/// The step functions of one type of number for an instruction set; all give the same bits. On dual
-/// numbers only smooth plugins have any.
+/// The step functions of one number type for an instruction set; all sets give the same bits. Only
+/// smooth plugins have functions on dual numbers.
 const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa,
                                   SkybodyNumber number = SKYBODY_NUMBER_REAL);
 

@@ -23,7 +23,7 @@ constexpr const char* kRebuild = ": rebuild it against this Skybody";
   throw PluginLoadError(reason, file, message);
 }
 
-/// The dynamic linker's own words, without the file name that it begins with.
+/// The dynamic linker's message, without the file name at its beginning.
 std::string linker_message(const std::filesystem::path& file) {
   const char* text = dlerror();
   std::string message = text != nullptr ? text : "the dynamic linker gives no reason";
@@ -60,7 +60,7 @@ void check_sizes(const std::filesystem::path& file, const SkybodyPluginLibrary& 
 
 }  // namespace
 
-/// Unloads the library at its end, also where the constructor of PluginLibrary refuses it.
+/// Unloads the library in its destructor, also if the constructor of PluginLibrary throws.
 struct PluginLibrary::Handle {
   explicit Handle(std::filesystem::path path) : file(std::move(path)) {}
   ~Handle() {
@@ -71,16 +71,16 @@ struct PluginLibrary::Handle {
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
 
-  /// An exception of the library's start-up code ends the process here: it cannot pass the dynamic
-  /// linker, whose lock it would leave taken.
+  /// An exception of the library's start-up code ends the process here. It cannot pass through the
+  /// dynamic linker, whose lock would stay held.
   bool load() noexcept { return open(); }
 
   std::filesystem::path file;
   boost::dll::shared_library library;
 
  private:
-  /// Not inlined: where a function that is noexcept has something to clean up itself, the process
-  /// ends without the exception's own text.
+  /// Not inlined: if a noexcept function has cleanup of its own, the process ends without the
+  /// exception's text.
   [[gnu::noinline]] bool open() {
     boost::system::error_code failed;
     library.load(file.string(), failed,
@@ -95,14 +95,14 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
   if (not_found) refuse(LoadFailure::kNotLoadable, file, "there is no such file");
   {
     const PluginPhase phase(file_, "while its file is checked");
-    check_library_file(file_);  // a file that shrinks meanwhile gives SIGBUS
+    check_library_file(file_);  // a file that shrinks during the check causes SIGBUS
   }
   handle_ = std::make_unique<Handle>(file_);
 
   const PluginPhase phase(file_, "while it is loaded");
   {
     const FpEnvironment
-        loading;  // start-up code of -Ofast libraries changes the mode; this undoes it
+        loading;  // start-up code of -Ofast libraries changes the mode; this restores it
     if (!handle_->load()) {
       refuse(LoadFailure::kNotLoadable, file_,
              "cannot be loaded: " + linker_message(file_) + "; build or copy it again");

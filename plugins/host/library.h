@@ -1,4 +1,4 @@
-// One plugin library: opened, checked, kept open.
+// Opens and checks one plugin library and keeps it open.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace skybody {
 
-/// A shared library whose handshake has succeeded. Its code stays mapped as long as this lives.
+/// A shared library whose handshake has succeeded. Its code stays mapped during this object's life.
 class PluginLibrary {
  public:
-  /// Loads `file` and checks it: symbol, magic, API version, structure sizes, floating-point probe,
-  /// descriptors, in this order and nothing else before. The calling thread's floating-point mode
-  /// is what it was afterwards, whatever the library's start-up code does. A file that is no plugin
-  /// is recognised without running its code.
+  /// Loads `file` and checks it, in this order: symbol, magic, API version, structure sizes,
+  /// floating-point probe, descriptors. No other code of it is called before. Restores the calling
+  /// thread's floating-point mode, whatever the library's start-up code does. A file that is not a
+  /// plugin is recognised without running its code.
   /// @throws PluginLoadError
   explicit PluginLibrary(const std::filesystem::path& file);
   ~PluginLibrary();

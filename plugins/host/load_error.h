@@ -1,4 +1,4 @@
-// What goes wrong between a file with a plugin and an instance of it.
+// Errors of loading a plugin's file and of creating an instance.
 #pragma once
 
 #include <filesystem>
@@ -10,27 +10,27 @@
 
 namespace skybody {
 
-/// Why a file was refused, in the order in which it is checked.
+/// Reason why a file was refused, in the order of the checks.
 enum class LoadFailure {
-  kNotTrusted,      ///< somebody else may write it
-  kEndsProcess,     ///< it has ended a process that opened it
-  kNotLoadable,     ///< no library of this machine, truncated, or refused by the dynamic linker
+  kNotTrusted,      ///< another user may write it
+  kEndsProcess,     ///< a process that opened it has ended
+  kNotLoadable,     ///< not a library of this machine, truncated, or refused by the dynamic linker
   kNoPlugin,        ///< it does not export skybody_plugin_library
-  kWrongMagic,      ///< the symbol is something else
+  kWrongMagic,      ///< the symbol is a different object
   kWrongVersion,    ///< another plugin API
   kWrongSize,       ///< another layout of a structure of the API
   kFloatingPoint,   ///< compiled with flags that change results
   kBadDescription,  ///< its descriptor contradicts itself
-  kOtherPlugin      ///< it does not hold the plugin that its name or sidecar promises
+  kOtherPlugin      ///< it does not contain the plugin that its name or sidecar promises
 };
 
-/// What is said of a library that is no plugin.
+/// Message about a library that is not a plugin.
 constexpr const char* kNoPluginSymbol =
     "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
     "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once";
 
-/// A file that cannot be used as a plugin. what() names the file, what was found, what is expected
-/// and the remedy.
+/// A file that cannot be used as a plugin. The message contains the file, the value found, the
+/// expected value and the remedy.
 class PluginLoadError : public Error {
  public:
   PluginLoadError(LoadFailure reason, std::filesystem::path file, const std::string& message)
@@ -44,7 +44,7 @@ class PluginLoadError : public Error {
   std::filesystem::path file_;
 };
 
-/// A plugin that refuses a scenario. what() is the plugin's own text.
+/// A plugin that refuses a scenario. The message is the plugin's own text.
 class PluginConfigureError : public Error {
  public:
   PluginConfigureError(std::string plugin, const std::string& text)

@@ -21,10 +21,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestName = 64;
-/// Text for the README: in a template beside the files, which end in .in.
+/// Text for the README: a file of the template without the ending .in.
 constexpr const char* kAboutFile = "about.md";
 
-/// Names of CMake targets, and those whose class would bear the name of one in <skybody/plugin.h>.
+/// Names of CMake targets, and names whose class would clash with one in <skybody/plugin.h>.
 bool is_reserved(std::string_view name) {
   for (const std::string_view word :
        {"all",           "clean",      "edit_cache", "help",      "install", "package",
@@ -104,7 +104,7 @@ fs::path template_folder() {
   return templates;
 }
 
-/// A new folder beside the final one, so that renaming it is one step; removed unless kept.
+/// A new folder beside the final one, so that one rename completes it; removed unless kept.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(const fs::path& beside) {
@@ -157,7 +157,8 @@ fs::path write_new_project(const std::vector<std::string>& templates, const Proj
       write(target, text);
     }
   }
-  // Never onto something that appeared meanwhile: rename() replaces an empty folder only.
+  // rename() only replaces an empty folder, so that it never overwrites files that appeared in the
+  // meantime.
   if (::rename(fresh.path().c_str(), folder.c_str()) != 0) {
     throw Error("cannot make " + folder.string() + ": " + std::strerror(errno));
   }

@@ -1,4 +1,4 @@
-// `skybody new`: projects to start from.
+// `skybody new`: creates starter projects.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,11 @@
 
 namespace skybody {
 
-/// Words of templates, such as @KIND@, and their meanings.
+/// Placeholders of templates, such as @KIND@, and their values.
 using ProjectWords = std::vector<std::pair<std::string_view, std::string>>;
 
 /// Writes the folder `target_dir`/`name` from templates, with @NAME@ and `words` replaced. All or
-/// nothing: the folder appears complete, or not at all.
+/// nothing: either the complete folder appears, or none.
 /// @param templates  folders below plugins/template
 /// @returns the new folder
 /// @throws Error if the folder exists, or if it cannot be written
@@ -24,7 +24,7 @@ std::filesystem::path write_new_project(const std::vector<std::string>& template
                                         const std::filesystem::path& target_dir);
 
 /// Writes the folder `target_dir`/`name`: CMakeLists.txt, NAME.cpp with a small working plugin of
-/// that kind, a test, a scenario that flies it and a README with the commands.
+/// that kind, a test, a scenario that uses it and a README with the commands.
 /// @returns the new folder
 /// @throws Error if the name is not lower_snake_case or is the name of a shipped plugin or test
 ///         target, if the folder exists, or if it cannot be written

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A sidecar has a few names; what is longer is something else and read no further.
+/// A sidecar has a few names. A longer file is not a sidecar and is not read any further.
 constexpr std::size_t kLongestSidecar = 65536;
 
 /// @returns at most one byte more than a sidecar may have

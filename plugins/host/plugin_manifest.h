@@ -1,4 +1,4 @@
-// Which plugins a library promises, known without opening it.
+// The names of a library's plugins, read without opening the library.
 #pragma once
 
 #include <filesystem>
@@ -8,22 +8,22 @@
 
 namespace skybody {
 
-/// A library in a folder: X.so promises the plugin X, or where a text file X.plugins (its sidecar)
-/// lies beside it, the names in that: one a line, `#` begins a comment.
+/// A library in a folder. X.so promises the plugin X. If a text file X.plugins (its sidecar) lies
+/// beside it, X.so promises the names in that file: one per line, `#` begins a comment.
 struct PluginManifest {
   std::filesystem::path file;      ///< as found, symbolic links not followed
   std::filesystem::path sidecar;   ///< empty: there is none
   std::vector<std::string> names;  ///< of plugins
-  std::string problem;             ///< why the sidecar cannot be used; empty: it can
+  std::string problem;             ///< reason why the sidecar cannot be used; empty: it can
 
   bool promises(std::string_view name) const;
 };
 
-/// Why the names in a folder cannot be read; empty: they can, or there is no such folder.
+/// Reason why the names in a folder cannot be read; empty if they can, or if the folder does not
+/// exist.
 std::string folder_problem(const std::filesystem::path& folder);
 
-/// The *.so files of a folder, in order of their names; none if there is no such folder or it
-/// cannot be read.
+/// The *.so files of a folder, sorted by name; none if the folder does not exist or cannot be read.
 std::vector<PluginManifest> plugin_manifests(const std::filesystem::path& folder);
 
 }  // namespace skybody

@@ -25,8 +25,9 @@ std::string two_files(const PluginEntry& a, const PluginEntry& b) {
          "`: " + a.file.string() + " and " + b.file.string() + "; remove or rename one";
 }
 
-/// Makes plugins of one kind and name unusable. Writes where that is not known yet only: entries
-/// that find() has given away were compared with all that promise their name, and do not change.
+/// Makes plugins of the same kind and name unusable. Only writes `failure` where it is not yet set:
+/// entries that find() has returned were compared with all that promise their name, and do not
+/// change.
 void refuse_twins(const std::vector<PluginEntry*>& entries) {
   for (auto first = entries.begin(); first != entries.end(); ++first) {
     for (auto second = first + 1; second != entries.end(); ++second) {
@@ -65,14 +66,14 @@ PluginEntry unusable(const fs::path& file, const std::string& name, const std::s
   return entry;
 }
 
-/// How to make a library promise what it holds.
+/// Remedy: how to make a library promise its plugins.
 std::string remedy(const PluginManifest& found) {
   if (!found.sidecar.empty()) return "mend " + found.sidecar.string();
   return "write the names of its plugins into " +
          fs::path(found.file).replace_extension(".plugins").string() + ", one a line";
 }
 
-/// What is said where a library does not hold the plugin `name` that `found` promises.
+/// Message for a library that does not contain the plugin `name` that `found` promises.
 std::string broken_promise(const PluginManifest& found, const std::string& name,
                            const std::vector<PluginEntry>& held) {
   std::string list;
@@ -90,7 +91,8 @@ std::string no_promise(const PluginManifest& found, const PluginEntry& entry) {
       .what();
 }
 
-/// Whether others may write libskybody: then they decide what runs here, whatever its plugins say.
+/// Whether other users may write libskybody. If so, they control the code that runs here, whatever
+/// the plugins' permissions.
 bool is_skybody_writable() {
   static const bool writable = [] {
     const fs::path library = library_folder() / "libskybody.so";
@@ -109,7 +111,7 @@ bool PluginRegistry::File::promises(std::string_view name) const {
                      [name](const PluginManifest& file) { return file.promises(name); });
 }
 
-/// What a library holds, against what it promises.
+/// Compares a library's plugins with the names that it promises.
 std::vector<PluginEntry> PluginRegistry::compare(const File& file, std::vector<PluginEntry> held) {
   std::vector<PluginEntry> entries;
   for (const PluginManifest& found : file.found) {
@@ -123,7 +125,7 @@ std::vector<PluginEntry> PluginRegistry::compare(const File& file, std::vector<P
   for (PluginEntry& entry : held) {
     if (file.promises(entry.name)) {
       entries.push_back(std::move(entry));
-    } else if (kept) {  // otherwise the message about the broken promise names it
+    } else if (kept) {  // otherwise the message about the broken promise contains it
       entries.push_back(unusable(file.path, entry.name, no_promise(file.found.front(), entry)));
     }
   }
@@ -168,14 +170,14 @@ void PluginRegistry::add_folder(const fs::path& folder) {
   }
 }
 
-/// The library itself, and the links under which it was found: others could let those promise what
-/// they like.
+/// Checks the library itself, and the links under which it was found: other users could redirect a
+/// link.
 /// @throws PluginLoadError
 void PluginRegistry::check_trust(const File& file) const {
   std::string problem = trust_problem(file.path);
   for (const PluginManifest& found : file.found) {
     if (!problem.empty()) break;
-    std::error_code failed;  // gives an empty folder, which is not trusted
+    std::error_code failed;  // yields an empty folder, which is not trusted
     const fs::path folder = fs::canonical(found.file.parent_path(), failed);
     problem = trust_problem(folder / found.file.filename());
   }
@@ -187,7 +189,8 @@ std::shared_ptr<PluginLibrary> PluginRegistry::load(const File& file) const {
   if (const auto refused = refused_.find(file.path); refused != refused_.end()) {
     throw PluginLoadError(LoadFailure::kEndsProcess, file.path, refused->second);
   }
-  std::error_code ignored;  // the remedy for a file that others may write would be wrong for these
+  std::error_code
+      ignored;  // for such files the remedy for a file that others may write would be wrong
   if (!fs::is_regular_file(file.path, ignored)) {
     throw PluginLoadError(LoadFailure::kNotLoadable, file.path, kNoRegularFile);
   }
@@ -237,8 +240,8 @@ const PluginEntry* PluginRegistry::find(SkybodyKind kind, std::string_view name)
     if (entry->kind == kind && usable == nullptr) usable = entry;
     if (entry->kind == SKYBODY_KIND_COUNT && unusable == nullptr) unusable = entry;
   }
-  // No other of the name stands in for a library that does not load: its author would fly that
-  // unawares.
+  // A library that does not load is not replaced by another of the same name: its author would fly
+  // the other plugin without noticing.
   const bool counts = unusable != nullptr && !unusable->is_not_trusted;
   return usable == nullptr || counts ? unusable : usable;
 }

@@ -17,46 +17,46 @@
 
 namespace skybody {
 
-/// A plugin that was found, or a file that should have been one.
+/// A plugin, or a file that should contain one.
 struct PluginEntry {
-  SkybodyKind kind = SKYBODY_KIND_COUNT;  ///< SKYBODY_KIND_COUNT: not known, the file is unusable
-  std::string name;  ///< the plugin's; of an unusable file, the one that it promises
+  SkybodyKind kind = SKYBODY_KIND_COUNT;  ///< SKYBODY_KIND_COUNT: unknown, the file is unusable
+  std::string name;  ///< of the plugin; for an unusable file the name that it promises
   std::string version;
   std::string doc;  ///< one line
   std::filesystem::path file;
-  bool vectorized = false;  ///< serves several environments at a time
+  bool vectorized = false;  ///< serves several environments at once
   std::vector<ParameterSpec> parameters;
-  std::string failure;          ///< why it cannot be used; empty: it can
-  bool is_not_trusted = false;  ///< that is why: others could put such a file there
+  std::string failure;          ///< reason why it cannot be used; empty: it can
+  bool is_not_trusted = false;  ///< the reason is that other users could replace the file
   const SkybodyPlugin* descriptor = nullptr;
   std::shared_ptr<PluginLibrary> library;
 };
 
-/// The libraries in the folders of a search path. It lists file names at once, and opens a library
-/// when a plugin is asked for that the library promises (see PluginManifest), once each. A library
-/// that others may write (see trust_problem) is not opened. Shipped ones are exempt where others
-/// may write libskybody as well: then Skybody itself is theirs. May be used by several threads.
+/// The libraries in the folders of a search path. File names are listed at once. A library is
+/// opened once, when find() requests a plugin that it promises (see PluginManifest). A library that
+/// other users may write (see trust_problem) is not opened. Shipped libraries are exempt if others
+/// may write libskybody too, since Skybody itself is then under their control. Thread-safe.
 class PluginRegistry {
  public:
-  /// Folders in order of the path, files in order of their names; folders that do not exist are
-  /// skipped. A file that cannot be used does not stop the others: it becomes an entry with a
-  /// `failure`, as does a folder whose names cannot be read. One file that is found twice counts
-  /// once; two files with one plugin (kind and name) make both unusable.
+  /// Folders in order of the path, files sorted by name; missing folders are skipped. A file that
+  /// cannot be used does not stop the others: it becomes an entry with a `failure`, as does a
+  /// folder whose names cannot be read. A file that is found twice counts once. Two files with the
+  /// same plugin (kind and name) make both unusable.
   explicit PluginRegistry(const std::vector<std::filesystem::path>& search_path,
                           RefusedFiles refused = {});
 
-  /// The plugin of that kind and name, or a file that promises the name and cannot be used, or
-  /// null. Opens the files that promise the name. Check `failure` before use. Lives as long as
-  /// this.
+  /// The plugin of that kind and name, or an unusable file that promises the name, or null. Opens
+  /// the files that promise the name. Check `failure` before use. The entry lives as long as the
+  /// registry.
   const PluginEntry* find(SkybodyKind kind, std::string_view name) const;
   /// Names of known() plugins of a kind, sorted.
   std::vector<std::string> names(SkybodyKind kind) const;
-  /// What libraries promise that are not open, sorted: plugins of kinds that are not known yet.
+  /// Names promised by libraries that are not open, sorted. Their kinds are not known yet.
   std::vector<std::string> promised() const;
-  /// Usable plugins of a kind, sorted by name, of the libraries that are open and of all shipped
-  /// ones: no other code is run.
+  /// Usable plugins of a kind, sorted by name, of all open libraries and of all shipped ones. Runs
+  /// no other code.
   std::vector<const PluginEntry*> known(SkybodyKind kind) const;
-  /// Opens every library: all that was found, in the order of the search.
+  /// Opens every library. Returns all entries in the order of the search.
   std::vector<const PluginEntry*> open_all() const;
   const std::vector<std::filesystem::path>& search_path() const { return search_path_; }
 
@@ -66,7 +66,7 @@ class PluginRegistry {
     std::vector<PluginManifest> found;  ///< under this name, and as links to it
     bool shipped = false;
     bool open = false;
-    std::vector<PluginEntry> entries;  ///< does not change once the file is open
+    std::vector<PluginEntry> entries;  ///< immutable once the file is open
     bool promises(std::string_view name) const;
   };
 
@@ -79,7 +79,7 @@ class PluginRegistry {
 
   std::vector<std::filesystem::path> search_path_;
   RefusedFiles refused_;
-  mutable std::mutex mutex_;  ///< guards what a File gets when it is opened
+  mutable std::mutex mutex_;  ///< guards the members of a File that opening it sets
   mutable std::vector<File> files_;
 };
 

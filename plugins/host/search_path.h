@@ -1,4 +1,4 @@
-// Where plugins are looked for.
+// Folders that are searched for plugins.
 #pragma once
 
 #include <filesystem>
@@ -12,11 +12,11 @@ std::filesystem::path shipped_plugin_folder();
 /// Entries of SKYBODY_PLUGIN_PATH: colon-separated, empty ones ignored.
 std::vector<std::filesystem::path> environment_search_path();
 
-/// Where plugins are looked for: environment_search_path(), then the shipped plugins.
+/// The default search path: environment_search_path(), then the shipped plugins.
 std::vector<std::filesystem::path> default_search_path();
 
-/// The folder of a scenario file and its subfolder `plugins`, absolute: searched on request only,
-/// because whoever wrote the scenario may have put a library there.
+/// The folder of a scenario file and its subfolder `plugins`, absolute. Searched on request only,
+/// because the author of the scenario may have put a library there.
 std::vector<std::filesystem::path> scenario_plugin_folders(const std::filesystem::path& scenario);
 
 }  // namespace skybody

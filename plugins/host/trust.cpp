@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// For one entry of the user or group database; glibc's own suggestion is 1 KiB. A group with more
-/// members does not fit and counts as one with other members.
+/// Buffer for one entry of the user or group database; glibc itself suggests 1 KiB. A larger group
+/// does not fit and counts as one with other members.
 constexpr std::size_t kDatabaseEntryBytes = 16384;
 
 std::optional<std::string> find_user_name(uid_t user) {
@@ -34,7 +34,7 @@ std::optional<std::string> find_user_name(uid_t user) {
 
 std::string user_name(uid_t user) { return find_user_name(user).value_or(std::to_string(user)); }
 
-/// Whether root's number means somebody in this user namespace. Without a map it does.
+/// Whether root exists in this user namespace. Without a map it does.
 bool is_root_mapped() {
   std::ifstream map("/proc/self/uid_map");
   std::uint64_t inside = 0, outside = 0, count = 0;
@@ -46,20 +46,20 @@ bool is_root_mapped() {
   return !has_lines;
 }
 
-/// As whom files of users without a number in this user namespace appear.
+/// Owner shown for files of users without a number in this user namespace.
 uid_t overflow_user() {
   uid_t user = 65534;  // the kernel's default
   std::ifstream("/proc/sys/kernel/overflowuid") >> user;
   return user;
 }
 
-/// Whether a folder above may be root's, whom a user namespace hides: `/` and `/tmp` are then owned
-/// by nobody in it.
+/// Whether a folder above may belong to a root that the user namespace hides: `/` and `/tmp` then
+/// belong to the overflow user.
 bool may_be_roots(uid_t owner) { return owner == overflow_user() && !is_root_mapped(); }
 
 struct Group {
   std::string name;
-  bool is_private = false;  ///< of the user's name or, without names, number; no other members
+  bool is_private = false;  ///< has the user's name (without names: number) and no other members
 };
 
 Group read_group(gid_t id, uid_t owner) {
@@ -76,7 +76,8 @@ Group read_group(gid_t id, uid_t owner) {
   return result;
 }
 
-/// Whether an access control list says more than the mode. Its group bits are then the list's mask.
+/// Whether an access control list grants more than the mode. The mode's group bits are then the
+/// list's mask.
 bool has_access_list(const fs::path& path) {
   return getxattr(path.c_str(), "system.posix_acl_access", nullptr, 0) > 0;
 }
@@ -87,7 +88,7 @@ std::string octal(mode_t mode) {
   return text;
 }
 
-/// Who may write `path` by its mode, beside its owner; empty: nobody.
+/// Writers of `path` by its mode, other than its owner; empty: none.
 std::string other_writers(const fs::path& path, const struct stat& status) {
   if ((status.st_mode & S_IWOTH) != 0) return "everybody";
   if ((status.st_mode & S_IWGRP) == 0) return {};

@@ -1,12 +1,12 @@
-// How far a place is from an obstacle's surface, and which way, in closed form: gap() tells inside
-// from outside, way_to() knows nothing within, distance_to_gate() is a gate's alone and quick.
+// Distance and direction to an obstacle's surface, in closed form. gap() is signed: negative
+// inside. way_to() is 0 inside. distance_to_gate() is a fast version for gates only.
 #pragma once
 
 #include "plugins/obstacles/placed.h"
 
 namespace skybody::obstacles {
 
-/// From a place to the nearest point of a surface.
+/// From a point to the nearest point of a surface.
 template <class Real>
 struct Gap {
   Real distance;   ///< below 0 inside [m]
@@ -19,7 +19,7 @@ SKYBODY_INLINE Gap<Real> nearer(const Gap<Real>& a, const Gap<Real>& b) {
   return {select(first, a.distance, b.distance), select(first, a.way, b.way)};
 }
 
-/// From `p` to a sphere about the origin. In its very centre the way up is taken.
+/// From `p` to a sphere about the origin. At its centre the direction is up.
 template <class Real>
 SKYBODY_INLINE Gap<Real> gap_to_sphere(const Vec3<Real>& p, const Real& radius) {
   const Real square = squared_norm(p);
@@ -30,7 +30,7 @@ SKYBODY_INLINE Gap<Real> gap_to_sphere(const Vec3<Real>& p, const Real& radius) 
   return {distance, -distance * outward};
 }
 
-/// To a capsule along z: `half` is half of the length between the centres of its caps.
+/// To a capsule along z: `half` is half the length between the centres of its caps.
 template <class Real>
 SKYBODY_INLINE Gap<Real> gap_to_capsule(const Vec3<Real>& p, const Real& radius, const Real& half) {
   const Real along = max(min(p.z, half), -half);
@@ -44,7 +44,7 @@ SKYBODY_INLINE Gap<Real> gap_to_box(const Vec3<Real>& p, const Vec3<Real>& half)
   const Real most = max(max(d.x, d.y), d.z);
   const auto outside = most > 0.0;
   const Real zero(0.0);
-  // Outside all axes beyond the faces count, inside the face that is nearest.
+  // Outside, all axes beyond their faces count. Inside, the nearest face counts.
   const auto by_x = d.x >= most;
   const auto by_y = logical_and(d.y >= most, logical_not(by_x));
   const auto by_z = logical_not(logical_or(by_x, by_y));
@@ -72,7 +72,7 @@ SKYBODY_INLINE Gap<Real> gap_to_cylinder(const Vec3<Real>& p, const Real& radius
   return {flat.distance, {flat.way.x * outward.x, flat.way.x * outward.y, flat.way.z}};
 }
 
-/// From `p` to an obstacle, whether it is there or not; `p` and the way in W.
+/// From `p` to an obstacle, present or not; `p` and the result in W.
 template <class Real>
 SKYBODY_INLINE Gap<Real> gap(const Obstacle& obstacle, const PlacedObstacle<Real>& placed,
                              const Vec3<Real>& p) {
@@ -109,14 +109,14 @@ template <class Real>
 SKYBODY_INLINE Real held_within(const Real& x, const Real& most) {
   return max(min(x, most), -most);
 }
-/// The factor that brings a length down to `most`; 1 where it is shorter.
+/// The factor that shortens a length to `most`; 1 if it is shorter.
 template <class Real>
 SKYBODY_INLINE Real share_within(const Real& length, const Real& most) {
   return most / max(length, most);
 }
 
-/// Of a box, a cylinder, a sphere or a capsule about the origin, the point that is nearest to `p`;
-/// `p` itself within. Smooth in the size and the place, unlike gap(), which has to choose a side.
+/// The point nearest to `p` of a box, a cylinder, a sphere or a capsule about the origin; `p`
+/// itself if inside. Smooth in size and position, unlike gap(), which has to choose a face.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> nearest_point(int kind, const Vec3<Real>& size, const Vec3<Real>& p) {
   switch (kind) {
@@ -137,7 +137,7 @@ SKYBODY_INLINE Vec3<Real> nearest_point(int kind, const Vec3<Real>& size, const 
   }
 }
 
-/// From `p` to the nearest point of an obstacle, whether it is there or not; 0 within. In W.
+/// From `p` to the nearest point of an obstacle, present or not; 0 inside. In W.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> way_to(const Obstacle& obstacle, const PlacedObstacle<Real>& placed,
                                  const Vec3<Real>& p) {
@@ -149,15 +149,15 @@ SKYBODY_INLINE Vec3<Real> way_to(const Obstacle& obstacle, const PlacedObstacle<
   return rotate(placed.rotation, nearest_point(obstacle.kind, placed.size, local) - local);
 }
 
-/// From `p`, a place in a gate's frame, to its nearest bar [m]; 0 in a bar. What gap() finds bar by
-/// bar follows here from the gate's symmetry.
+/// Distance from `p`, a point in a gate's frame, to the nearest bar [m]; 0 inside a bar. Uses the
+/// gate's symmetry, where gap() computes the distance bar by bar.
 template <class Real>
 SKYBODY_INLINE Real distance_to_gate(const Vec3<Real>& size, const Vec3<Real>& p) {
   const Real& bar = size.z;
   const Real y = abs(p.y) - 0.5 * size.x, z = abs(p.z) - 0.5 * size.y;  // from the opening's edge
   const Real depth = max(abs(p.x) - 0.5 * bar, Real(0.0));
   const Real beyond_y = max(y - bar, Real(0.0)), beyond_z = max(z - bar, Real(0.0));
-  const Real inner = max(y, z);  // below 0 in the opening: how near the nearest bar is
+  const Real inner = max(y, z);  // below 0 in the opening: minus the distance to the nearest bar
   const Real across = select(inner < 0.0, inner * inner, beyond_y * beyond_y + beyond_z * beyond_z);
   return sqrt(depth * depth + across);
 }

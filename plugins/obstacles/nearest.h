@@ -1,13 +1,13 @@
-// The nearest few of many, without a branch: every lane has its own order.
+// The few nearest of many candidates, without branches: every lane has its own order.
 #pragma once
 
 #include <skybody/plugin.h>
 
 namespace skybody::obstacles {
 
-/// Puts `next` among the nearest, in order; what is farther goes one place on, and the last drops
-/// out. Of two that are as near as one another the first that came stays before.
-/// @tparam Seen  has a `distance`, and choose(mask, a, b) takes it apart
+/// Inserts `next` into the sorted list of the nearest. Farther entries move one place on, and the
+/// last one drops out. Between equal distances the earlier one stays first.
+/// @tparam Seen  has a `distance`, and choose(mask, a, b) for lane-wise selection
 /// @param nearest  of `count` places
 template <class Seen>
 SKYBODY_INLINE void put_in_order(Seen next, Seen* nearest, int count) {

@@ -1,4 +1,4 @@
-// The scenario's obstacles as plugins see them: each environment has its own places and sizes.
+// The scenario's obstacles for plugins: each environment has its own positions and sizes.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -9,15 +9,15 @@
 
 namespace skybody::obstacles {
 
-/// An obstacle as configure() finds it.
+/// An obstacle, as found in configure().
 struct Obstacle {
   int kind = SKYBODY_SPHERE;  ///< SkybodyShapeKind
   int first_param = 0;        ///< EnvParams, at the places of SkybodyObstacleConstant
 };
 
 /// All obstacles, in the scenario's order.
-/// @param reader  who asks, for messages, such as "task `obstacles`"
-/// @throws std::runtime_error naming one whose surface has no closed form
+/// @param reader  the caller, for messages, such as "task `obstacles`"
+/// @throws std::runtime_error with the name of an obstacle whose surface has no closed form
 inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader) {
   std::vector<Obstacle> found;
   for (const ShapeInfo& shape : setup.shapes()) {
@@ -34,21 +34,21 @@ inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader)
   return found;
 }
 
-/// Where an obstacle is in an environment, and how large.
+/// Pose and size of an obstacle in an environment.
 template <class Real>
 struct PlacedObstacle {
-  MaskOf<Real> present;  ///< whether it is there
+  MaskOf<Real> present;  ///< whether it exists in this environment
   Vec3<Real> position;   ///< of its centre, W [m]
   Quat<Real> rotation;   ///< W from its frame
-  Vec3<Real> size;       ///< as its kind says (SkybodyShapeKind) [m]
+  Vec3<Real> size;       ///< see SkybodyShapeKind [m]
 
-  /// A place of W in its frame [m].
+  /// A point of W in the obstacle's frame [m].
   SKYBODY_INLINE Vec3<Real> local(const Vec3<Real>& p) const {
     return rotate_inverse(rotation, p - position);
   }
 };
 
-/// How many values say how large an obstacle of that kind is: an environment has no more of them.
+/// Number of size values for an obstacle of that kind; environments have EnvParams for these only.
 inline int size_count(int kind) {
   switch (kind) {
     case SKYBODY_BOX:
@@ -64,7 +64,7 @@ inline int size_count(int kind) {
   }
 }
 
-/// Where and how large an obstacle is now; what its kind has no size for is 0.
+/// Current pose and size of an obstacle; size values that its kind does not use are 0.
 template <class Real>
 SKYBODY_INLINE PlacedObstacle<Real> place(const EnvView<Real>& env, const Obstacle& obstacle) {
   const int first = obstacle.first_param, turn = first + SKYBODY_OBSTACLE_ROTATION;
@@ -81,7 +81,7 @@ SKYBODY_INLINE PlacedObstacle<Real> place(const EnvView<Real>& env, const Obstac
 /// A bar of a gate, in the gate's frame: a box (docs/contact.md).
 template <class Real>
 struct Bar {
-  Vec3<Real> position;  ///< of its middle [m]
+  Vec3<Real> position;  ///< of its centre [m]
   Vec3<Real> half;      ///< half of its edges [m]
 };
 inline constexpr int kBars = 4;  ///< two posts, two beams

@@ -1,21 +1,20 @@
-// How far a ray goes until it meets an obstacle, in closed form. Solids are convex: a ray is in one
-// over an interval, where it is within all slabs and rounds at once (Kay and Kajiya, "Ray tracing
-// complex scenes", SIGGRAPH 1986).
+// Distance along a ray to an obstacle, in closed form. The shapes are convex: a ray is inside over
+// an interval, the intersection of the intervals of all slabs and round surfaces (Kay and Kajiya,
+// "Ray tracing complex scenes", SIGGRAPH 1986).
 #pragma once
 
 #include "plugins/obstacles/placed.h"
 
 namespace skybody::obstacles {
 
-/// From `from` on along `along`, a unit vector.
+/// A half-line from `from` in the direction `along`.
 template <class Real>
 struct Ray {
   Vec3<Real> from;   ///< [m]
   Vec3<Real> along;  ///< unit vector
 };
 
-/// Where on a ray something lies: from `enter` to `leave` [m]; nowhere where they are in the wrong
-/// order.
+/// A stretch of a ray from `enter` to `leave` [m]; empty if enter > leave.
 template <class Real>
 struct Interval {
   Real enter, leave;
@@ -23,26 +22,27 @@ struct Interval {
   SKYBODY_INLINE Interval operator&(const Interval& b) const {
     return {max(enter, b.enter), min(leave, b.leave)};
   }
-  /// The first point that is not behind: 0 where the ray begins inside, infinity where it misses.
+  /// Distance to the first point at or ahead of the ray's origin: 0 if the ray starts inside,
+  /// infinity if it misses.
   SKYBODY_INLINE Real first() const {
     const auto hit = logical_and(enter <= leave, leave >= 0.0);
     return select(hit, max(enter, Real(0.0)), Real(kInfinity));
   }
 };
 
-/// Between two faces at -half and half of one axis.
+/// Between two faces at -half and half on one axis.
 template <class Real>
 SKYBODY_INLINE Interval<Real> in_slab(const Real& from, const Real& along, const Real& half) {
-  // A ray along the faces meets them far away, before or behind: never 0 / 0.
+  // A ray parallel to the faces meets them far away, ahead or behind: avoids 0 / 0.
   const Real pace = select(abs(along) < 1e-18, Real(1e-18), along);
   const Real a = (-half - from) / pace, b = (half - from) / pace;
   return {min(a, b), max(a, b)};
 }
 
-/// Where a |t|^2 + 2 b t + c <= 0: within a sphere, or a cylinder without ends.
+/// Where a |t|^2 + 2 b t + c <= 0: inside a sphere, or an infinite cylinder.
 template <class Real>
 SKYBODY_INLINE Interval<Real> in_round(const Real& a, const Real& b, const Real& c) {
-  const auto moves = a > 1e-12;  // across a cylinder's axis; else within it always or never
+  const auto moves = a > 1e-12;  // moves across a cylinder's axis; otherwise always or never inside
   const Real square = b * b - a * c;
   const Real root = sqrt(max(square, Real(0.0))), divisor = select(moves, a, Real(1.0));
   const auto hit = select(moves, square, -c) >= 0.0;
@@ -63,7 +63,7 @@ SKYBODY_INLINE Interval<Real> in_box(const Ray<Real>& ray, const Vec3<Real>& hal
          in_slab(ray.from.z, ray.along.z, half.z);
 }
 
-/// Along z, `half` to either side.
+/// Cylinder along z, `half` to either side.
 template <class Real>
 SKYBODY_INLINE Interval<Real> in_cylinder(const Ray<Real>& ray, const Real& radius,
                                           const Real& half) {
@@ -73,7 +73,7 @@ SKYBODY_INLINE Interval<Real> in_cylinder(const Ray<Real>& ray, const Real& radi
          in_slab(o.z, d.z, half);
 }
 
-/// Until all below z = 0.
+/// Distance to the half-space below z = 0.
 template <class Real>
 SKYBODY_INLINE Real until_plane(const Ray<Real>& ray) {
   const auto falls = ray.along.z < 0.0;
@@ -81,8 +81,8 @@ SKYBODY_INLINE Real until_plane(const Ray<Real>& ray) {
   return select(ray.from.z <= 0.0, Real(0.0), select(falls, way, Real(kInfinity)));
 }
 
-/// How far a ray of W goes until it meets an obstacle, whether that is there or not [m]; 0 in it,
-/// infinity past it.
+/// Distance from the origin of a ray in W to an obstacle, present or not [m]; 0 inside it, infinity
+/// if the ray misses.
 template <class Real>
 SKYBODY_INLINE Real until(const Obstacle& obstacle, const PlacedObstacle<Real>& placed,
                           const Ray<Real>& ray) {

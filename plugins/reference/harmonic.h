@@ -1,4 +1,4 @@
-// Paths of one sine an axis: Lissajous figures, circles, ellipses, helices, figures of eight.
+// Paths with one sine per axis: Lissajous figures, circles, ellipses, helices, figures of eight.
 //
 //   p_i(angle) = centre_i + amplitude_i sin(cycles_i angle + phase_i),  and z rises by
 //   climb angle / (2 pi)
@@ -13,11 +13,12 @@ template <class Real>
 struct Harmonic {
   Vec3<Real> centre;     ///< [m]
   Vec3<Real> amplitude;  ///< [m]
-  Vec3<Real> cycles;     ///< swings of each axis in a period
+  Vec3<Real> cycles;     ///< oscillations of each axis per period
   Vec3<Real> phase;      ///< [rad]
-  Real climb;            ///< [m] a period
+  Real climb;            ///< [m] per period
 
-  /// The point with derivatives up to N - 1 by a time in which the angle grows evenly.
+  /// The point with derivatives up to order N - 1 by time, for an angle that grows at a constant
+  /// rate.
   /// @param rate  of the angle [rad/s]
   template <int N>
   SKYBODY_INLINE PathPoint<Real, N> at(const Real& angle, const Real& rate) const {
@@ -30,7 +31,7 @@ struct Harmonic {
     return point;
   }
 
-  /// Greatest length of dp/dangle over a period [m], by 256 samples: low by less than 0.04 % for
+  /// Maximum of |dp/dangle| over a period [m], from 256 samples. Too low by less than 0.04 % for
   /// one cycle and 0.15 % for two, since samples lie within 0.0123 rad of the peak.
   SKYBODY_INLINE Real steepest() const {
     constexpr int kSamples = 256;
@@ -46,7 +47,7 @@ struct Harmonic {
   }
 
  private:
-  /// Coefficient k is w^k / k! times the sine or cosine, with two signs plus and two minus.
+  /// Coefficient k is w^k / k! times the sine or cosine, with the signs +, +, -, -.
   template <int N>
   static SKYBODY_INLINE Jet<Real, N> on_axis(const Real& angle, const Real& rate,
                                              const Real& middle, const Real& swing,

@@ -5,13 +5,13 @@
 
 namespace skybody::reference {
 
-/// Below this horizontal length of dp/ds [m/s] a path has no direction.
+/// If the horizontal part of dp/ds [m/s] is shorter than this, the path has no direction.
 inline constexpr double kLeastSlope = 1e-6;
 
-/// The direction of a path in the horizontal plane [rad], and how it changes by path time. It is
-/// that of dp/ds, so that it is known where the pace ds/dt is zero. Where the path stands still or
-/// goes straight up: `instead`.
-/// @param point  by path time, with one derivative or more; the rate takes two
+/// Direction of a path in the horizontal plane [rad], and its rate by path time. It is the
+/// direction of dp/ds, which is defined even where the pace ds/dt is zero. Where the path stands
+/// still or goes straight up: `instead`.
+/// @param point  by path time, with at least one derivative; the rate takes two
 template <class Real, int N>
 SKYBODY_INLINE Jet<Real, N> direction(const Vec3<Jet<Real, N>>& point, const Real& instead) {
   const Real x = point.x.derivative(1), y = point.y.derivative(1);

@@ -1,9 +1,9 @@
-// A reference as a function of time: a form, its pace, its heading, and the way onto it.
+// A reference as a function of time: a curve, its pace, its heading, and the approach to it.
 //
 //   r(t) = p(s(t)) + o (1 - rise(t)),   yaw(t) = facing(s(t)) + heading
 //
-// p is the form by path time s, s(t) the clock, o the way from the path's beginning to where the
-// vehicle was at the reset, and rise a smooth rise from 0 to 1, at whose end the clock begins.
+// p is the curve by path time s, and s(t) the clock. o is the offset from the path's beginning to
+// the vehicle's position at the reset. rise goes smoothly from 0 to 1; the clock begins at its end.
 #pragma once
 
 #include "plugins/api/reference_point.h"
@@ -18,30 +18,30 @@ enum class Kind { kLissajous, kCircle, kHelix, kFigureEight, kWaypoints, kCsv, k
 inline bool is_harmonic(Kind kind) { return kind <= Kind::kFigureEight; }
 inline bool is_spline(Kind kind) { return kind == Kind::kWaypoints || kind == Kind::kCsv; }
 
-/// Where the heading comes from: fixed, the path's direction, either of these by a drawn number, or
-/// the path's own fourth curve.
+/// Source of the heading: fixed, the path's direction, one of these two by a drawn number, or the
+/// path's own fourth curve.
 enum class Facing { kFixed, kTangent, kDrawn, kTable };
 
-/// What may differ from one environment to the next.
+/// Numbers of a path that may differ between environments.
 template <class Real>
 struct PathNumbers {
-  Harmonic<Real> figure;  ///< its centre and amplitude serve the other kinds, too
+  Harmonic<Real> figure;  ///< centre and amplitude apply to the other kinds, too
   Real rate;              ///< of a figure's angle by path time [rad/s]
   Real step_time;         ///< [s]
-  Real time_scale;        ///< path time that passes in a second
+  Real time_scale;        ///< path time per second
   Real heading;           ///< [rad]
-  Real along;             ///< of Facing::kDrawn: 0.5 and more is along the path
+  Real along;             ///< of Facing::kDrawn: 0.5 or more means along the path
   Vec3<Real> offset;      ///< at the reset, from the path's beginning to the vehicle (W) [m]
 };
 
-/// A reference at one moment, with derivatives up to N - 1.
+/// A reference at one time, with derivatives up to order N - 1.
 template <class Real, int N>
 struct Moment {
   PathPoint<Real, N> point;  ///< W [m]
   Jet<Real, N> yaw;          ///< [rad]
 };
 
-/// The moment as signal `trajectory` has it.
+/// Converts a moment to a point of signal `trajectory`.
 template <class Real>
 SKYBODY_INLINE ReferencePoint<Real> reference_point_of(const Moment<Real, kOrders>& moment) {
   return {derivative(moment.point, 0),
@@ -53,12 +53,12 @@ SKYBODY_INLINE ReferencePoint<Real> reference_point_of(const Moment<Real, kOrder
           moment.yaw.c[1]};
 }
 
-/// What all environments have in common. Immutable once it is made.
+/// The part of a path that all environments share. Immutable after construction.
 struct Path {
   Kind kind = Kind::kHold;
   Facing facing = Facing::kFixed;
-  double ramp = 0.0;      ///< of the clock [s]
-  double approach = 0.0;  ///< way onto the path, before its clock runs [s]; 0: it begins there
+  double ramp = 0.0;      ///< time over which the clock reaches full pace [s]
+  double approach = 0.0;  ///< duration of the approach, before the clock runs [s]; 0: none
   Spline spline = {};     ///< of waypoints and tables
 
   /// The reference at a time since the reset [s].
@@ -75,8 +75,8 @@ struct Path {
     return moment;
   }
 
-  /// When the path is over and the reference rests [s]. A figure has no end: after a period at its
-  /// full pace.
+  /// Time at which the path ends and the reference comes to rest [s]. A figure has no end: one
+  /// period at full pace after the ramp.
   double length(const PathNumbers<double>& numbers) const {
     if (is_harmonic(kind)) {
       return approach + ramp + 2.0 * kPi / (numbers.rate * numbers.time_scale);
@@ -92,7 +92,7 @@ struct Path {
   }
 
  private:
-  /// The same while the approach or the ramp lasts, in lanes beyond with the same bits.
+  /// The same during the approach or the ramp; in lanes past them it has the same bits.
   template <int N, class Real>
   SKYBODY_INLINE Moment<Real, N> beginning(const PathNumbers<Real>& numbers,
                                            const Clock<Real>& clock, const Real& time) const {
@@ -108,7 +108,7 @@ struct Path {
     return moment;
   }
 
-  /// The heading, by path time.
+  /// Computes the heading, by path time.
   template <int N, class Real>
   SKYBODY_INLINE void face(const PathNumbers<Real>& numbers, Moment<Real, N>& moment) const {
     if (facing == Facing::kFixed) moment.yaw = Jet<Real, N>(0.0);
@@ -122,7 +122,7 @@ struct Path {
     moment.yaw.c[0] = moment.yaw.c[0] + numbers.heading;
   }
 
-  /// By path time, with derivatives by path time.
+  /// The curve by path time, with derivatives by path time.
   template <int N, class Real>
   SKYBODY_INLINE Moment<Real, N> form(const PathNumbers<Real>& numbers,
                                       const Real& path_time) const {
@@ -147,7 +147,7 @@ struct Path {
     return moment;
   }
 
-  /// Adds the rest of the way onto the path.
+  /// Adds the remaining offset of the approach.
   template <int N, class Real>
   SKYBODY_INLINE void join(const Vec3<Real>& offset, const Real& time,
                            PathPoint<Real, N>& point) const {

@@ -1,7 +1,7 @@
-// A place on a path with its derivatives, and what changes the pace along a path.
+// A point on a path with its derivatives, and the pace along the path.
 //
-// A path is a function p(s) of path time s [s]. A clock says how path time passes with time t:
-// s(t). The derivatives of p(s(t)) by t follow from both by composing Taylor polynomials.
+// A path is a function p(s) of path time s [s]. A clock maps time t to path time: s(t). The
+// derivatives of p(s(t)) by t follow from both by composing Taylor polynomials.
 #pragma once
 
 #include "core/base/jet.h"
@@ -9,10 +9,10 @@
 
 namespace skybody::reference {
 
-/// Coefficients that a reference takes: place, and four derivatives.
+/// Coefficients of a reference: position and four derivatives.
 inline constexpr int kOrders = 5;
 
-/// A point with derivatives up to N - 1. W axes [m].
+/// A point with derivatives up to order N - 1. W axes [m].
 template <class Real, int N = kOrders>
 using PathPoint = Vec3<Jet<Real, N>>;
 
@@ -42,7 +42,7 @@ SKYBODY_INLINE Vec3<Jet<Real, N>> composed(const Vec3<Jet<Real, N>>& f, const Je
   return {composed(f.x, s), composed(f.y, s), composed(f.z, s)};
 }
 
-/// The same at a constant pace, with the bits of composed() where its results are not -0.
+/// The same for a constant pace, with the bits of composed() except where its results are -0.
 template <class Real, int N>
 SKYBODY_INLINE Jet<Real, N> paced(const Jet<Real, N>& f, const Real& pace) {
   Jet<Real, N> out;
@@ -54,7 +54,7 @@ SKYBODY_INLINE Jet<Real, N> paced(const Jet<Real, N>& f, const Real& pace) {
   return out;
 }
 
-/// The rise from 0 to 1 over `duration` with four derivatives of zero at both ends, so that snap is
+/// A rise from 0 to 1 over `duration`. Four derivatives are zero at both ends, so that snap is
 /// continuous: 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9.
 /// @param duration  [s], above 0
 template <int N, class Real>
@@ -71,23 +71,23 @@ SKYBODY_INLINE Jet<Real, N> smooth_rise(const Real& time, double duration) {
   return out;
 }
 
-/// How path time passes: not at all until `begin`, then at a pace that rises.
+/// Path time as a function of time: zero until `begin`, then with a pace that rises.
 /// @tparam Real  double, a pack, or a Dual
 template <class Real>
 struct Clock {
   double begin;  ///< [s]
-  double ramp;   ///< time in which the pace rises from 0 to its full value [s]; 0: at once
-  Real scale;    ///< path time that passes in a second, after the ramp
+  double ramp;   ///< time in which the pace rises from 0 to its full value [s]; 0: immediately
+  Real scale;    ///< path time per second, after the ramp
 
-  /// Path time behind the ramp.
+  /// Path time after the ramp.
   SKYBODY_INLINE Real steady(const Real& time) const {
     return ((time - begin) - 0.5 * ramp) * scale;
   }
 
-  /// Path time at `time` [s]. During the ramp, with x the share of it that has passed, the pace is
-  /// scale (35 x^4 - 84 x^5 + 70 x^6 - 20 x^7), whose first three derivatives are zero at both
-  /// ends. Its integral is scale ramp (7 x^5 - 14 x^6 + 10 x^7 - 2.5 x^8), half of scale ramp at
-  /// the end.
+  /// Path time at `time` [s]. During the ramp, with x its elapsed fraction, the pace is scale (35
+  /// x^4 - 84 x^5 + 70 x^6 - 20 x^7), whose first three derivatives are zero at both ends. Its
+  /// integral is scale ramp (7 x^5 - 14 x^6 + 10 x^7 - 2.5 x^8), which is scale ramp / 2 at the
+  /// end.
   template <int N>
   SKYBODY_INLINE Jet<Real, N> at(const Real& time) const {
     using Number = Jet<Real, N>;

@@ -9,7 +9,7 @@ namespace skybody::reference {
 
 namespace {
 
-/// Waypoints that are nearer than this [m] are on one another.
+/// Two waypoints closer than this [m] coincide.
 constexpr double kNearest = 1e-3;
 
 std::string at(const char* list, int i) {
@@ -129,7 +129,7 @@ void PathParameters::check_waypoints() const {
 }
 
 std::vector<double> PathParameters::times_by_distance() const {
-  constexpr double kAtRest = 1.5;  // times as long for a piece that begins or ends at rest
+  constexpr double kAtRest = 1.5;  // factor on the duration of a piece that begins or ends at rest
   const int count = waypoints_.count() / 3;
   std::vector<double> times = {0.0};
   for (int i = 1; i < count; ++i) {

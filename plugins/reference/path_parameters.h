@@ -1,4 +1,4 @@
-// The parameters that a path is made from, for any plugin that follows or judges one.
+// The parameters of a path, for plugins that follow a path or evaluate one.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -15,7 +15,7 @@ namespace skybody::reference {
 inline constexpr std::array<const char*, 8> kKindNames = {
     "lissajous", "circle", "helix", "figure_eight", "waypoints", "csv", "step", "hold"};
 
-/// Reads parameters of one environment, or of all lanes of a view.
+/// Reads the parameters of one environment, or of all lanes of a view.
 template <class Real>
 struct DrawnNumbers {
   const EnvView<Real>& env;
@@ -23,13 +23,13 @@ struct DrawnNumbers {
   Vec3<Real> operator()(const RealsParameter& parameter) const { return parameter.vec3(env); }
 };
 
-/// Reads parameters as the scenario gives them.
+/// Reads the parameters' values in the scenario.
 struct NominalNumbers {
   double operator()(const RealParameter& parameter) const { return parameter.value(); }
   Vec3<double> operator()(const RealsParameter& parameter) const { return parameter.vec3(); }
 };
 
-/// Declared as a member of the plugin `owner`.
+/// Declare it as a member of the plugin `owner`.
 class PathParameters {
  public:
   explicit PathParameters(Plugin* owner) : owner_(owner) {}
@@ -39,11 +39,11 @@ class PathParameters {
     return static_cast<Kind>(found - kKindNames.begin());
   }
 
-  /// The path. @throws std::runtime_error where parameters contradict one another, a waypoint lies
-  /// on another one, or a table cannot be read
+  /// The path. @throws std::runtime_error if parameters contradict one another, two waypoints
+  /// coincide, or a table cannot be read
   Path path() const;
 
-  /// Everything but the rate and the offset, which `begin` finds.
+  /// All numbers except the rate and the offset, which path_start() computes.
   /// @param read  DrawnNumbers or NominalNumbers
   template <class Real, class Read>
   SKYBODY_INLINE PathNumbers<Real> numbers(const Read& read) const {
@@ -67,7 +67,7 @@ class PathParameters {
     return out;
   }
 
-  /// How fast the angle of a figure grows [rad/s]: by the peak speed, else by the period.
+  /// Rate of a figure's angle [rad/s]: from the peak speed if given, otherwise from the period.
   template <class Real, class Read>
   SKYBODY_INLINE Real rate(const Read& read, const Harmonic<Real>& figure) const {
     const Real speed = read(peak_speed_), steepest = figure.steepest();

@@ -1,4 +1,4 @@
-// How a path begins in an environment: what a reset finds out and an episode keeps.
+// Start of a path in an environment: numbers that a reset computes and an episode keeps.
 #pragma once
 
 #include "plugins/reference/path_parameters.h"
@@ -12,7 +12,7 @@ struct PathStart {
   Vec3<Real> offset;  ///< from the path's beginning to the vehicle at the reset, W [m]
 };
 
-/// To be called in reset(). @param position  of the vehicle, W [m]
+/// Call it in reset(). @param position  of the vehicle, W [m]
 template <class Real>
 SKYBODY_INLINE PathStart<Real> path_start(const PathParameters& parameters, const Path& path,
                                           const EnvView<Real>& env, const Vec3<Real>& position) {
@@ -36,7 +36,7 @@ SKYBODY_INLINE PathNumbers<Real> path_numbers(const PathParameters& parameters,
   return numbers;
 }
 
-/// The numbers by the scenario's own values, without a way onto the path.
+/// The numbers from the scenario's values, without an approach.
 inline PathNumbers<double> nominal_numbers(const PathParameters& parameters, const Path& path) {
   const NominalNumbers read;
   PathNumbers<double> numbers = parameters.numbers<double>(read);

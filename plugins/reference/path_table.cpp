@@ -26,7 +26,7 @@ constexpr std::size_t kLeastColumns = 4, kMostColumns = 5;
   throw std::runtime_error("`file`: " + place + ": " + why);
 }
 
-/// The whole file. Nothing is waited for: only regular files are opened.
+/// The whole content of a file. Only regular files are opened, so that reading never blocks.
 std::string text_of(const std::string& file) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(file, failed)) {
@@ -49,7 +49,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// Cuts off the text before a separator, which may be missing.
+/// Cuts off the text before a separator; without a separator, the whole text.
 std::string_view cut(std::string_view& rest, char separator) {
   const std::size_t end = std::min(rest.find(separator), rest.size());
   const std::string_view part = rest.substr(0, end);
@@ -78,7 +78,7 @@ double number_of(std::string_view cell, std::size_t column, const std::string& p
   return value;
 }
 
-/// Takes the lines of one file in order.
+/// Parses the lines of one file in order.
 class Reader {
  public:
   void take(std::string_view line, const std::string& place) {
@@ -100,7 +100,7 @@ class Reader {
     }
   }
 
-  /// Refuses holes, which a smooth curve would fill with excursions of its own.
+  /// Refuses gaps, across which a smooth curve would overshoot.
   void check(const std::string& file) const {
     if (times.size() < 2) {
       refuse(file, "the file has " + std::to_string(times.size()) +
@@ -122,7 +122,7 @@ class Reader {
 
   bool has_yaw() const { return columns_ == kMostColumns; }
 
-  std::vector<double> times, values;  ///< values: four a row
+  std::vector<double> times, values;  ///< values: four per row
 
  private:
   void take_header(const std::vector<std::string_view>& cells, const std::string& place) {

@@ -8,8 +8,9 @@ namespace {
 using Free = Eigen::Vector3d;  // velocity, acceleration and jerk at a knot
 using Block = Eigen::Matrix3d;
 
-/// A piece of duration h with value and derivatives (p, v, a, j) at both ends, in the basis
-/// 1, x, ..., x^7: the upper four coefficients from what the lower four leave over at the end.
+/// A piece of duration h with value and derivatives (p, v, a, j) at both ends, in the basis 1, x,
+/// ..., x^7. The values at the beginning give the lower four coefficients; the upper four follow
+/// from the remainder at the end.
 struct Piece {
   double h;
 
@@ -28,7 +29,7 @@ struct Piece {
     return b;
   }
 
-  /// Derivatives 4 to 6 at the end (or at the beginning) of the piece with these ends.
+  /// Derivatives 4 to 6 of the piece at its end (or at its beginning).
   Free outer(double p0, const Free& f0, double p1, const Free& f1, bool at_end) const {
     const Eigen::Vector4d c = upper(p0, f0, p1, f1);
     const double x = at_end ? h : 0.0;
@@ -36,7 +37,7 @@ struct Piece {
             120 * c[1] + x * (720 * c[2] + x * 2520 * c[3]), 720 * c[2] + x * 5040 * c[3]};
   }
 
-  /// How these derivatives depend on the free values of the beginning, or of the end.
+  /// Derivatives of outer() by the free values at the beginning, or at the end.
   Block slope(bool by_end, bool at_end) const {
     Block block;
     for (int k = 0; k < 3; ++k) {
@@ -47,8 +48,8 @@ struct Piece {
   }
 };
 
-/// The block tridiagonal system for the free values: row i says that derivatives 4 to 6 agree at
-/// knot i. It is solved by elimination from the first knot to the last (Thomas' algorithm).
+/// Solves the block tridiagonal system for the free values: row i requires that derivatives 4 to 6
+/// agree at knot i. Elimination from the first knot to the last (Thomas' algorithm).
 /// @param p  values of one curve at the knots
 std::vector<Free> solve(const std::vector<double>& times, const std::vector<double>& p,
                         SplineEnds ends) {

@@ -1,13 +1,13 @@
-// Paths of polynomials: seventh degree between knots, six continuous derivatives.
+// Polynomial paths: seventh degree between knots, six continuous derivatives.
 //
 // Of all curves through the knots such a spline has the least integral of squared snap: at inner
 // knots the derivatives 4 to 6 of neighbouring pieces agree, which is the stationarity of that
 // integral in the free velocity, acceleration and jerk there. At the ends these three are zero
 // (rest), or free, where derivatives 4 to 6 vanish.
 //
-// Source: D. Mellinger and V. Kumar, Minimum snap trajectory generation and control for quadrotors,
-// ICRA 2011, section IV; the conditions in terms of derivatives at the knots as in C. Richter, A.
-// Bry and N. Roy, Polynomial trajectory planning for aggressive quadrotor flight, ISRR 2013.
+// Sources: D. Mellinger and V. Kumar, Minimum snap trajectory generation and control for
+// quadrotors, ICRA 2011, section IV. Conditions in terms of derivatives at the knots: C. Richter,
+// A. Bry and N. Roy, Polynomial trajectory planning for aggressive quadrotor flight, ISRR 2013.
 #pragma once
 
 #include <cstddef>
@@ -19,27 +19,27 @@
 
 namespace skybody::reference {
 
-/// The condition at the first and the last knot: velocity, acceleration and jerk are 0 (kRest), or
-/// derivatives 4 to 6 are (kFree).
+/// Condition at the first and the last knot: velocity, acceleration and jerk are 0 (kRest), or
+/// derivatives 4 to 6 are 0 (kFree).
 enum class SplineEnds { kRest, kFree };
 
-/// Four curves over one row of times: x, y, z [m] (W) and yaw [rad].
+/// Four curves over one sequence of times: x, y, z [m] (W) and yaw [rad].
 class Spline {
  public:
   static constexpr int kCurves = 4, kCoefficients = 8;
 
   Spline() = default;
-  /// The spline of least snap.
-  /// @param times   of the knots [s]; two or more, rising
-  /// @param values  kCurves a knot
+  /// The minimum-snap spline.
+  /// @param times   of the knots [s]; two or more, increasing
+  /// @param values  kCurves per knot
   Spline(std::vector<double> times, const std::vector<double>& values, SplineEnds ends);
 
   double begin() const { return times_.front(); }
   double end() const { return times_.back(); }
   std::size_t pieces() const { return times_.size() - 1; }
 
-  /// A point and the yaw at path time `time`, counted from begin(). Before the first knot and
-  /// behind the last one the curve rests in its end.
+  /// A point and the yaw at path time `time`, counted from begin(). Before the first knot and after
+  /// the last one the curve stays at its end.
   template <class Real, int N>
   struct Sample {
     PathPoint<Real, N> point;
@@ -69,7 +69,7 @@ class Spline {
     return {{curves[0], curves[1], curves[2]}, curves[3]};
   }
 
-  /// Greatest speed over the whole path [m/s], by 32 samples a piece.
+  /// Greatest speed over the whole path [m/s], from 32 samples per piece.
   double peak_speed() const;
   /// The same path with all times multiplied by `factor`.
   Spline stretched(double factor) const;
@@ -97,7 +97,7 @@ class Spline {
     return sum;
   }
 
-  /// The piece at a time since begin(); no number: the first one.
+  /// The piece at a time since begin(); for NaN the first one.
   std::size_t piece_at(double time) const {
     std::size_t low = 0, high = pieces();
     while (high - low > 1) {
@@ -108,7 +108,7 @@ class Spline {
   }
 
   std::vector<double> times_;
-  std::vector<double> coefficients_;  ///< [piece][curve][power], from each piece's own knot
+  std::vector<double> coefficients_;  ///< [piece][curve][power], about each piece's first knot
 };
 
 }  // namespace skybody::reference

@@ -1,4 +1,4 @@
-// Attitudes as tasks observe and judge them.
+// Functions of attitude for observations and rewards.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -8,7 +8,7 @@ namespace skybody::task_kit {
 /// Angle between the body's and the world's z axis, 0 .. pi [rad].
 template <class Real>
 SKYBODY_INLINE Real tilt(const Quat<Real>& q) {
-  return acos(max(tilt_cosine(q), Real(-1.0)));  // rounding may leave less than -1
+  return acos(max(tilt_cosine(q), Real(-1.0)));  // round-off can give less than -1
 }
 
 /// The same rotation with w >= 0.

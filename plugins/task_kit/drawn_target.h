@@ -1,4 +1,4 @@
-// A target that the scenario gives, or that the task draws from a box at every reset.
+// A target given by the scenario, or drawn by the task from a box at every reset.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -12,14 +12,14 @@
 
 namespace skybody::task_kit {
 
-/// A target point and the parameters `target`, `target_min` and `target_max`. A task has it as a
-/// member, among its parameters. The target is the value of the EnvParam `task.target`: one that is
-/// drawn is written there, and callers may set another one.
+/// A target point and the parameters `target`, `target_min` and `target_max`. Make it a member of
+/// the task, among its parameters. The target is the value of the EnvParam `task.target`: a drawn
+/// target is written there, and callers may set another one.
 class DrawnTarget {
  public:
-  /// Values of the parameters that a scenario leaves out, and their docs.
+  /// Default values of the parameters, and their docs.
   struct Defaults {
-    std::vector<double> target;  ///< x, y, z, W [m]; shown in tables, no episode has it
+    std::vector<double> target;  ///< x, y, z, W [m]; only shown in tables, never used in an episode
     std::vector<double> low;     ///< `target_min`, the lower corner of the box [m]
     std::vector<double> high;    ///< `target_max`, the upper corner of the box [m]
     const char* doc = "x, y, z (W); where the scenario gives none, one is drawn for each episode";
@@ -29,9 +29,8 @@ class DrawnTarget {
 
   DrawnTarget(Plugin* owner, const Defaults& defaults) : DrawnTarget(owner, defaults, "m") {}
 
-  /// To be called in the task's configure(): refuses a box whose lower corner is not the lower one,
-  /// or a box beside a target that is given, and announces that the task writes `target`, if it
-  /// draws it.
+  /// Call it in the task's configure(). Refuses a box whose lower corner is not the lower one, and
+  /// a box together with a given target. Declares that the task writes `target`, if it draws it.
   void configure(const Setup& setup) {
     if (!is_drawn() && (low_.is_given() || high_.is_given())) {
       refuse_beside_target(low_.is_given() ? "target_min" : "target_max");
@@ -51,21 +50,21 @@ class DrawnTarget {
                             height_min);
   }
 
-  /// Whether the task draws the target; false: the scenario gives it.
+  /// Whether the task draws the target; otherwise the scenario gives it.
   bool is_drawn() const { return !target_.is_given(); }
 
-  /// Draws the target, if it is drawn. To be called in the task's randomize().
+  /// Draws the target unless the scenario gives it. Call it in the task's randomize().
   template <class Real>
   SKYBODY_INLINE void randomize(Random<Real> draw, Start<Real>& start) const {
     if (is_drawn()) place(draw_point(draw), start);
   }
-  /// Draws a point of the box [m]. Tasks that put the target elsewhere than there call it and
-  /// place() in the place of randomize(), if is_drawn().
+  /// Draws a point of the box [m]. Tasks that place the target elsewhere call it and place()
+  /// instead of randomize(), if is_drawn().
   template <class Real>
   SKYBODY_INLINE Vec3<Real> draw_point(Random<Real>& draw) const {
     return draw_in_box(draw, low_, high_);
   }
-  /// Writes where the target is in this episode, W [m].
+  /// Writes the target of this episode, W [m].
   template <class Real>
   SKYBODY_INLINE void place(const Vec3<Real>& point, Start<Real>& start) const {
     start.params.set(target_.env_param(), point);
@@ -101,8 +100,8 @@ class DrawnTarget {
   RealsParameter target_, low_, high_;
 };
 
-/// A target with a heading: the fourth value of `target` [rad]. Drawn headings are uniform within
-/// plus and minus the parameter `target_yaw`.
+/// A target with a heading, the fourth value of `target` [rad]. Drawn headings are uniform between
+/// minus and plus the parameter `target_yaw`.
 class DrawnPose : public DrawnTarget {
  public:
   DrawnPose(Plugin* owner, const Defaults& defaults, double yaw_max,
@@ -115,13 +114,13 @@ class DrawnPose : public DrawnTarget {
                          .max = kPi,
                          .doc = yaw_doc}) {}
 
-  /// As DrawnTarget::configure(), and refuses `target_yaw` beside a target that is given.
+  /// As DrawnTarget::configure(); also refuses `target_yaw` together with a given target.
   void configure(const Setup& setup) {
     if (!is_drawn() && yaw_max_.is_given()) refuse_beside_target("target_yaw");
     DrawnTarget::configure(setup);
   }
 
-  /// Draws point and heading, if they are drawn. To be called in the task's randomize().
+  /// Draws point and heading unless the scenario gives them. Call it in the task's randomize().
   template <class Real>
   SKYBODY_INLINE void randomize(Random<Real> draw, Start<Real>& start) const {
     if (!is_drawn()) return;

@@ -1,5 +1,4 @@
-// Limits of a flight: tilt, heading, and a box about the origin. A flight that passes one has
-// failed.
+// Flight limits: tilt, heading, and a box about the origin. A flight that exceeds one has failed.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -12,11 +11,12 @@
 
 namespace skybody::task_kit {
 
-/// Cosine of the largest tilt [rad]; -2, which nothing is below, where every tilt is allowed.
+/// Cosine of the largest tilt [rad]; -2, which no cosine reaches, if every tilt is allowed.
 inline double tilt_cosine_limit(double tilt_max) { return tilt_max < kPi ? cos(tilt_max) : -2.0; }
 
-/// Refuses a place where nobody may be, such as a target.
-/// @param place  x, y, z, W [m], whatever follows; @param what  it is, for the message
+/// Refuses a point beyond the bound, such as a target.
+/// The message has the point's name.
+/// @param place  x, y, z, W [m]; further values are ignored
 inline void require_within(const RealsParameter& place, const std::string& what, double bound) {
   for (int k = 0; k < 3; ++k) {
     if (std::abs(place.value(k)) <= bound) continue;
@@ -25,7 +25,7 @@ inline void require_within(const RealsParameter& place, const std::string& what,
                              ", where an episode ends: raise that, or bring it nearer");
   }
 }
-/// The same of a place that no parameter says.
+/// The same for a point that is not a parameter.
 inline void require_within(const Vec3<double>& place, const std::string& what, double bound) {
   const double coordinates[] = {place.x, place.y, place.z};
   for (int k = 0; k < 3; ++k) {
@@ -35,8 +35,9 @@ inline void require_within(const Vec3<double>& place, const std::string& what, d
                              " m, where an episode ends: raise that, or bring it nearer");
   }
 }
-/// Refuses a place below the height [m] where an episode ends.
-/// @param place  x, y, z, W [m], whatever follows; @param what  it is, for the message
+/// Refuses a point below the height [m] at which an episode ends.
+/// The message has the point's name.
+/// @param place  x, y, z, W [m]; further values are ignored
 inline void require_above(const RealsParameter& place, const std::string& what, double height_min) {
   if (place.value(2) >= height_min) return;
   throw std::runtime_error("`" + what + "[2]` " + to_text(place.value(2)) +
@@ -44,16 +45,16 @@ inline void require_above(const RealsParameter& place, const std::string& what, 
                            ", where an episode ends: lower that, or lift the target");
 }
 
-/// Which limits are passed.
+/// The limits that are exceeded.
 template <class Real>
 struct PassedLimits {
   MaskOf<Real> tilt{false};     ///< beyond `tilt_max`
   MaskOf<Real> heading{false};  ///< beyond `yaw_max`
   MaskOf<Real> bound{false};    ///< a coordinate beyond `bound`
 
-  /// Whether any is.
+  /// Whether any limit is exceeded.
   SKYBODY_INLINE MaskOf<Real> any() const { return logical_or(logical_or(tilt, heading), bound); }
-  /// Those of another robot, too.
+  /// Adds those of another robot.
   SKYBODY_INLINE void add(const PassedLimits& other) {
     tilt = logical_or(tilt, other.tilt);
     heading = logical_or(heading, other.heading);
@@ -61,11 +62,11 @@ struct PassedLimits {
   }
 };
 
-/// The limits and their parameters `tilt_max`, `yaw_max` and `bound`: a member of a task, among its
-/// parameters.
+/// The limits and their parameters `tilt_max`, `yaw_max` and `bound`. Make it a member of a task,
+/// among its parameters.
 class FlightLimits {
  public:
-  /// What holds where a scenario says nothing: `tilt_max` and `yaw_max` [rad], `bound` [m].
+  /// Default values: `tilt_max` and `yaw_max` [rad], `bound` [m].
   struct Defaults {
     double tilt_max = 1.57;  ///< [rad]
     double yaw_max = 1.57;   ///< [rad]; 4: every heading is allowed
@@ -85,8 +86,8 @@ class FlightLimits {
 
   double bound() const { return bound_.value(); }  ///< of each coordinate's magnitude [m]
 
-  /// Which limits a body passes.
-  /// @param heading  what `yaw_max` limits either way [rad]
+  /// The limits that a body exceeds.
+  /// @param heading  the angle that `yaw_max` limits in either direction [rad]
   template <class Real>
   SKYBODY_INLINE PassedLimits<Real> passed(const BodyMotion<Real>& body,
                                            const Real& heading) const {
@@ -101,7 +102,7 @@ class FlightLimits {
     return passed(body, yaw(body.rotation));
   }
 
-  /// Says them to the verdict, each under its name.
+  /// Reports exceeded limits to the verdict, each under its name.
   template <class Real>
   SKYBODY_INLINE void judge(Verdict<Real>& verdict, const PassedLimits<Real>& passed) const {
     verdict.fail(tilt_failure_, passed.tilt);

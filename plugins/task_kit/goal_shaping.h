@@ -1,5 +1,5 @@
-// What a reward of the paper's lacks for a learner: slopes far from the goal and up to it, and a
-// cost of dashing off. Weights are parameters of the task, 0 where a scenario says nothing.
+// Reward terms that the paper's rewards lack and a learner needs: slopes far from the goal and up
+// to it, and a cost of tilting. The weights are parameters of the task, 0 by default.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -8,12 +8,12 @@
 
 namespace skybody::task_kit {
 
-/// The weights and their terms: a member of a task, among its parameters.
+/// The weights and their terms. Make it a member of a task, among its parameters.
 class GoalShaping {
  public:
   explicit GoalShaping(Plugin* owner) : owner_(owner) {}
 
-  /// Whether a scenario gives any weight.
+  /// Whether any weight is not 0.
   bool is_asked_for() const {
     return approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
            heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0;
@@ -26,7 +26,7 @@ class GoalShaping {
            precision_reward_.value() * closeness(distance, kPrecisionWeight) +
            heading_reward_.value() * closeness(yaw_error * yaw_error, kHeadingWeight);
   }
-  /// What a robot's tilt costs, to be taken off.
+  /// Cost of a robot's tilt, to be subtracted from the reward.
   template <class Real>
   SKYBODY_INLINE Real cost(const Quat<Real>& rotation) const {
     return tilt_cost_.value() * tilt_wall(rotation, kLeastCosine);
@@ -36,7 +36,7 @@ class GoalShaping {
   static constexpr double kApproachRange = 10.0;   // [m], about the largest distance at a start
   static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
   static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
-  static constexpr double kLeastCosine = 0.1;      // where the wall of the tilt ends, at 84 degrees
+  static constexpr double kLeastCosine = 0.1;      // end of the tilt wall, at 84 degrees
 
   Plugin* owner_;
   RealParameter approach_reward_{

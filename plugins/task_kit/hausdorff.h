@@ -1,4 +1,4 @@
-// How far two sets of points are apart.
+// Hausdorff distance of two sets of points.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -7,7 +7,7 @@ namespace skybody::task_kit {
 
 namespace detail {
 
-/// The square of the distance from any point of one set to the closest of the other.
+/// The largest squared distance from a point of one set to the closest point of the other.
 template <class Real, class From, class To>
 SKYBODY_INLINE Real squared_distance_to_set(int count, const From& from, const To& to) {
   Real farthest(0.0);
@@ -22,10 +22,10 @@ SKYBODY_INLINE Real squared_distance_to_set(int count, const From& from, const T
 
 }  // namespace detail
 
-/// Hausdorff distance of two sets: how far any point of either is from the closest one of the
-/// other [m]. Of sets of up to 32 points each distance is computed once.
+/// Hausdorff distance of two sets: the largest distance from a point of either set to the closest
+/// point of the other [m]. For sets of up to 32 points each distance is computed once.
 /// @param count   points of either set
-/// @param a, b    the i-th point of each, from an index
+/// @param a, b    functions from an index to a point of each set
 template <class Real, class A, class B>
 SKYBODY_INLINE Real hausdorff_distance(int count, const A& a, const B& b) {
   constexpr int kMost = 32;

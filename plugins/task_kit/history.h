@@ -1,4 +1,4 @@
-// What a task remembers: the last few actions or states, in its buffer.
+// A task's memory of the last few actions or states, in its buffer.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -7,7 +7,7 @@
 
 namespace skybody::task_kit {
 
-/// Words of a task's buffer, given out one after another. configure() ends with
+/// Allocates words of a task's buffer one after another. configure() ends with
 /// `setup.buffer(plan.size())`.
 class BufferPlan {
  public:
@@ -27,13 +27,13 @@ class BufferPlan {
 class History {
  public:
   History() = default;
-  /// Takes its words from the plan.
+  /// Allocates its words from the plan.
   History(BufferPlan& plan, int length, int width)
       : first_(plan.take(length * width)), length_(length), width_(width) {}
 
   int size() const { return length_ * width_; }  ///< values of all entries
 
-  /// All entries become `entry(k)`, k = 0 .. width - 1.
+  /// Sets all entries to `entry(k)`, k = 0 .. width - 1.
   template <class Real, class Entry>
   SKYBODY_INLINE void fill(const Values<Real>& buffer, const Entry& entry) const {
     for (int k = 0; k < width_; ++k) {
@@ -41,7 +41,7 @@ class History {
       for (int age = 0; age < length_; ++age) buffer.set(place(age, k), value);
     }
   }
-  /// Where `due` holds the entries grow older by one, the oldest is forgotten, and `entry(k)` is
+  /// Where `due` holds, shifts the entries by one: the oldest is dropped, and `entry(k)` becomes
   /// the newest.
   template <class Real, class Entry>
   SKYBODY_INLINE void push(const Values<Real>& buffer, const MaskOf<Real>& due,
@@ -53,13 +53,13 @@ class History {
       buffer.set(place(0, k), choose(due, entry(k), buffer[place(0, k)]));
     }
   }
-  /// What evaluate() does: after a step push(); at a reset, where there is no past yet, fill().
+  /// For evaluate(): push() after a step; fill() at a reset, where there is no past yet.
   template <class Real, class Entry>
   SKYBODY_INLINE void note(const EnvView<Real>& env, const Values<Real>& buffer,
                            const Entry& entry) const {
     note(has_stepped(env), buffer, entry);
   }
-  /// The same for tasks with several histories: has_stepped() is asked once.
+  /// The same for tasks with several histories: they call has_stepped() once.
   template <class Real, class Entry>
   SKYBODY_INLINE void note(const MaskOf<Real>& stepped, const Values<Real>& buffer,
                            const Entry& entry) const {
@@ -94,12 +94,12 @@ class History {
   int first_ = 0, length_ = 0, width_ = 0;
 };
 
-/// Moments ahead at which a task shows its reference: now, and then every `spacing`.
+/// Times ahead at which a task shows its reference: now, and then every `spacing`.
 struct Window {
   int count = 0;
   double spacing = 0.0;  ///< [s]
 
-  /// Moment i, counted from the reset [s].
+  /// Time i, counted from the reset [s].
   template <class Real>
   SKYBODY_INLINE Real time(const Real& now, int i) const {
     return now + spacing * static_cast<double>(i);

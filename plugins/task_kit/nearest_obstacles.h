@@ -1,4 +1,4 @@
-// What robots observe of the obstacles that are nearest to them. A member of a task, among its
+// Observations of the obstacles nearest to a robot. Make it a member of a task, among its
 // parameters.
 #pragma once
 
@@ -13,12 +13,12 @@
 
 namespace skybody::task_kit {
 
-/// One robot's view of obstacles: parts of its observation, the nearest obstacle first.
+/// Parts of one robot's observation, the nearest obstacle first.
 struct ObstacleParts {
   std::vector<Part> offsets, distances;
 };
 
-/// The obstacles of a scenario, and how many of them robots see.
+/// The obstacles of a scenario, and the number that robots observe.
 class NearestObstacles {
  public:
   explicit NearestObstacles(Plugin* owner) : owner_(owner) {}
@@ -28,7 +28,7 @@ class NearestObstacles {
     obstacles_.configure(setup, task);
     seen_ = std::min(static_cast<int>(seen_parameter_.value()), obstacles_.count());
   }
-  int count() const { return obstacles_.count(); }  ///< of the scenario
+  int count() const { return obstacles_.count(); }  ///< in the scenario
   int seen() const { return seen_; }
 
   /// Declares a robot's parts, `PREFIXobstacle_1.offset` and so on.
@@ -48,8 +48,8 @@ class NearestObstacles {
     return parts;
   }
 
-  /// Writes what is seen from `point`.
-  /// @returns the distance of the nearest obstacle [m], infinite where there is none
+  /// Writes the observation from `point`.
+  /// @returns the distance of the nearest obstacle [m], infinite if there is none
   template <class Real>
   SKYBODY_INLINE Real observe(const EnvView<Real>& env, const Vec3<Real>& point,
                               const ObstacleParts& parts, const Values<Real>& row) const {

@@ -1,4 +1,4 @@
-// Obstacles as a robot sees them: the way to the nearest point of each, of those that are nearest.
+// Offsets from a robot to the nearest points of the nearest obstacles.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -12,10 +12,10 @@
 
 namespace skybody::task_kit {
 
-/// The way to an obstacle.
+/// The offset to an obstacle.
 template <class Real>
 struct ObstacleSight {
-  Vec3<Real> offset;  ///< nearest point of the obstacle - point, W [m]; 0 where it is within
+  Vec3<Real> offset;  ///< nearest point of the obstacle - point, W [m]; 0 if the point is inside
   Real distance;      ///< its length [m]; infinite: there is no such obstacle
 };
 
@@ -25,14 +25,14 @@ SKYBODY_INLINE ObstacleSight<Real> choose(const MaskOf<Real>& mask, const Obstac
   return {select(mask, a.offset, b.offset), select(mask, a.distance, b.distance)};
 }
 
-/// All obstacles of a scenario. A member of a task.
+/// All obstacles of a scenario. Make it a member of a task.
 class Obstacles {
  public:
   static constexpr int kMostSeen = 8;
   template <class Real>
   using Nearest = std::array<ObstacleSight<Real>, kMostSeen>;
 
-  /// Takes the scenario's obstacles.
+  /// Finds the scenario's obstacles.
   /// @param task  its name, for the message
   /// @throws std::runtime_error if the surface of one has no closed form
   void configure(const Setup& setup, const std::string& task) {
@@ -40,8 +40,8 @@ class Obstacles {
   }
   int count() const { return static_cast<int>(obstacles_.size()); }
 
-  /// The way to the nearest point of obstacle i. Where the environment has none of it the distance
-  /// is infinite.
+  /// The offset to the nearest point of obstacle i. The distance is infinite if the environment
+  /// does not have it.
   template <class Real>
   SKYBODY_INLINE ObstacleSight<Real> sight(const EnvView<Real>& env, int i,
                                            const Vec3<Real>& point) const {
@@ -52,7 +52,8 @@ class Obstacles {
             select(placed.present, norm(way), Real(kInfinity))};
   }
 
-  /// The `seen` <= kMostSeen nearest ones, the nearest first; without an obstacle 0 and infinite.
+  /// The `seen` <= kMostSeen nearest obstacles, the nearest first; missing ones have offset 0 and
+  /// infinite distance.
   template <class Real>
   SKYBODY_INLINE Nearest<Real> nearest_of(const EnvView<Real>& env, const Vec3<Real>& point,
                                           int seen) const {

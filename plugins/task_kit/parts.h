@@ -1,6 +1,6 @@
-// Named parts of a task's observation and infos: declared in configure() and written by name, so
-// that nobody counts indices. What is declared, `skybody check SCENARIO --columns` lists, and
-// scripts/task_tables.py writes into the task's README.
+// Named parts of a task's observation and infos. They are declared in configure() and written by
+// name, so that authors need not count indices. `skybody check SCENARIO --columns` lists them, and
+// scripts/task_tables.py writes them into the task's README.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -10,20 +10,20 @@
 
 namespace skybody::task_kit {
 
-/// What a part of an observation is.
+/// Description of a part of an observation.
 struct PartSpec {
-  std::string name;  ///< such as `velocity`; of teams with the robot's name in front
+  std::string name;  ///< such as `velocity`; for teams with the robot's name in front
   std::string unit;  ///< SI; empty for a pure number
   int count = 1;
-  std::string doc;          ///< what the values are, with their frame
+  std::string doc;          ///< meaning of the values, with their frame
   double low = -kInfinity;  ///< bounds of the values
   double high = kInfinity;
-  int robot = -1;           ///< whose own it is; -1: every robot's
-  bool privileged = false;  ///< for a critic alone
+  int robot = -1;           ///< owner; -1: every robot
+  bool privileged = false;  ///< for the critic only
 };
 
-/// Where a part's values lie within its row. Default: nowhere, with no values; checked mode names a
-/// part that is written though it was not declared, or beyond its end.
+/// Place of a part's values within its row. By default it has no values. Checked mode reports a
+/// write to a part that was not declared, or beyond its end.
 class Part {
  public:
   Part() = default;
@@ -32,10 +32,10 @@ class Part {
       : first_(first), count_(count), name_(name) {}
 
   int first() const { return first_; }  ///< index of its first value within the row
-  int count() const { return count_; }  ///< its values
+  int count() const { return count_; }  ///< number of values
 
-  /// Writes value k, or those from k on: a vector's three, a quaternion's w x y z, a matrix's nine
-  /// row by row.
+  /// Writes value k, or several values from k on: three of a vector, a quaternion's w x y z, a
+  /// matrix's nine row by row.
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Real& value, int k = 0) const {
     if (!is_left(row)) own(row).set(k, value);
@@ -58,7 +58,7 @@ class Part {
  private:
   friend class ObservationParts;
 
-  /// Rows copy it.
+  /// Whether the host copies the values.
   template <class Real>
   SKYBODY_INLINE bool is_left(const Values<Real>&) const {
     return kLeavesRepeats<Real> && repeats_;
@@ -69,11 +69,11 @@ class Part {
   }
 
   int first_ = 0, count_ = 0;
-  bool repeats_ = false;  ///< another part
+  bool repeats_ = false;  ///< whether it repeats another part
   const char* name_ = "undeclared part";
 };
 
-/// A task's observation, part after part. A member of the task.
+/// A task's observation, part by part. Make it a member of the task.
 class ObservationParts {
  public:
   /// Declares the next part.
@@ -88,7 +88,7 @@ class ObservationParts {
     size_ += spec.count;
     return part;
   }
-  /// Says that a part always has the values of another one: packs then leave it to the rows.
+  /// Declares that a part always has the values of another one: packs then leave it unwritten.
   static void repeat(const Setup& setup, Part& part, const Part& of) {
     setup.repeat(part.first(), of.first(), part.count());
     part.repeats_ = true;
@@ -97,13 +97,13 @@ class ObservationParts {
 
  private:
   int size_ = 0;
-  std::deque<std::string> names_;  // which stay where they are: parts point to them
+  std::deque<std::string> names_;  // a deque, because parts point to its elements
 };
 
-/// A task's infos, likewise.
+/// A task's infos. Make it a member of the task.
 class InfoParts {
  public:
-  /// Declares the next part. @param doc  what it is
+  /// Declares the next part. @param doc  its meaning
   Part add(const Setup& setup, const std::string& name, const std::string& unit,
            const std::string& doc, int count = 1) {
     setup.info(name, unit, count, doc);

@@ -1,4 +1,4 @@
-// What a task draws at a reset, and what it needs of the robots that it is about.
+// Draws of a task at a reset, and its requirements on its robots.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -8,7 +8,7 @@
 
 namespace skybody::task_kit {
 
-/// Refuses a box of drawn values, given by two corners of x, y, z, that is upside down.
+/// Refuses a box, given by two corners x, y, z, whose lower corner is above its upper corner.
 /// @param name  of the parameters, without `_min` and `_max`
 inline void require_box(const RealsParameter& low, const RealsParameter& high,
                         const std::string& name) {
@@ -29,13 +29,13 @@ SKYBODY_INLINE Vec3<Real> draw_in_box(Random<Real>& draw, const RealsParameter& 
   return {drawn[0], drawn[1], drawn[2]};
 }
 
-/// Announces that a task draws a randomizable parameter of its own, unless the scenario gives it.
+/// Declares that a task draws its own randomizable parameter, unless the scenario gives it.
 inline void announce_drawn(const Setup& setup, const RealsParameter& parameter) {
   if (parameter.is_given()) return;
   for (int k = 0; k < parameter.count(); ++k) setup.writes(parameter.env_param() + k);
 }
 
-/// The robot's actions; a task that observes them needs a controller.
+/// Size of the robot's action. A task that observes actions needs a controller.
 inline int action_count(const RobotInfo& robot, const std::string& task) {
   if (robot.action_count > 0) return robot.action_count;
   throw std::runtime_error(
@@ -43,7 +43,7 @@ inline int action_count(const RobotInfo& robot, const std::string& task) {
       "` observes actions: give it a controller, such as `rotor_speed`, that no team feeds");
 }
 
-/// Refuses a memory longer than an episode: its oldest entries would never be of it.
+/// Refuses a memory longer than an episode, whose oldest entries would never be filled.
 /// @param steps  entries of the memory; @param name  of the parameter
 inline void require_within_horizon(const Setup& setup, int steps, const std::string& name) {
   if (setup.horizon() == 0 || steps <= setup.horizon()) return;

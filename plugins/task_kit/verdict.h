@@ -1,5 +1,5 @@
-// How an episode stands: failed, and why; succeeded, or not yet. Reasons are infos that are 0 or 1,
-// `failed.NAME` and `success`: `skybody run` and evaluations count them.
+// Outcome of an episode: failed, with the reason; succeeded; or open. Reasons are infos that are 0
+// or 1, `failed.NAME` and `success`: `skybody run` and evaluations count them.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -10,18 +10,18 @@
 
 namespace skybody::task_kit {
 
-/// Declares that episodes may end by a failure of that name. @param doc  when
+/// Declares that episodes may end by the failure `name`. @param doc  its condition
 inline Part declare_failure(const Setup& setup, InfoParts& infos, const std::string& name,
                             const std::string& doc) {
   return infos.add(setup, "failed." + name, "", doc);
 }
-/// Declares that episodes may succeed. @param doc  when
+/// Declares that episodes may succeed. @param doc  the condition
 inline Part declare_success(const Setup& setup, InfoParts& infos, const std::string& doc) {
   return infos.add(setup, "success", "", doc);
 }
 
-/// What evaluate() finds out about one moment: failures first, then success, each reason once. An
-/// episode that has failed ends when the verdict goes out of scope.
+/// Outcome of one evaluate(): failures first, then success, each reason once. A failed episode ends
+/// when the verdict goes out of scope.
 template <class Real>
 class Verdict {
  public:
@@ -30,16 +30,16 @@ class Verdict {
   Verdict(const Verdict&) = delete;
   Verdict& operator=(const Verdict&) = delete;
 
-  /// The episode ends as a failure where `mask` holds.
+  /// Ends the episode as a failure where `mask` holds.
   SKYBODY_INLINE void fail(const Part& reason, const MaskOf<Real>& mask) {
     note(reason, mask);
     failed_ = logical_or(failed_, mask);
   }
-  /// Success where `mask` holds and nothing has failed; the episode goes on.
+  /// Records success where `mask` holds and nothing has failed; the episode goes on.
   SKYBODY_INLINE void succeed(const Part& success, const MaskOf<Real>& mask) {
     note(success, logical_and(mask, logical_not(failed_)));
   }
-  /// The same, and the episode ends there.
+  /// Records success and ends the episode there.
   SKYBODY_INLINE void finish(const Part& success, const MaskOf<Real>& mask) {
     succeed(success, mask);
     out_.terminate(mask);

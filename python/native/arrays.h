@@ -1,4 +1,4 @@
-// Arrays that come in are checked strictly; arrays that go out are views or fresh copies.
+// Strict checks of array arguments, and arrays as results: views or fresh copies.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -20,8 +20,8 @@ using Array1 = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
 template <class T>
 using Array2 = nb::ndarray<nb::numpy, T, nb::ndim<2>>;
 
-/// The values of an array argument in C order: the array's own memory, or a copy where it is not
-/// contiguous. Holds the array; made and destroyed under the GIL.
+/// The values of an array argument in C order: the array's own memory, or a copy if it is not
+/// contiguous. Holds the array; create and destroy it under the GIL.
 template <class T>
 class Values {
  public:
@@ -36,18 +36,18 @@ class Values {
   std::span<const T> span_;
 };
 
-/// Reads an array (NumPy's, or anything on the CPU that speaks DLPack or the buffer protocol).
-/// @param shape  wanted; -1: any extent
-/// @throws TypeError if it is no array or not of type T (nothing is converted silently);
-///         ValueError if its shape is another
+/// Reads an array (NumPy, or any CPU object with DLPack or the buffer protocol).
+/// @param shape  required shape; -1: any extent
+/// @throws TypeError if it is not an array or not of type T (there is no silent conversion);
+///         ValueError if its shape differs
 template <class T>
 Values<T> read_array(nb::handle object, const char* name,
                      std::initializer_list<std::int64_t> shape);
 
-/// The same for a mask: bool or uint8, one value per environment.
+/// Reads a mask: bool or uint8, one value per environment.
 std::vector<std::uint8_t> read_mask(nb::handle object, const char* name, std::int64_t size);
 
-/// @throws IndexError where there is no such image
+/// @throws IndexError if there is no such image
 void check_image(int index, std::size_t images);
 
 /// A fresh array with a copy of `values`.
@@ -57,13 +57,13 @@ template <class T>
 nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape) {
   return copy_of(values, std::span(shape.begin(), shape.size()));
 }
-/// The same as one row.
+/// A fresh one-dimensional array with a copy of `values`.
 template <class T>
 nb::object array_of(std::span<const T> values) {
   return copy_of<T>(values, {values.size()});
 }
 
-/// The same for a vector: (3,) float64.
+/// A vector as a fresh array: (3,) float64.
 inline nb::object vector3(const Vec3<double>& v) {
   const double values[] = {v.x, v.y, v.z};
   return copy_of<double>(values, {3});

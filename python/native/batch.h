@@ -1,4 +1,4 @@
-// What recv() gave, as Python holds it.
+// The result of recv(), for Python.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace skybody::python {
 
-/// Keeps the buffer from being recycled as long as it, or a view of it, lives.
+/// Keeps the buffer from being recycled as long as this object, or a view of it, lives.
 struct ReceivedBatch {
   std::shared_ptr<const Batch> core;
   std::shared_ptr<const CompiledScenario> compiled;

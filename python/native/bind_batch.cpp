@@ -15,9 +15,9 @@
 namespace skybody::python {
 namespace {
 
-/// A view of a column, `Element` being what NumPy shall see. It holds the Python object, and that
-/// the buffer. Writable although the engine hands out constant memory: the engine does not read
-/// it again, and learners (torch.from_numpy) refuse or warn about read-only arrays.
+/// A view of a column, with `Element` as NumPy's element type. It holds the Python object, which
+/// holds the buffer. Writable although the engine's memory is constant: the engine does not read it
+/// again, and learners (torch.from_numpy) refuse read-only arrays or warn about them.
 template <class Element, class T>
 Element* memory(const Column<T>& column) {
   static_assert(sizeof(Element) == sizeof(T));
@@ -31,7 +31,7 @@ Array1<Element> values(nb::handle_t<ReceivedBatch> self) {
                          self);
 }
 
-/// Nothing where no row is a fault, as nearly always.
+/// None if no row is a fault, which is the usual case.
 std::optional<std::vector<std::optional<std::string>>> fault_reasons(const ReceivedBatch& self) {
   const Batch& batch = *self.core;
   const auto count = static_cast<std::size_t>(batch.rows);
@@ -43,7 +43,7 @@ std::optional<std::vector<std::optional<std::string>>> fault_reasons(const Recei
   return reasons;
 }
 
-/// Nothing where no action was clipped, as nearly always.
+/// None if no action was clipped, which is the usual case.
 nb::object clipped(const ReceivedBatch& self) {
   if (self.clipped.empty()) return nb::none();
   return array_of<std::int32_t>(self.clipped);
@@ -57,7 +57,7 @@ Array2<float> rows(nb::handle_t<ReceivedBatch> self) {
       {static_cast<std::size_t>(batch.rows), static_cast<std::size_t>(batch.width.*width)}, self);
 }
 
-/// Rows that are kept under one mode of autoreset only.
+/// Rows that exist only under one mode of autoreset.
 template <auto column, auto width>
 Array2<float> final_rows(nb::handle_t<ReceivedBatch> self) {
   const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
@@ -69,7 +69,7 @@ Array2<float> final_rows(nb::handle_t<ReceivedBatch> self) {
   return rows<column, width>(self);
 }
 
-/// The bytes of an image, (n, bytes); shape and type are the column's.
+/// The bytes of an image, (n, bytes); shape and type are in the column.
 Array2<std::uint8_t> image_rows(nb::handle_t<ReceivedBatch> self,
                                 const std::vector<Column<std::uint8_t>>& images, int index) {
   const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;

@@ -37,7 +37,7 @@ std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
   return list;
 }
 
-/// The columns of the row of observations, as channels in their places.
+/// The columns of an observation row, as channels with their places.
 std::vector<PlacedChannel> observation_channels(const CompiledScenario& compiled) {
   std::vector<PlacedChannel> list;
   for (const ObservationColumn& c : compiled.columns()) {
@@ -47,7 +47,7 @@ std::vector<PlacedChannel> observation_channels(const CompiledScenario& compiled
   return list;
 }
 
-/// A column with its source in words.
+/// A column with its source as text.
 struct NamedColumn {
   ObservationColumn column;
   std::string source;
@@ -171,7 +171,7 @@ void construct(LoadedScenario* self, const std::filesystem::path& scenario,
   new (self) LoadedScenario({scenario.string(), std::move(overrides), std::move(plugin_path)});
 }
 
-/// Pickled as what it was loaded from: the other process loads it again.
+/// Pickled as its load options: the other process loads it again.
 nb::tuple reduce(nb::handle self) {
   const LoadOptions& options = nb::cast<const LoadedScenario&>(self).options();
   std::vector<std::string> path;
@@ -308,7 +308,7 @@ void bind_compiled_scenario(nb::module_& m) {
         "    ones; the scenario's own folder is not searched\n\n"
         "Raises InputError (a ValueError) with every mistake as file:line:column.");
   c.def("__reduce__", &reduce, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
-  // Nothing in it changes: a copy is itself.
+  // Immutable: a copy is the object itself.
   c.def(
       "__copy__", [](nb::object self) { return self; },
       nb::sig("def __copy__(self) -> typing.Self"));

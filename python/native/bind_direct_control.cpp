@@ -16,7 +16,7 @@ namespace {
 using S = DirectSimulation;
 using Class = nb::class_<S>;
 
-/// A contact with the names of what touches.
+/// A contact with the names of both partners.
 struct NamedContact {
   Contact contact;
   std::string body, other;

@@ -77,7 +77,7 @@ nb::list layers(const Net& network, nb::handle parameters) {
   return result;
 }
 
-/// Arguments of a recurrent network's calls, and what forward() leaves.
+/// Arguments of a recurrent network's calls, and the results of forward().
 struct RecurrentCall {
   Values<float> parameters, x, states;
   learn::Sequences sequences;

@@ -84,7 +84,8 @@ void send(PythonPool& self, nb::handle actions, nb::handle env_ids) {
   const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
   const auto rows =
       read_array<float>(actions, "actions", {static_cast<std::int64_t>(ids.rows()), width});
-  if (!ids.span().empty()) self.send(rows.span(), ids.span());  // empty means all to the pool
+  if (!ids.span().empty())
+    self.send(rows.span(), ids.span());  // an empty list means all to the pool
 }
 
 ReceivedBatch received(const PythonPool& self, std::shared_ptr<const Batch> batch) {
@@ -110,7 +111,7 @@ void request(PythonPool& self, const std::vector<std::string>& lines, bool redra
   };
   if (env_ids.is_none()) return ask({});
   const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
-  if (!ids.span().empty()) ask(ids.span());  // empty means all to the pool
+  if (!ids.span().empty()) ask(ids.span());  // an empty list means all to the pool
 }
 
 nb::bytes save(PythonPool& self) {

@@ -1,5 +1,5 @@
-// The learners; a `Ppo` whole or with slices that Python holds, and `PpoSlices`, what a worker
-// holds.
+// The learners: a `Ppo` with its own slices or with slices held by Python, and `PpoSlices`, the
+// slices of a worker.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -22,7 +22,7 @@ namespace {
 
 using learn::LearnerState;
 
-/// Some slices with networks of their own, which are told parameters before they compute.
+/// Some slices with their own networks, which receive parameters before each computation.
 class HeldSlices {
  public:
   HeldSlices(const learn::LearnerOptions& options, int first, int count)
@@ -151,7 +151,7 @@ struct AnyLearner {
 struct AnyPpo : AnyLearner {};
 struct AnyGradient : AnyLearner {};
 
-/// The learner, whoever holds its slices.
+/// Makes the learner, with its own slices or with slices held by Python.
 std::unique_ptr<learn::Learner> make_ppo(const LoadedScenario& scenario,
                                          const learn::LearnerOptions& options,
                                          const nb::object& slices) {

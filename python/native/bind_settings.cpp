@@ -12,8 +12,8 @@
 namespace skybody::python {
 namespace {
 
-/// A value as `--set KEY=VALUE` writes it: of a list its entries with commas between. Nothing and
-/// an error where it is neither.
+/// A value in the form of `--set KEY=VALUE`: a list as its entries with commas between them. None,
+/// and an error, if it is neither a scalar nor a list.
 std::optional<std::string> text_of(const ConfigEntry& entry, Diagnostics& diagnostics) {
   if (entry.value.is_scalar()) return entry.value.scalar;
   bool is_list = entry.value.is_sequence();

@@ -1,4 +1,4 @@
-// Collision shapes of a scenario, as plugins see them in Setup::shapes().
+// Collision shapes of a scenario, as returned to plugins by Setup::shapes().
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -19,7 +19,7 @@
 namespace skybody::python {
 namespace {
 
-/// A kind of shape: its word in files, and how many numbers its size has.
+/// A kind of shape: its name in files, and the number of its size values.
 struct Kind {
   const char* word;
   int size;

@@ -91,7 +91,7 @@ void read(const nb::bytes& bytes, std::vector<T>& values) {
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
 }
 
-/// What a pickled Snapshot holds, in the order of its members.
+/// Content of a pickled Snapshot, in the order of its members.
 using SnapshotState = std::tuple<std::uint64_t, nb::bytes, nb::bytes, nb::bytes, nb::bytes,
                                  nb::bytes, float, nb::bytes, bool>;
 

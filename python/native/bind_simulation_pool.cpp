@@ -19,7 +19,7 @@ namespace {
 
 using Class = nb::class_<PythonSimulationPool>;
 
-/// The environments that a call is about: numbers, or all of them for None. Read under the GIL.
+/// The environments of a call: given indices, or all of them for None. Requires the GIL.
 std::vector<int> read_envs(const PythonSimulationPool& pool, nb::handle envs) {
   std::vector<int> out;
   if (envs.is_none()) {
@@ -31,7 +31,7 @@ std::vector<int> read_envs(const PythonSimulationPool& pool, nb::handle envs) {
   return out;
 }
 
-/// The first mistake in the numbers is the argument's, whatever comes later is the engine's.
+/// Errors in the indices are reported as errors of the argument; later errors are the engine's.
 void check_envs(const PythonSimulationPool& pool, const std::vector<int>& envs) {
   rethrow_as_argument_error([&] { check_indices("environment", envs, pool.size()); });
 }
@@ -81,7 +81,7 @@ void advance(PythonSimulationPool& pool, std::int64_t steps, nb::handle envs) {
   });
 }
 
-/// Values of all environments after one another, `width` from each.
+/// Values of all environments one after another, `width` from each.
 template <class T, class Write>
 std::vector<T> gather(PythonSimulationPool& pool, std::size_t width, Write&& write) {
   std::vector<T> values(static_cast<std::size_t>(pool.size()) * width);
@@ -246,7 +246,7 @@ void bind_states(Class& c) {
       "Per environment why it is a fault, None where it is none; None where none is one.");
 }
 
-/// Calls work(Simulation&) for one environment. @throws ValueError if there is none of that number
+/// Calls work(Simulation&) for one environment. @throws ValueError if there is no such environment
 template <class Work>
 decltype(auto) with_env(PythonSimulationPool& pool, int env, Work&& work) {
   check_envs(pool, {env});

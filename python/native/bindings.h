@@ -1,4 +1,4 @@
-// The nouns of skybody._native: one function a file, called by module.cpp.
+// The bindings of skybody._native: one function per file, called by module.cpp.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -9,10 +9,10 @@ namespace skybody::python {
 
 namespace nb = nanobind;
 
-/// A policy's layer: (weight, bias, activation), of a recurrent one (weight, bias, "none",
+/// A layer of a policy: (weight, bias, activation), or if recurrent (weight, bias, "none",
 /// state_weight, state_bias).
 nb::tuple tuple_of(const PolicyLayer& layer);
-/// A policy as `read_policy_file` gives it.
+/// A policy in the form of `read_policy_file`.
 nb::dict dict_of(const PolicyFile& policy);
 
 void bind_errors(nb::module_& m);

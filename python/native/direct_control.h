@@ -1,4 +1,4 @@
-// Arguments of direct control, which Simulation and SimulationPool take alike.
+// Arguments of direct control, shared by Simulation and SimulationPool.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -16,10 +16,10 @@ namespace skybody::python {
 
 namespace nb = nanobind;
 
-/// Which of a base's 13 values teleport() changes: read under the GIL.
+/// The parts of a base's 13 values that teleport() changes. Requires the GIL.
 class NewMotion {
  public:
-  /// None leaves a part as it is. @throws TypeError or ValueError unless float64 of that shape
+  /// None leaves a part unchanged. @throws TypeError or ValueError unless float64 of that shape
   NewMotion(nb::handle position, nb::handle rotation, nb::handle velocity,
             nb::handle angular_velocity);
   BodyState applied_to(const BodyState& base) const;
@@ -32,8 +32,8 @@ class NewMotion {
 /// A name for every body of a world: "quad.base_link".
 std::vector<std::string> body_names(const CompiledScenario& compiled);
 
-/// Physics steps in pieces, between which Python may interrupt. Calls `advance(piece)` until all
-/// are done or it returns false.
+/// Takes physics steps in pieces, so that Python can interrupt in between. Calls `advance(piece)`
+/// until all are done or it returns false.
 template <class Advance>
 bool advance_in_pieces(std::int64_t steps, Advance&& advance) {
   constexpr std::int64_t kPiece = 2000;  // some milliseconds of flight

@@ -6,7 +6,7 @@
 namespace skybody::python {
 
 void bind_errors(nb::module_& m) {
-  // The translator that was registered last is asked first: derived classes stand below their base.
+  // The last registered translator is tried first, so derived classes follow their base.
   nb::exception<Error>(m, "Error", PyExc_RuntimeError).doc() =
       "The engine cannot do what was asked: a closed pool, a state of another scenario, a worker "
       "that met an\nerror. The message has the value, what is allowed and the remedy.";

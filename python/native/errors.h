@@ -1,4 +1,4 @@
-// Which Python exception an error of the engine becomes.
+// Maps errors of the engine to Python exceptions.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -12,7 +12,7 @@ namespace skybody::python {
 
 namespace nb = nanobind;
 
-/// Calls `work`, where whatever the engine refuses is the fault of an argument: ValueError.
+/// Calls `work`, where any refusal by the engine is an error of an argument: ValueError.
 template <class Work>
 decltype(auto) rethrow_as_argument_error(Work&& work) {
   try {
@@ -20,7 +20,7 @@ decltype(auto) rethrow_as_argument_error(Work&& work) {
   } catch (const BufferInUse&) {
     throw;
   } catch (const StateError&) {
-    throw;  // the fault of the moment, not of an argument
+    throw;  // a temporary condition, not an error of an argument
   } catch (const Error& e) {
     throw nb::value_error(e.what());
   }

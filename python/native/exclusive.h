@@ -1,4 +1,4 @@
-// One Python thread at a time inside an engine object that is not made for more.
+// Admits one Python thread at a time to an engine object that is not thread-safe.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace skybody::python {
 
-/// Holds an object for the length of one call.
+/// Locks an object for the length of one call.
 class Exclusive {
  public:
   /// @throws Error if another thread is inside a call; waiting instead could deadlock with the GIL

@@ -35,7 +35,7 @@ void read(nb::handle value, Activation& to) {
   to = learn::hidden_activation(nb::cast<std::string>(value));
 }
 
-/// @throws ValueError for another type or word, or a number that is too large for it
+/// @throws ValueError for another type or word, or a number out of range
 template <class T>
 void read_named(const char* name, nb::handle value, T& to, double least, double largest) {
   try {

@@ -1,4 +1,4 @@
-// What learners are made of, from Python's values.
+// Converts Python values to options of learners.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -13,13 +13,12 @@ namespace skybody::python {
 /// @throws ValueError for an unknown name
 learn::Algorithm algorithm_of(const std::string& name);
 
-/// Hyper-parameters by name; those that are not named have their defaults.
+/// Hyper-parameters by name; missing ones have their defaults.
 /// @throws ValueError for a name that the algorithm does not have (with the nearest one), a value
-/// of
-///         another type, or one beyond its range
+///         of another type, or a value out of range
 learn::Hyperparameters hyperparameters_of(const nanobind::dict& values, learn::Algorithm algorithm);
 
-/// Those that an algorithm has, by name, as Python's numbers, bools, tuples and words.
+/// An algorithm's hyper-parameters by name, as Python numbers, bools, tuples and strings.
 nanobind::dict dict_of(const learn::Hyperparameters& hyper, learn::Algorithm algorithm);
 
 learn::LearnerOptions learner_options(const LoadedScenario& scenario, learn::Algorithm algorithm,

@@ -1,4 +1,4 @@
-// A loaded scenario as Python holds it.
+// A loaded scenario, for Python.
 #pragma once
 
 #include <map>
@@ -10,10 +10,10 @@
 
 namespace skybody::python {
 
-/// Shared with every PythonPool and Simulation that was made of it; nothing in it changes.
+/// Immutable; shared with every PythonPool and Simulation made from it.
 class LoadedScenario {
  public:
-  /// Releases the GIL while it loads. @throws InputError
+  /// Releases the GIL during loading. @throws InputError
   explicit LoadedScenario(LoadOptions options);
 
   const std::shared_ptr<const CompiledScenario>& shared() const { return compiled_; }
@@ -21,13 +21,14 @@ class LoadedScenario {
   const CompiledScenario* operator->() const { return compiled_.get(); }
   const LoadOptions& options() const { return options_; }
 
-  /// Versions of the plugins that the scenario uses, by their names.
+  /// Versions of the scenario's plugins, by their names.
   std::map<std::string, std::string> plugins() const;
-  /// @throws ValueError if nothing randomizable is called so, or it is no vector of `count` values
+  /// @throws ValueError if there is no such randomizable value, or it is not a vector of `count`
+  ///         values
   void check_vector(const std::string& path, std::size_t count) const;
-  /// @throws ValueError if nothing randomizable is called so, or it is a vector without an index
+  /// @throws ValueError if there is no such randomizable value, or it is a vector without an index
   void check_one_value(const std::string& path) const;
-  /// @throws ValueError if nothing randomizable is called so
+  /// @throws ValueError if there is no such randomizable value
   const EnvParam& param(const std::string& path) const;
 
  private:

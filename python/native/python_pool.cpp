@@ -13,7 +13,7 @@
 namespace skybody::python {
 namespace {
 
-/// How many values lie beyond [-1, 1]. Those that are not finite are a fault, and not counted.
+/// Number of values beyond [-1, 1]. Values that are not finite cause a fault and are not counted.
 std::size_t clipped_values(std::span<const float> actions) {
   std::size_t count = 0;
   for (const float a : actions) {
@@ -40,8 +40,8 @@ PythonPool::~PythonPool() { let_go(); }
 
 bool PythonPool::of_this_process() const { return process_id() == process_; }
 
-/// In a forked child the Pool is left as it is: its threads stayed in the parent, and waiting for
-/// them would never end. A recording that it keeps stays the parent's to finish.
+/// In a forked child the Pool is not destroyed: its threads stayed in the parent, and waiting for
+/// them would never end. Its recording is finished by the parent.
 void PythonPool::let_go() {
   if (!of_this_process()) {
     static_cast<void>(pool_.release());
@@ -66,7 +66,7 @@ void PythonPool::send(std::span<const float> actions, std::span<const std::int32
   });
 }
 
-/// One look at all values says that there are none, as nearly always.
+/// One pass over all values shows that there are none, which is the usual case.
 void PythonPool::count_clipped(std::span<const float> actions,
                                std::span<const std::int32_t> env_ids) {
   const std::size_t all = clipped_values(actions);
@@ -115,7 +115,7 @@ void PythonPool::check_not_interrupted(const Pool& pool) {
               " environments are still in flight: reset(), which waits for them and begins anew");
 }
 
-/// Waits without the GIL, and looks for signals with it.
+/// Waits without the GIL, and checks for signals with it.
 std::shared_ptr<const Batch> PythonPool::receive(Pool& pool) {
   constexpr std::chrono::milliseconds kPatience(50);
   for (;;) {
@@ -125,8 +125,8 @@ std::shared_ptr<const Batch> PythonPool::receive(Pool& pool) {
   }
 }
 
-/// HDF5's clean-up at exit would crash where a file could not be written for want of space, and in
-/// a forked child it would finish the parent's file. (h5py's packages bring an HDF5 of their own.)
+/// HDF5's clean-up at exit would crash after a write that failed on a full disk, and in a forked
+/// child it would finish the parent's file. (h5py's packages contain their own HDF5.)
 void PythonPool::record(const std::filesystem::path& file, bool states) {
   skip_hdf5_cleanup_at_exit();
   call([&](Pool& pool) {

@@ -1,4 +1,4 @@
-// A Pool as Python holds it: one thread at a time, without the GIL, closable.
+// A Pool for Python: one thread at a time, without the GIL, closable.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -27,7 +27,7 @@ class PythonPool {
   PythonPool(const PythonPool&) = delete;
   PythonPool& operator=(const PythonPool&) = delete;
 
-  /// Calls work(Pool&) alone and without the GIL.
+  /// Calls work(Pool&) exclusively and without the GIL.
   /// @throws Error if closed, in use by another thread, or made before a fork()
   template <class Work>
   decltype(auto) call(Work&& work) {
@@ -37,7 +37,7 @@ class PythonPool {
     return std::forward<Work>(work)(pool);
   }
 
-  /// The same where whatever the Pool refuses is the fault of an argument: ValueError.
+  /// The same, where any refusal by the Pool is an error of an argument: ValueError.
   template <class Work>
   decltype(auto) call_with_argument(Work&& work) {
     const Exclusive alone(in_use_, "pool");
@@ -46,33 +46,33 @@ class PythonPool {
     return with_argument(pool, std::forward<Work>(work));
   }
 
-  /// Hands actions over. @param env_ids  empty: all environments in order
+  /// Sends actions. @param env_ids  empty: all environments in order
   /// @throws ValueError as Pool::send()
   void send(std::span<const float> actions, std::span<const std::int32_t> env_ids = {});
 
-  /// Waits for a batch; signals (KeyboardInterrupt) get through.
-  /// @throws ValueError if nothing is in flight; whatever a worker met
+  /// Waits for a batch; signals (KeyboardInterrupt) are handled.
+  /// @throws ValueError if nothing is in flight; any error of a worker
   std::shared_ptr<const Batch> recv();
 
   /// One transition of all environments: send() and recv() in one call.
-  /// @throws Error where an interrupted step is under way; as send() and recv()
+  /// @throws Error if an interrupted step is pending; as send() and recv()
   std::shared_ptr<const Batch> step(std::span<const float> actions);
-  /// Of each row of a batch: how many values of the action that led to it lay beyond [-1, 1]. Empty
-  /// where none did.
+  /// For each row of a batch the number of values beyond [-1, 1] in the action that led to it.
+  /// Empty if there are none.
   std::vector<std::int32_t> clipped(const Batch& batch) const;
-  /// How many did in all that was sent so far.
+  /// Total number of these in all sent actions.
   std::uint64_t all_clipped() const { return all_clipped_; }
-  /// @throws Error where a step was interrupted and its transitions are under way
+  /// @throws Error if a step was interrupted and its transitions are pending
   void refuse_interrupted() { call(check_not_interrupted); }
 
-  /// Writes everything that happens from now on to a file, for `skybody replay`.
-  /// @throws Error while recorded already or in flight, or if the file cannot be written
+  /// Records all further events to a file, for `skybody replay`.
+  /// @throws Error if already recording or in flight, or if the file cannot be written
   void record(const std::filesystem::path& file, bool states);
-  /// @throws Error if nothing was being recorded, or the file cannot be finished
+  /// @throws Error if there is no recording, or the file cannot be finished
   void stop_recording();
 
-  /// Finishes a recording and stops the workers; steps under way are waited for. May be called
-  /// again. @throws Error if the recording cannot be finished; closed all the same
+  /// Finishes a recording and stops the workers after their current steps. May be called again.
+  /// @throws Error if the recording cannot be finished; the pool is closed all the same
   void close();
   bool closed() const { return pool_ == nullptr; }
 
@@ -86,7 +86,7 @@ class PythonPool {
   Pool& open() const;
   template <class Work>
   static decltype(auto) with_argument(Pool& pool, Work&& work) {
-    if (pool.broken()) return std::forward<Work>(work)(pool);  // throws what the worker met
+    if (pool.broken()) return std::forward<Work>(work)(pool);  // throws the worker's error
     return rethrow_as_argument_error(
         [&]() -> decltype(auto) { return std::forward<Work>(work)(pool); });
   }
@@ -102,7 +102,7 @@ class PythonPool {
   std::unique_ptr<Pool> pool_;
   std::atomic<bool> in_use_ = false;
   int process_;
-  std::vector<std::int32_t> clipped_;  ///< per environment, of its last action; empty: none ever
+  std::vector<std::int32_t> clipped_;  ///< per environment, of its last action; empty: none so far
   std::uint64_t all_clipped_ = 0;
   int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;
 };

@@ -17,7 +17,7 @@ void read(nb::handle array, const char* name, std::vector<T>& to, std::int64_t c
   to.assign(values.span().begin(), values.span().end());
 }
 
-/// "slice3." is what the blocks of slice 3 begin with.
+/// Prefix of the blocks of slice 3: "slice3.".
 std::string prefix_of(int slice) { return "slice" + std::to_string(slice) + "."; }
 
 }  // namespace
@@ -112,14 +112,14 @@ learn::SliceOutputs RemoteSlices::outputs(int k) const {
           of.policy_gradient, of.value_gradient, of.episode_returns};
 }
 
-/// One call for all slices.
+/// One call of save() serves all slices.
 std::vector<std::uint64_t> RemoteSlices::save(int k, learn::StateBlocks& blocks) const {
   const nb::gil_scoped_acquire gil;
   if (saved_.is_none()) saved_ = calling([&] { return nb::object(holder_.attr("save")()); });
   return read_state(nb::object(saved_[k]), blocks);
 }
 
-/// Whether there are any: the worker checks their sizes.
+/// Checks that there are blocks; the worker checks their sizes.
 void RemoteSlices::check(int k, const learn::StateBlocks& blocks) {
   const std::string prefix = prefix_of(k);
   const bool is_there = std::any_of(blocks.begin(), blocks.end(), [&](const auto& block) {
@@ -128,7 +128,7 @@ void RemoteSlices::check(int k, const learn::StateBlocks& blocks) {
   if (!is_there) throw Error("the checkpoint has no `" + prefix + "...`: it is another learner's");
 }
 
-/// One call for all slices, with the last.
+/// One call of restore() for all slices, with the last one.
 void RemoteSlices::restore(int k, const learn::StateBlocks& blocks,
                            std::span<const std::uint64_t> environments) {
   const nb::gil_scoped_acquire gil;

@@ -1,4 +1,4 @@
-// Slices of a PPO that Python objects hold, such as actors of Ray.
+// Slices of a PPO held by Python objects, such as actors of Ray.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -9,7 +9,7 @@
 
 namespace skybody::python {
 
-/// Calls the methods of a Python object, which gives lists with an entry a slice:
+/// Calls the methods of a Python object, which return lists with one entry per slice:
 ///
 ///   collect(policy, value, iteration, mean, scale, return_mean)   (sums, episode returns)
 ///   find_advantages(reward_scale)                                 sums
@@ -17,12 +17,12 @@ namespace skybody::python {
 ///                                                                 (sums, policy's, value's)
 ///   stagger_resets(iteration)
 ///   save()                                                        (blocks, words)
-///   restore(states)                                               likewise
+///   restore(states)                                               states: entries as from save()
 ///
-/// Where the object raises SlicesLost, so do the methods here. Takes the GIL for each call.
+/// If the object raises SlicesLost, the methods here throw it too. Takes the GIL for each call.
 class RemoteSlices : public learn::SliceHolder {
  public:
-  /// @param count  of all slices
+  /// @param count  number of all slices
   RemoteSlices(nanobind::object holder, int count);
   ~RemoteSlices() override;
 
@@ -46,11 +46,11 @@ class RemoteSlices : public learn::SliceHolder {
 
   nanobind::object holder_;
   std::vector<Outputs> outputs_;
-  mutable nanobind::object saved_;  ///< of all slices; none where they have gone on since
-  nanobind::list restored_;         ///< of the slices before
+  mutable nanobind::object saved_;  ///< of all slices; None after further steps
+  nanobind::list restored_;         ///< of the slices restored so far
 };
 
-/// Calls Python, and passes a loss of workers on as C++ knows it. With the GIL.
+/// Calls Python, and converts a loss of workers to the C++ exception. Requires the GIL.
 template <class Call>
 auto calling(Call&& call) {
   try {
@@ -62,10 +62,10 @@ auto calling(Call&& call) {
   }
 }
 
-/// A slice's state as Python has it: a dictionary of blocks, and the environments' words.
+/// A slice's state for Python: a dictionary of blocks, and the environments' words.
 nanobind::tuple state_of(const learn::StateBlocks& blocks,
                          std::span<const std::uint64_t> environments);
-/// The inverse.
+/// The inverse of state_of().
 std::vector<std::uint64_t> read_state(nanobind::handle state, learn::StateBlocks& blocks);
 
 }  // namespace skybody::python

@@ -1,4 +1,4 @@
-// Collision shapes of a scenario as Python holds them.
+// Collision shapes of a scenario, for Python.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace skybody::python {
 
-/// SkybodyShapeInfo with texts of its own.
+/// SkybodyShapeInfo with its own texts.
 struct NamedShape {
   int id = 0;
   std::string name, kind, mesh;

@@ -1,4 +1,4 @@
-// A Simulation as Python holds it: one thread at a time, without the GIL.
+// A Simulation for Python: one thread at a time, without the GIL.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -19,7 +19,7 @@ class DirectSimulation {
 
   const LoadedScenario& compiled() const { return compiled_; }
 
-  /// Calls work(Simulation&) alone and without the GIL.
+  /// Calls work(Simulation&) exclusively and without the GIL.
   /// @throws Error if in use by another thread
   template <class Work>
   decltype(auto) call(Work&& work) {
@@ -27,7 +27,7 @@ class DirectSimulation {
     const nb::gil_scoped_release release;
     return std::forward<Work>(work)(simulation_);
   }
-  /// The same with the GIL held, for what takes no time.
+  /// The same with the GIL held, for very short work.
   template <class Work>
   decltype(auto) look(Work&& work) {
     const Exclusive alone(in_use_, "simulation");
@@ -40,7 +40,7 @@ class DirectSimulation {
   std::atomic<bool> in_use_ = false;
 };
 
-/// Adds what direct control needs, and the types that it gives.
+/// Adds the methods of direct control and their result types.
 void bind_direct_control(nb::module_& m, nb::class_<DirectSimulation>& c);
 
 }  // namespace skybody::python

@@ -15,7 +15,7 @@ PythonSimulationPool::PythonSimulationPool(const LoadedScenario& compiled,
   pinned_threads_ = pool_->pinned_threads();
 }
 
-/// The threads live in the process that made them: a fork of it has none to wait for.
+/// A forked child has none of the threads and must not wait for them.
 PythonSimulationPool::~PythonSimulationPool() {
   if (process_id() != process_) static_cast<void>(pool_.release());
 }

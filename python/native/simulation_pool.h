@@ -1,4 +1,4 @@
-// A SimulationPool as Python holds it: one thread at a time, without the GIL, closable.
+// A SimulationPool for Python: one thread at a time, without the GIL, closable.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -23,7 +23,7 @@ class PythonSimulationPool {
   PythonSimulationPool(const PythonSimulationPool&) = delete;
   PythonSimulationPool& operator=(const PythonSimulationPool&) = delete;
 
-  /// Calls work(SimulationPool&) alone and without the GIL.
+  /// Calls work(SimulationPool&) exclusively and without the GIL.
   /// @throws Error if closed, in use by another thread, or made before a fork()
   template <class Work>
   decltype(auto) call(Work&& work) {

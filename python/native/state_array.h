@@ -12,9 +12,9 @@
 namespace skybody::python {
 
 /// A fresh array (*rows, *shape of the value), float64.
-/// @param rows  {number of environments}, or {} for one alone
+/// @param rows  {number of environments}, or {} for a single one
 /// @param fill  writes all values: called with a std::vector<double>&
-/// @throws ValueError naming the nearest paths if there is no such value
+/// @throws ValueError with the nearest paths if there is no such value
 template <class Fill>
 nb::object state_array(const LoadedScenario& compiled, const std::string& path,
                        std::vector<std::size_t> rows, Fill&& fill) {

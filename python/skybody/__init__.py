@@ -1,11 +1,13 @@
-"""Skybody: learn to fly, from Python.
+"""Skybody: a drone-learning simulator, from Python.
 
-`make_vec` gives many environments as a Gymnasium vector environment, `make_pool` the asynchronous
-form (send, recv), `Simulation` and `SimulationPool` environments under direct control.
-`skybody.sb3` serves Stable-Baselines3, `skybody.multi_agent` PettingZoo, `skybody.env` single
-Gymnasium environments, `skybody.python_task` tasks written in Python;
-`gymnasium.make` and `gymnasium.make_vec` know the shipped scenarios as `skybody/Hover-v0` and so
-on. All of them are imported when they are first used.
+* `make_vec`: many environments as a Gymnasium vector environment.
+* `make_pool`: the asynchronous form (send, recv).
+* `Simulation` and `SimulationPool`: environments under direct control.
+* `skybody.sb3`: Stable-Baselines3. `skybody.multi_agent`: PettingZoo.
+* `skybody.env`: single Gymnasium environments. `skybody.python_task`: tasks written in Python.
+
+`gymnasium.make` and `gymnasium.make_vec` accept the shipped scenarios as `skybody/Hover-v0` and so
+on. The submodules above are imported at their first use.
 """
 
 from __future__ import annotations
@@ -101,7 +103,7 @@ def make_vec(
     num_envs: int,
     **options: Unpack[VectorOptions],
 ) -> SkybodyVectorEnv:
-    """Many environments of one scenario as a `gymnasium.vector.VectorEnv`.
+    """Creates many environments of one scenario as a `gymnasium.vector.VectorEnv`.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -109,7 +111,7 @@ def make_vec(
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, or an option's word is unknown.
+        ValueError: a number is out of range, or the value of an option is unknown.
         ImportError: Gymnasium is not installed.
     """
     vector: SkybodyVectorEnv = _import("vector").SkybodyVectorEnv(scenario, num_envs, **options)
@@ -122,7 +124,9 @@ def make_pool(
     num_envs: int,
     **options: Unpack[PoolOptions],
 ) -> Pool:
-    """Many environments of one scenario, asynchronously: send, recv, batches of `batch_size`.
+    """Creates many environments of one scenario, stepped asynchronously by `send` and `recv`.
+
+    `recv` returns batches of `batch_size` environments.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -130,7 +134,7 @@ def make_pool(
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, or an option's word is unknown.
+        ValueError: a number is out of range, or the value of an option is unknown.
     """
     return Pool(scenario, num_envs, **options)
 

@@ -1,4 +1,4 @@
-"""Which entries of a row belong to which agent, where a scenario has several robots."""
+"""Entries of observation and action rows by agent, for scenarios with several robots."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._native import CompiledScenario
 
 
 def observed_by(compiled: CompiledScenario, robot: int) -> NDArray[np.intp]:
-    """Entries of the observation row that an agent sees: its own channels, and those of nobody."""
+    """Entries of the observation row of an agent: its own channels and the global ones."""
     entries = [
         np.arange(channel.first, channel.first + channel.count)
         for channel in compiled.observation_channels
@@ -19,7 +19,7 @@ def observed_by(compiled: CompiledScenario, robot: int) -> NDArray[np.intp]:
 
 
 def commanded_by(compiled: CompiledScenario, robot: int) -> NDArray[np.intp]:
-    """Entries of the action row that an agent decides."""
+    """Entries of the action row that belong to an agent."""
     return np.concatenate(
         [
             np.arange(channel.first, channel.first + channel.count)
@@ -30,14 +30,14 @@ def commanded_by(compiled: CompiledScenario, robot: int) -> NDArray[np.intp]:
 
 
 class JointLayout:
-    """Shapes in which rows of alike agents are the paper's joint arrays, without a copy.
+    """Shapes of joint arrays of identical agents; rows are reshaped without a copy.
 
     `observation_shape` is (agents, width), such as (N, 18 + 16 (N - 1)) for the formation task;
     `action_shape` is (agents, width).
 
     Raises:
-        ValueError: the agents' channels do not stand one agent after the other, or differ in
-            number.
+        ValueError: the agents' channels are not contiguous, in the order of the agents, or the
+            agents have different numbers of values.
     """
 
     def __init__(self, compiled: CompiledScenario) -> None:

@@ -1,4 +1,4 @@
-"""Arguments that many classes take: scenarios, seeds, ids. Each mistake is one clear error."""
+"""Checks of common arguments: scenarios, seeds, ids. Each mistake raises one clear error."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._native import CompiledScenario
 
 Scenario = str | os.PathLike[str] | CompiledScenario
 
-MOST_ENVS = 2**24  # the native pools' own limits
+MOST_ENVS = 2**24  # limits of the native pools
 MOST_THREADS = 1024
 
 
@@ -24,12 +24,12 @@ def load(
     overrides: Iterable[str],
     plugin_path: Iterable[str | os.PathLike[str]],
 ) -> CompiledScenario:
-    """Loads a scenario: a shipped one's name, or a YAML file. One that is loaded already is shared.
+    """Loads a scenario by the name of a shipped one or from a YAML file; a loaded one is shared.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        TypeError: one text where a list of them belongs, or what is neither text nor path.
-        ValueError: overrides or plugin_path for a compiled scenario; a folder of plugin_path that
+        TypeError: a single string in place of a list, or `scenario` is neither a string nor a path.
+        ValueError: overrides or plugin_path with a compiled scenario; a folder of plugin_path that
             does not exist.
     """
     for name, given in (("overrides", overrides), ("plugin_path", plugin_path)):
@@ -49,20 +49,20 @@ def load(
 
 
 def path_text(name: str, value: Any) -> str:
-    """A text or path as a text. Raises TypeError, which names the argument, for what is neither."""
+    """A string or path as a string. Raises TypeError, which names the argument, for other types."""
     path = os.fspath(value) if isinstance(value, os.PathLike) else value
     return text(name, path, "a text or a path")
 
 
 def text(name: str, value: Any, wanted: str = "a text") -> str:
-    """`value`, where it is a text. Raises TypeError, which names the argument, for what is none."""
+    """Returns `value` if it is a string. Raises TypeError, which names the argument, otherwise."""
     if not isinstance(value, str):
         raise TypeError(f"{name} is {value!r}; it must be {wanted}")
     return value
 
 
 def check_plugin_path(folders: Iterable[str], name: str) -> None:
-    """Raises ValueError for a folder that is not there; `name` is what the caller calls them."""
+    """Raises ValueError for a missing folder; `name` is the argument's name in the message."""
     for folder in folders:
         if not os.path.isdir(folder):
             raise ValueError(
@@ -72,7 +72,7 @@ def check_plugin_path(folders: Iterable[str], name: str) -> None:
 
 
 def integer(name: str, value: Any) -> int:
-    """`value` as an int. Raises TypeError, which names the argument, for what is none."""
+    """`value` as an int. Raises TypeError, which names the argument, for other types."""
     try:
         return operator.index(value)
     except TypeError:
@@ -80,10 +80,10 @@ def integer(name: str, value: Any) -> int:
 
 
 def integer_within(name: str, value: Any, low: int, high: int) -> int:
-    """`value` as an int from `low` to `high`: what C++ is given fits its types.
+    """`value` as an int from `low` to `high`, so that it fits the type in C++.
 
     Raises:
-        TypeError: it is no integer.
+        TypeError: it is not an integer.
         ValueError: it is out of range.
     """
     number = integer(name, value)
@@ -93,17 +93,17 @@ def integer_within(name: str, value: Any, low: int, high: int) -> int:
 
 
 def shape_error(name: str, array: NDArray[Any], shape: object) -> ValueError:
-    """The error for an array of another shape than `shape`, worded as the native module does."""
+    """The error for an array whose shape is not `shape`, in the words of the native module."""
     return ValueError(f"{name} has shape {array.shape}; expected {shape}")
 
 
 def word_error(name: str, value: Any, words: Iterable[str]) -> ValueError:
-    """The error for a word that is none of `words`."""
+    """The error for a value that is not one of `words`."""
     return ValueError(f"{name} is {value!r}; it must be one of {', '.join(words)}")
 
 
 def allowed_words(word: str, words: Collection[str]) -> str:
-    """For the message on a word that is none of `words`: the nearest, and all of them."""
+    """End of a message about an unknown word: the nearest match, and all of `words`."""
     nearest = difflib.get_close_matches(word, words, n=1)
     hint = f"; did you mean `{nearest[0]}`?" if nearest else "."
     return f"{hint} Allowed: {', '.join(words)}"
@@ -112,7 +112,7 @@ def allowed_words(word: str, words: Collection[str]) -> str:
 def check_array(
     name: str, values: ArrayLike, shape: tuple[int, ...], dtype: DTypeLike | None = None
 ) -> NDArray[Any]:
-    """`values` as an array of that shape, and of that dtype: nothing is converted silently.
+    """`values` as an array of this shape and dtype; nothing is converted silently.
 
     Raises:
         TypeError: another dtype.
@@ -134,7 +134,7 @@ def check_seed(seed: Any) -> int | None:
     """A seed as an int from 0 to 2**64 - 1, or None.
 
     Raises:
-        TypeError: it is a list, or no integer.
+        TypeError: it is a list, or not an integer.
         ValueError: it is out of range.
     """
     if seed is None:
@@ -159,5 +159,5 @@ def env_ids(ids: ArrayLike) -> NDArray[np.int32]:
     if not np.issubdtype(given.dtype, np.integer):
         raise TypeError(f"ids of environments are {given.dtype}; they must be integers")
     if given.dtype != np.int32:
-        given = np.clip(given, -1, 2**31 - 1)  # no id out of range becomes one within
+        given = np.clip(given, -1, 2**31 - 1)  # an id out of range stays out of range
     return np.ascontiguousarray(given, np.int32)

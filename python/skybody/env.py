@@ -22,12 +22,14 @@ from .registration import SpecWithHorizon
 class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
-    The info dictionary has the info values (the task's, then what other plugins report; np.float32
-    each, or (count,) arrays), and `fault` (bool): action, observation or reward was not finite, or
-    the physics diverged (beyond 1e6 in SI units); the episode is then truncated, and its value must
-    not be bootstrapped. With several agents it also has `agent_reward` (agents,) float32, with
-    privileged columns `privileged` (privileged_size,) float32, for a critic only. Where values of
-    the action lay beyond [-1, 1], `clipped` (int) says how many.
+    The info dictionary has:
+
+    * info values (the task's, then those of other plugins): np.float32 each, or (count,) arrays;
+    * `fault` (bool): action, observation or reward was not finite, or the physics diverged (beyond
+      1e6 in SI units). The episode is then truncated; its value must not be bootstrapped;
+    * with several agents, `agent_reward` (agents,) float32;
+    * with privileged columns, `privileged` (privileged_size,) float32, for a critic only;
+    * if values of the action were outside [-1, 1], `clipped` (int): their number.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -73,7 +75,7 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickle and copy: everything, so that the copy has the same future."""
+        """For pickle and copy: the complete state, so that the copy continues identically."""
         return {**self.__dict__, "_pool": self._pool.save()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -84,13 +86,13 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode: the first under `seed`, or without one the next.
+        """Begins an episode: the first one under `seed`, or without a seed the next one.
 
         Returns:
             observation (observation_size,) float32 (a dictionary with dict_observations), and info.
 
         Raises:
-            ValueError: any option; there are none.
+            ValueError: `options` is not empty; there are no reset options.
         """
         if options:
             raise ValueError(f"unknown reset option `{next(iter(options))}`; there are none")
@@ -106,10 +108,11 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         return row_of(self._observations.of(batch), 0), self._info(batch)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One transition.
+        """Makes one transition.
 
         Args:
-            action: (action_size,) float32 in [-1, 1] (clipped); one that is not finite is a fault.
+            action: (action_size,) float32 in [-1, 1] (clipped). A value that is not finite is a
+                fault.
 
         Returns:
             observation (observation_size,) float32 (a dictionary with dict_observations),
@@ -117,8 +120,8 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
 
         Raises:
             TypeError: another dtype.
-            Error: the step before was interrupted: reset first.
-            ValueError: another shape, not yet reset, or the episode has ended.
+            Error: the previous step was interrupted: reset first.
+            ValueError: another shape, `reset` was not called yet, or the episode has ended.
         """
         row = np.ascontiguousarray(action)
         if row.shape != self.action_space.shape:
@@ -149,14 +152,14 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         return row
 
     def save(self) -> bytes:
-        """Everything of the environment: motion, drawn values, counters, random key."""
+        """The complete state of the environment: motion, drawn values, counters, random key."""
         return self._pool.save()
 
     def restore(self, saved: bytes) -> Any:
-        """Puts it where it was at `save`. Returns its observation.
+        """Restores the state of a `save`. Returns its observation.
 
         Raises:
-            ValueError: `saved` is of another scenario.
+            ValueError: `saved` comes from another scenario.
         """
         self._pool.restore(saved)
         return row_of(self._observations.now(self._pool), 0)
@@ -166,13 +169,13 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         return self._pool.param(0, path)
 
     def set_param(self, path: str, value: float) -> None:
-        """Sets one, in the unit of `compiled.param_info(path)`.
+        """Sets a randomizable parameter, in the unit of `compiled.param_info(path)`.
 
         Raises:
-            ValueError: unknown, or outside its bounds.
+            ValueError: an unknown path, or a value out of its bounds.
         """
         self._pool.set_param(0, path, value)
 
     def close(self) -> None:
-        """Gives the memory back. Further calls raise."""
+        """Frees the memory. Later calls raise."""
         self._pool.close()

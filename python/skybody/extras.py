@@ -1,8 +1,8 @@
-"""What installs the packages that some modules need, and how it is said where one is missing."""
+"""Optional packages of some modules: their install commands, and the error for a missing one."""
 
 from __future__ import annotations
 
-# In the source folder: no registry has Skybody.
+# Install from the source folder: Skybody is in no package registry.
 INSTALLED_BY = {
     "env": ".",
     "vector": ".",
@@ -14,7 +14,7 @@ INSTALLED_BY = {
 
 
 def missing_package(module: str, error: ModuleNotFoundError) -> ImportError:
-    """The error of `skybody.<module>` for a package that is not installed, with the remedy."""
+    """The error of `skybody.<module>` for a missing package, with the remedy."""
     package = (error.name or "").partition(".")[0]
     return ImportError(
         f"skybody.{module} needs the package {package!r}: `pip install "

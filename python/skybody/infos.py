@@ -1,5 +1,4 @@
-"""Info values (the task's, then what other plugins report): from columns of a batch to the
-dictionaries that learners expect."""
+"""Info values: from columns of a batch to the info dictionaries of learners."""
 
 from __future__ import annotations
 
@@ -20,12 +19,12 @@ RESERVED = (
     "privileged",
     "final_obs",
     "final_info",
-    "terminal_observation",  # Stable-Baselines3's
+    "terminal_observation",  # of Stable-Baselines3
 )
 
 
 class ValueRows(Protocol):
-    """Rows of info values, and privileged rows: a `Batch` or `KeptRows`."""
+    """Rows of info values and privileged rows: a `Batch` or `KeptRows`."""
 
     @property
     def info(self) -> NDArray[np.float32]: ...
@@ -34,7 +33,7 @@ class ValueRows(Protocol):
 
 
 class InfoRows(ValueRows, Protocol):
-    """All that infos consist of: a `Batch`, `FinalRows` or `ScatteredRows`."""
+    """All inputs of the infos: a `Batch`, `FinalRows` or `ScatteredRows`."""
 
     @property
     def agent_reward(self) -> NDArray[np.float32]: ...
@@ -47,14 +46,14 @@ class InfoRows(ValueRows, Protocol):
 
 
 class KeptRows(NamedTuple):
-    """Values that stay when the batch is gone."""
+    """Copies of values, valid after the batch has been recycled."""
 
     info: NDArray[np.float32]
     privileged: NDArray[np.float32]
 
 
 class FinalRows:
-    """A batch whose info values and privileged rows are those before the reset (same-step)."""
+    """The info values and privileged rows of a batch before the reset (same-step autoreset)."""
 
     def __init__(self, batch: Batch) -> None:
         self._batch = batch
@@ -85,15 +84,15 @@ class FinalRows:
 
 
 class ScatteredRows:
-    """Some rows at the places of their environments; zeros, and no reasons, elsewhere.
+    """Some rows, scattered to the indices of their environments; zeros and no reasons elsewhere.
 
     Args:
-        rows: where they are from. All faults are among those that are taken.
+        rows: the source. All its faults must be among the taken rows.
         num_envs: number of environments.
-        envs: environments of the rows that are taken.
-        taken: which rows; None: all.
+        envs: environments of the taken rows.
+        taken: indices of the taken rows; None: all.
 
-    `mask` (num_envs,) says which environments have one.
+    `mask` (num_envs,) marks the environments that have a row.
     """
 
     def __init__(
@@ -142,13 +141,12 @@ class ScatteredRows:
 
 
 class InfoChannels:
-    """Where each info value lies in a row of `Batch.info`: the task's, then what other plugins
-    report.
+    """Columns of the info values in a row of `Batch.info`: the task's, then other plugins'.
 
-    Beside them an info has `privileged` where the scenario has privileged columns.
+    An info also has `privileged` if the scenario has privileged columns.
 
     Args:
-        present: whether rows carry them at all; else there are none.
+        present: whether rows have info values; if not, infos have none.
 
     Raises:
         ValueError: a task declares an info value under a name that Skybody uses itself.
@@ -183,10 +181,10 @@ class InfoChannels:
         return infos
 
     def masked(self, rows: InfoRows, mask: NDArray[np.bool_]) -> dict[str, Any]:
-        """Info values, faults and rewards of agents with Gymnasium's `_name` masks, which say for
-        which environments a value is given.
+        """Info values, faults and rewards of agents, with Gymnasium's `_name` masks.
 
-        A vector environment calls it in each step, so that it looks at no column in vain.
+        A mask marks the environments that have a value. A vector environment calls this in each
+        step, so it does not scan the values.
         """
         infos = self.columns(rows)
         for name in self._masks:
@@ -213,6 +211,6 @@ class InfoChannels:
 
 
 def add_fault_reasons(infos: dict[str, Any], reasons: Any) -> None:
-    """`fault_reason`, a text for each row that is a fault, None elsewhere; its mask is `fault`."""
+    """Adds `fault_reason`: a string for each faulted row, None elsewhere; its mask is `fault`."""
     infos["fault_reason"] = np.asarray(reasons, dtype=object)
     infos["_fault_reason"] = infos["fault"]

@@ -1,4 +1,4 @@
-"""Several robots as a PettingZoo `ParallelEnv`: each an agent of its own."""
+"""Several robots as a PettingZoo `ParallelEnv`: each robot is an agent."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class ParallelEnv(
     """One environment with several robots as a PettingZoo `ParallelEnv`.
 
     Each robot that takes actions is an agent, under its name in the scenario. All agents begin and
-    end together. Each agent sees its own columns and those of nobody. Each agent's info has the
-    info values, `fault` and `privileged`, as `SkybodyEnv` has.
+    end together. Each agent observes its own columns and the global ones. Each agent's info has the
+    info values, `fault` and `privileged`, as in `SkybodyEnv`.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -58,7 +58,7 @@ class ParallelEnv(
         self._observation: Any = None
         self._seen = {robots[r]: observed_by(self.compiled, r) for r in agents}
         self._commanded = {robots[r]: commanded_by(self.compiled, r) for r in agents}
-        self._keys: dict[str, list[str]] = {}  # of dictionaries
+        self._keys: dict[str, list[str]] = {}  # keys of dictionary observations
         self.observation_spaces = {robots[robot]: self._space_of(robot) for robot in agents}
         self.action_spaces = {
             agent: spaces.select(self._env.action_space, commanded)
@@ -66,7 +66,7 @@ class ParallelEnv(
         }
 
     def __copy__(self) -> ParallelEnv:
-        return copy.deepcopy(self)  # it has an environment of its own
+        return copy.deepcopy(self)  # the copy has its own environment
 
     def _space_of(self, robot: int) -> Box[np.float32] | Dict:
         agent = self.compiled.robots[robot]
@@ -77,17 +77,17 @@ class ParallelEnv(
         return spaces.dict_space(columns)
 
     def observation_space(self, agent: str) -> Box[np.float32] | Dict:
-        """What an agent sees: (width,) float32, or with dict_observations a Dict of its columns."""
+        """Observations: (width,) float32, or with dict_observations a Dict of columns."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Box[np.float32]:
-        """What an agent decides: (width,) float32 in [-1, 1]."""
+        """An agent's actions: (width,) float32 in [-1, 1]."""
         return self.action_spaces[agent]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, Infos]:
-        """Begins an episode of all agents: the first under `seed`, or without one the next.
+        """Begins an episode of all agents: the first under `seed`, or without a seed the next.
 
         Args:
             options: not used; PettingZoo's own tests pass some.
@@ -100,7 +100,7 @@ class ParallelEnv(
     def step(
         self, actions: dict[str, NDArray[np.float32]]
     ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]:
-        """One transition.
+        """Makes one transition.
 
         Args:
             actions: one (width,) float32 array in [-1, 1] per agent.
@@ -110,8 +110,8 @@ class ParallelEnv(
 
         Raises:
             TypeError: another dtype.
-            ValueError: an agent's action is missing or of another shape; an action of no
-                agent; not yet reset, or the episode has ended.
+            ValueError: an agent's action is missing or has another shape; an action of an unknown
+                agent; `reset` was not called yet, or the episode has ended.
         """
         self._observation, reward, terminated, truncated, info = self._env.step(
             self._joined(actions)
@@ -161,5 +161,5 @@ class ParallelEnv(
         return self._env.row()
 
     def close(self) -> None:
-        """Gives the memory back. Further calls raise."""
+        """Frees the memory. Later calls raise."""
         self._env.close()

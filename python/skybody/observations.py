@@ -1,4 +1,4 @@
-"""How a learner sees the columns of the observation: one flat row, or a dictionary by name."""
+"""Observations for a learner: one flat row, or a dictionary of columns by name."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from ._native import Batch, CompiledScenario, ObservationColumn, Pool
 
 
 def key_of(column: ObservationColumn) -> str:
-    """The key of a column in a dictionary: its name, with `_` for dots, which PyTorch refuses."""
+    """Key of a column in a dictionary: its name with `_` for dots, which PyTorch does not allow."""
     return column.name.replace(".", "_")
 
 
 def policy_columns(compiled: CompiledScenario) -> list[ObservationColumn]:
-    """The columns that a policy sees, in order.
+    """The columns of the policy's observation, in order.
 
     Raises:
-        ValueError: two of them would have the same key.
+        ValueError: two columns would have the same key.
     """
     columns = [column for column in compiled.observation_columns if not column.privileged]
     keys = [key_of(column) for column in columns]
@@ -34,18 +34,18 @@ def policy_columns(compiled: CompiledScenario) -> list[ObservationColumn]:
 
 
 class Observations:
-    """From batches to what `reset` and `step` return, without a copy.
+    """Converts batches to the observations of `reset` and `step`, without a copy.
 
-    `columns` are those of a dictionary; None: observations are rows (n, observation_size). Where a
-    column is an image, they are always dictionaries.
+    `columns` are those of a dictionary; None: observations are rows (n, observation_size). With an
+    image column, observations are always dictionaries.
 
     Args:
-        as_dict: dictionaries, whether there are images or not.
-        row_shape: another shape of each row, with as many values.
+        as_dict: dictionaries, with or without images.
+        row_shape: another shape of each row, with the same number of values.
 
     Raises:
-        ValueError: two columns would have the same key, or dictionaries with a `row_shape`, which
-            `joint` is the reason for.
+        ValueError: two columns would have the same key, or dictionaries together with a `row_shape`
+            (the option `joint`).
     """
 
     def __init__(
@@ -105,7 +105,7 @@ def values_of(
 
 
 def apply(change: Callable[[NDArray[Any]], NDArray[Any]], observation: Any) -> Any:
-    """`change` of an observation, or of each column of a dictionary."""
+    """Applies `change` to an observation, or to each column of a dictionary."""
     if isinstance(observation, dict):
         return {key: change(values) for key, values in observation.items()}
     return change(observation)

@@ -1,8 +1,8 @@
-"""The keywords of everything that makes environments: type, default and meaning of each, once.
+"""Keyword options of all environment constructors: type, default and meaning, declared once.
 
-A class or function takes some of them by `@takes(KIND)`, where KIND is one of the TypedDicts below,
-and `**options: Unpack[KIND]`. Its body finds all of them in `options`, also those that the caller
-left out, with their defaults.
+A class or function takes a set of options by `@takes(KIND)`, where KIND is one of the TypedDicts
+below, and `**options: Unpack[KIND]`. Its body finds all of them in `options`; an option that the
+caller left out has its default.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ Autoreset = Literal["next_step", "same_step", "disabled"]
 
 @dataclass(frozen=True)
 class Option:
-    """What stands beside the type of an option."""
+    """Default and description of an option, attached to its type."""
 
     default: Any
     doc: str
 
 
-# What several kinds take, each kind of its own.
+# Options that several TypedDicts share.
 _SEED = "key of all random numbers until a reset under another; environment i draws from (seed, i)."
 Seed = Annotated[int, Option(0, _SEED)]
 SeedOrNone = Annotated[
@@ -67,7 +67,7 @@ AutoresetOption = Annotated[
 
 
 class ScenarioOptions(TypedDict, total=False):
-    """Changes to the scenario, and where its plugins are."""
+    """Changes to the scenario, and the folders of its plugins."""
 
     overrides: Annotated[
         Iterable[str], Option((), '"PATH=VALUE" each, as for `skybody run --set`.')
@@ -94,7 +94,7 @@ class EnvOptions(ScenarioOptions, total=False):
 
 
 class ThreadedOptions(ScenarioOptions, total=False):
-    """Options of all that steps many environments."""
+    """Options of all classes that step many environments."""
 
     seed: Seed
     num_threads: Annotated[
@@ -118,7 +118,7 @@ class TaskOptions(ThreadedOptions, total=False):
 
 
 class PooledOptions(ThreadedOptions, total=False):
-    """Options of all that steps a native pool: `SkybodyVecEnv` takes just these."""
+    """Options of all classes that step a native pool; `SkybodyVecEnv` takes exactly these."""
 
     dict_observations: DictObservations
     keep_hash: Annotated[
@@ -127,7 +127,7 @@ class PooledOptions(ThreadedOptions, total=False):
 
 
 class BatchOptions(PooledOptions, total=False):
-    """Options that `Pool` and `SkybodyVectorEnv` have in common."""
+    """Options of both `Pool` and `SkybodyVectorEnv`."""
 
     autoreset: AutoresetOption
     infos: Annotated[
@@ -178,13 +178,13 @@ class VectorOptions(BatchOptions, total=False):
 
 
 def options_of(kind: type) -> dict[str, tuple[Any, Option]]:
-    """Type and Option of each name that a TypedDict of options has."""
+    """Type and Option of each key of a TypedDict of options."""
     hints = get_type_hints(kind, include_extras=True)
     return {name: get_args(hint) for name, hint in hints.items()}
 
 
 def order_word(order: str) -> Order:
-    """`order`. Raises ValueError for a word that is none."""
+    """Returns `order`. Raises ValueError for an unknown word."""
     words: tuple[Order, ...] = get_args(Order)
     for word in words:
         if order == word:
@@ -196,7 +196,7 @@ def autoreset_word(autoreset: str | Enum) -> Autoreset:
     """The word for a word, for Gymnasium's AutoresetMode, or for its value.
 
     Raises:
-        ValueError: none of these.
+        ValueError: an unknown mode.
     """
     value = getattr(autoreset, "value", autoreset)
     words: tuple[Autoreset, ...] = get_args(Autoreset)
@@ -210,11 +210,11 @@ Taker = TypeVar("Taker", bound=Callable[..., Any])
 
 
 def takes(kind: type) -> Callable[[Taker], Taker]:
-    """Decorates a function or class whose `**options` are those of `kind`.
+    """Decorates a function or class that takes `**options` of `kind`.
 
-    Calls find all options in `options`, with defaults where they were left out; signature and
-    documentation, as `help` shows them, have each. A keyword that is none of them is a TypeError
-    that names the nearest; so is any value but True or False of an option that is one of them.
+    The body finds all options in `options`, with defaults for those that a call leaves out. The
+    signature and the documentation (`help`) list each option. An unknown keyword raises a TypeError
+    with the nearest option's name. A flag with a value other than True or False raises a TypeError.
     """
     options = options_of(kind)
 
@@ -235,7 +235,7 @@ def takes(kind: type) -> Callable[[Taker], Taker]:
 def _filling(
     function: Callable[..., Any], name: str, options: dict[str, tuple[Any, Option]]
 ) -> Callable[..., Any]:
-    """`function` with the options that a call leaves out."""
+    """Wraps `function`: adds the defaults of the options that a call leaves out."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
     flags = [key for key, (kind, _) in options.items() if kind is bool]
@@ -247,7 +247,7 @@ def _filling(
         for keyword in given:
             if keyword not in keywords:
                 hint = allowed_words(keyword, keywords)
-                # Python's words: TorchRL, for one, looks for them.
+                # Python's own wording: TorchRL, for example, searches for it.
                 said = f"{name}() got an unexpected keyword argument '{keyword}'"
                 raise TypeError(said + hint)
         for flag in flags:
@@ -264,7 +264,7 @@ def _filling(
 
 
 def _documented(text: str | None, options: dict[str, tuple[Any, Option]]) -> str:
-    """A docstring with a section for the options, before what it raises."""
+    """A docstring with a section for the options, before its section Raises."""
     lines = ["Keyword Args:"]
     for name, (_, option) in options.items():
         lines += textwrap.wrap(

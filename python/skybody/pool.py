@@ -1,4 +1,4 @@
-"""The asynchronous pool: send actions, receive what has finished first."""
+"""The asynchronous pool: send actions, receive the environments that finish first."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Pool(PooledEnvironments):
     """Many environments of one scenario, stepped on several threads.
 
     `send` hands actions over and returns; `recv` waits for `batch_size` finished environments,
-    and steps others meanwhile. What an environment does depends on the seed, its id and its
-    actions alone: not on threads, batches or order.
+    and steps others meanwhile. The result of an environment depends only on the seed, its id and
+    its actions, not on threads, batches or order.
 
     Arrays from `recv` are views of the pool's memory. They keep their values until the second
-    next `recv`, and for as long as any of them is held (the pool then takes fresh memory and
-    counts it in `fresh_buffers`; with debug=True it raises BufferError instead).
+    next `recv`, and for as long as any of them is referenced. In the latter case the pool allocates
+    new memory and counts it in `fresh_buffers`; with debug=True it raises BufferError instead.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -61,23 +61,24 @@ class Pool(PooledEnvironments):
         self._same_step = autoreset == "same_step"
 
     def async_reset(self, mask: NDArray[np.bool_] | None = None, seed: int | None = None) -> None:
-        """Begins new episodes without waiting; `recv` gives their first observations.
+        """Begins new episodes without waiting; `recv` returns their first observations.
 
         Args:
-            mask: (num_envs,) bool: which environments; None: all.
-            seed: starts the episode counters of all environments again, under this seed.
+            mask: (num_envs,) bool, the environments; None: all.
+            seed: restarts the episode counters of all environments, under this seed.
 
         Raises:
-            ValueError: one of them is in flight, a mask of another shape, or a mask and a seed.
+            ValueError: one of the environments is in flight, a mask of another shape, or both a
+                mask and a seed.
         """
         self.native.send_reset(mask, check_seed(seed))
 
     def reset(
         self, mask: NDArray[np.bool_] | None = None, seed: int | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """`async_reset`, then the first batch of it: observations and infos as from `recv`.
+        """`async_reset`, then its first batch: observations and infos as from `recv`.
 
-        With batch_size < num_envs further calls of `recv` give the others.
+        If batch_size < num_envs, further calls of `recv` return the other environments.
         """
         self.async_reset(mask, seed)
         observation, _, _, _, info = self.recv()
@@ -88,47 +89,47 @@ class Pool(PooledEnvironments):
         actions: NDArray[np.float32],
         env_id: ArrayLike | None = None,
     ) -> None:
-        """Hands over one action row per environment; rows are copied before it returns.
+        """Hands over one action row per environment; the rows are copied before it returns.
 
         Args:
             actions: (n, action_size) float32 in [-1, 1] (clipped). A row that is not finite makes
                 its transition a fault.
-            env_id: (n,) integers: which environments, each at most once; None: all in order.
+            env_id: (n,) integers, the environments, each at most once; None: all in order.
 
         Raises:
             TypeError: another dtype.
-            ValueError: another shape; an id that is out of range or there twice; an environment
-                that is in flight, not yet reset, or (autoreset="disabled") whose episode has
-                ended. Nothing was sent then.
+            ValueError: another shape; an id that is out of range or duplicate; an environment that
+                is in flight, not yet reset, or (autoreset="disabled") whose episode has ended. In
+                all these cases nothing is sent.
         """
         ids = None if env_id is None else env_ids(env_id)
         self.native.send(np.ascontiguousarray(actions), ids)
 
     def recv(self) -> Transition:
-        """Waits for up to batch_size finished environments (fewer where fewer are in flight).
+        """Waits for up to batch_size finished environments (fewer if fewer are in flight).
 
         Returns:
             observation (n, observation_size) float32 (with dict_observations a dictionary of
             (n, *shape) arrays), reward (n,) float32, terminated (n,) bool,
             truncated (n,) bool, and info, a dictionary of arrays:
 
-            * `env_id` (n,) int32: which environment each row is of;
+            * `env_id` (n,) int32: the environment of each row;
             * `was_reset` (n,) bool: the row begins an episode; its reward is 0 and the action that
               was sent had no effect;
             * `fault` (n,) bool: action, observation or reward was not finite, or the physics
               diverged (beyond 1e6 in SI units). The row is truncated; its value must not be
-              bootstrapped. Where some row is one, `fault_reason` (n,) has the reasons as texts, and
-              `_fault_reason` is `fault`;
-            * where values of actions lay beyond [-1, 1]: `clipped` (n,) int32, how many of each;
+              bootstrapped. If there is such a row, `fault_reason` (n,) has the reasons as strings,
+              and `_fault_reason` is `fault`;
+            * if values of actions were outside [-1, 1]: `clipped` (n,) int32, their number per row;
             * `agent_reward` (n, agents) float32;
             * one entry per info value of the task, (n,) or (n, count) float32;
             * with privileged columns `privileged` (n, privileged_size) float32, for a critic only;
             * with autoreset="same_step" also `final_obs` (n, observation_size) and `final_info`
-              (a dictionary as above), valid in rows where terminated or truncated.
+              (a dictionary as above), valid in rows that are terminated or truncated.
 
         Raises:
             ValueError: nothing is in flight.
-            BufferError: (debug=True) the arrays of the last but one batch are still held.
+            BufferError: (debug=True) the arrays of the last but one batch are still referenced.
         """
         batch = self.native.recv()
         info: dict[str, Any] = {
@@ -163,23 +164,23 @@ class Pool(PooledEnvironments):
 
     @property
     def num_threads(self) -> int:
-        """Threads that step, the caller's counted."""
+        """Number of threads that step, including the caller's."""
         return self.native.num_threads
 
     @property
     def in_flight(self) -> int:
-        """Environments that were sent and not yet received."""
+        """Number of environments that were sent and not yet received."""
         return self.native.in_flight
 
     @property
     def fresh_buffers(self) -> int:
-        """Batches that took fresh memory because arrays of an old one were still held."""
+        """Batches that allocated memory because arrays of an old batch were still referenced."""
         return self.native.fresh_buffers
 
     def close(self) -> None:
-        """Finishes a recording, waits for steps under way, gives threads and memory back.
+        """Finishes a recording, waits for running steps, ends the threads and frees the memory.
 
-        Further calls raise, `close` itself excepted.
+        Later calls raise, except `close` itself.
         """
         self.native.close()
 

@@ -1,4 +1,4 @@
-"""Programs of ours in Python: how they are started, and how they end, also by Ctrl-C."""
+"""Start and end of Skybody's Python programs, including Ctrl-C and lack of memory."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ import numpy as np
 
 INTERRUPTED = 130  # exit code after Ctrl-C
 NO_MEMORY = "error: out of memory"
-BLAS_BYTES = 48 << 20  # OpenBLAS takes 32 MiB at its first product
+BLAS_BYTES = 48 << 20  # OpenBLAS allocates 32 MiB at its first product
 _NO_ROOM = re.compile("failed to map segment|cannot allocate memory", re.IGNORECASE)  # the loader's
 
 
 def module_command(module: str, *arguments: str) -> list[str]:
-    """The words that run a module as a program, by this Python.
+    """Command line that runs a module as a program with this Python.
 
-    Without -P Python would import from the working folder first: a stranger's `numpy.py` would run.
+    Without -P Python would import from the working folder first and run another user's `numpy.py`.
     """
     return [sys.executable, "-P", "-m", module, *arguments]
 
@@ -32,9 +32,9 @@ def module_command(module: str, *arguments: str) -> list[str]:
 def run_program(main: Callable[[], int | None]) -> NoReturn:
     """Calls `main` and exits with its status; after Ctrl-C with INTERRUPTED and one line.
 
-    Where memory runs out, it exits with 2 and one line.
+    If memory runs out, it exits with 2 and one line.
     """
-    # matplotlib takes a lack of memory in its import of 3D axes for a broken installation.
+    # If the import of its 3D axes runs out of memory, matplotlib reports a broken installation.
     warnings.filterwarnings("ignore", "Unable to import Axes3D", module="matplotlib")
     try:
         _claim_blas_memory()
@@ -55,9 +55,9 @@ def run_program(main: Callable[[], int | None]) -> NoReturn:
 
 
 def _claim_blas_memory() -> None:
-    """Has NumPy's BLAS take its memory now. Raises MemoryError where there is none.
+    """Makes NumPy's BLAS allocate its memory now. Raises MemoryError if there is not enough.
 
-    OpenBLAS takes it at the first product, and ends the process where it fails.
+    OpenBLAS allocates at the first product, and ends the process if that fails.
     """
     try:
         mmap.mmap(-1, BLAS_BYTES).close()
@@ -69,9 +69,9 @@ def _claim_blas_memory() -> None:
 
 @contextlib.contextmanager
 def ignoring_interrupts() -> Iterator[None]:
-    """Processes that are started within it take no notice of Ctrl-C: whoever starts them ends them.
+    """Processes started within this scope ignore Ctrl-C; their parent ends them.
 
-    They would else print a traceback each.
+    Otherwise each would print a traceback.
     """
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -81,12 +81,12 @@ def ignoring_interrupts() -> Iterator[None]:
 
 
 def _end_at_once_after_another() -> None:
-    """One more Ctrl-C, while Python ends, would print a traceback."""
+    """A second Ctrl-C, while Python ends, would print a traceback."""
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
 
 
 def _end_children() -> None:
-    """Ends what `multiprocessing` has started; `subprocess.run` ends its own."""
+    """Ends the processes of `multiprocessing`; `subprocess.run` ends its own."""
     for child in multiprocessing.active_children():
         child.terminate()
         child.join()

@@ -1,8 +1,8 @@
 """Tasks written in Python: observation, reward and end in NumPy, over a pool of simulations.
 
-Environments are stepped in C++, all at the same time; the task sees all of them at once, as arrays.
-It is the way to try an idea in minutes. A task in C++ (docs/plugins.md) is faster and flies from
-`skybody run` as well.
+Environments are stepped in C++, all at the same time; the task reads all of them at once, as
+arrays. This is the quick way to try an idea. A task in C++ (docs/plugins.md) is faster and also
+runs in `skybody run`.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from .vector import autoreset_mode, reset_mask
 
 
 class PythonTask:
-    """What a learner is to do; derive from it. n: environments that the arrays are about.
+    """Base class of tasks in Python. n: number of environments in the arrays.
 
-    The scenario's own task is not asked; its randomizers work as ever.
+    The scenario's own task is not used; its randomizers are.
     """
 
     control: str | None = None
@@ -40,20 +40,23 @@ class PythonTask:
     """Of one environment. Actions are clipped to it."""
 
     def setup(self, pool: SimulationPool) -> None:
-        """Called once, before anything else: to look constants up, or to keep the pool, whose
-        `state(path)` gives what `states` has not."""
+        """Called once, before all other methods. Use it to look up constants or to keep the pool;
+        its `state(path)` returns values that `states` does not contain.
+        """
 
     def begin(
         self, pool: SimulationPool, envs: NDArray[np.int32], rng: np.random.Generator
     ) -> None:
-        """Some environments have just been reset: to teleport them, to draw goals, or to forget."""
+        """Called after a reset of some environments. Use it to teleport them, to draw goals, or to
+        clear the task's own state.
+        """
 
     def command(self, actions: NDArray[np.float32], states: EnvStates) -> ArrayLike:
         """Commands (n, command_size), in the units of the control mode, from actions (n, A)."""
         raise self._lacks("command")
 
     def observation(self, states: EnvStates) -> ArrayLike:
-        """What the learner sees, (n, O)."""
+        """The learner's observations, (n, O)."""
         raise self._lacks("observation")
 
     def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> ArrayLike:
@@ -61,11 +64,11 @@ class PythonTask:
         raise self._lacks("reward")
 
     def terminated(self, states: EnvStates) -> ArrayLike:
-        """Which episodes end here for a reason of the task's own, (n,) bool."""
+        """Episodes that the task ends here, (n,) bool."""
         return np.zeros(len(states.times), np.bool_)
 
     def info(self, states: EnvStates) -> dict[str, NDArray[Any]]:
-        """Values beside the observation, (n, ...) each."""
+        """Additional values, (n, ...) each."""
         return {}
 
     def _lacks(self, method: str) -> NotImplementedError:
@@ -74,7 +77,7 @@ class PythonTask:
 
 
 def _check_task(task: PythonTask) -> None:
-    """Raises TypeError for what is no task, ValueError for numbers out of range."""
+    """Raises TypeError if it is not a task, ValueError for numbers out of range."""
     if isinstance(task, type):
         raise TypeError(f"task is the class {task.__name__}; give an object: {task.__name__}()")
     if not isinstance(task, PythonTask):
@@ -91,13 +94,13 @@ def _check_task(task: PythonTask) -> None:
 
 
 def _command_size(compiled: _native.CompiledScenario) -> int:
-    """Of the only robot; 0 where there are several, or none that takes commands."""
+    """Command size of the only robot; 0 with several robots, or if none takes commands."""
     found = [compiled.state_values.get(f"robots.{robot}.command") for robot in compiled.robots]
     return found[0].shape[0] if len(found) == 1 and found[0] is not None else 0
 
 
 def _demand_finite(bad: NDArray[np.bool_]) -> None:
-    """An episode cannot begin with what no policy can see. Raises ValueError."""
+    """Raises ValueError if the first observation of an episode is not finite."""
     if bad.any():
         raise ValueError(f"the first observation of environment {np.argmax(bad)} is not finite")
 
@@ -106,24 +109,24 @@ def _demand_finite(bad: NDArray[np.bool_]) -> None:
 class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """A task in Python as a `gymnasium.vector.VectorEnv` over a `SimulationPool`.
 
-    `fault` in the infos (num_envs,) bool marks episodes that end because the physics gave up or
-    because an action, observation or reward was not finite: truncated, reward 0, the last finite
-    observation; their value must not be bootstrapped. Other environments go on. With SAME_STEP,
-    `fault` is the ended episode's, other infos are the new one's; `final_info` has all of
-    the ended one's.
+    `fault` in the infos (num_envs,) bool marks episodes that end because the physics diverged or
+    because an action, observation or reward was not finite. They are truncated, with reward 0 and
+    the last finite observation; their value must not be bootstrapped. Other environments continue.
+    With SAME_STEP, `fault` belongs to the ended episode, other infos to the new one; `final_info`
+    has all infos of the ended one.
 
-    An exception in the task reaches the caller of `step` or `reset`. `reset()` then begins anew and
-    `close` works as ever.
+    An exception in the task propagates from `step` or `reset`. A `reset()` then begins anew, and
+    `close` still works.
 
     Args:
         task: the task; one object for all environments.
-        scenario: name of a shipped scenario, a YAML file, or (where the task keeps the scenario's
+        scenario: name of a shipped scenario, a YAML file, or (if the task keeps the scenario's
             controllers) a loaded `CompiledScenario`.
         num_envs: number of environments.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        TypeError: the task is a class, or no PythonTask at all.
+        TypeError: the task is a class, or is not a PythonTask.
         ValueError: a number is out of range, or an unknown mode.
     """
 
@@ -163,13 +166,13 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Begins new episodes; under a seed, the first ones of that seed.
+        """Begins new episodes; under a seed, its first ones.
 
         Args:
             options: {"reset_mask": (num_envs,) bool array} resets only these environments.
 
         Raises:
-            TypeError: a mask that is no bool array.
+            TypeError: the mask is not a bool array.
             ValueError: a mask of another shape or without a True, with a seed, or after an
                 exception; an unknown option.
         """
@@ -197,15 +200,16 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         NDArray[np.bool_],
         dict[str, Any],
     ]:
-        """One action in every environment; those whose episode ended before are reset instead.
+        """One action in every environment; environments whose episode ended before are reset
+        instead.
 
         Args:
             actions: (num_envs, A) float32, clipped to the task's action space.
 
         Raises:
             TypeError: another dtype.
-            ValueError: another shape, or the task's arrays have another shape than they must, or
-                an episode's first observation is not finite.
+            ValueError: another shape, an array of the task has a wrong shape, or the first
+                observation of an episode is not finite.
             gymnasium.error.ResetNeeded: before `reset`, or after an exception.
         """
         if not self._ready:
@@ -238,7 +242,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
     def _fly(self, actions: NDArray[np.float32], flying: NDArray[np.bool_]) -> None:
         commands = np.asarray(self.task.command(actions, self.pool.states()), np.float64)
         if self._command_size == 0:
-            self.pool.command(commands)  # it refuses them, and says why
+            self.pool.command(commands)  # raises the error with the reason
         check_array("command()", commands, (self.num_envs, self._command_size))
         self.pool.command(commands[flying], envs=flying)
         self.pool.advance(self.task.physics_steps, flying)
@@ -267,7 +271,9 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
     def _begin_at_once(
         self, fault: NDArray[np.bool_], states: EnvStates
     ) -> tuple[dict[str, Any], EnvStates]:
-        """SAME_STEP: begins anew where episodes ended; their last infos, and the states now."""
+        """SAME_STEP: resets environments whose episode ended. Returns their last infos and the
+        current states.
+        """
         ended = self._ended.copy()
         rows = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(ended):
@@ -287,8 +293,9 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
     def _observation(
         self, states: EnvStates, mask: NDArray[np.bool_]
     ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Observations of the environments in `mask`, the last ones of the others; and which are
-        not finite, where the last finite one stands in."""
+        """Observations of the environments in `mask`, and the last ones of the others. A row that
+        is not finite is replaced by the last finite one; the second result marks such rows.
+        """
         shape = self._last.shape
         rows = self._float32("observation", self.task.observation(states), shape)
         bad = mask & ~np.isfinite(rows).reshape(self.num_envs, -1).all(axis=1)
@@ -297,7 +304,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
 
     @staticmethod
     def _float32(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
-        """A new array; what float32 cannot hold becomes infinite, and so a fault."""
+        """A new array; values beyond the range of float32 become infinite, hence a fault."""
         with np.errstate(over="ignore"):
             return check_array(name + "()", values, shape).astype(np.float32)
 
@@ -321,7 +328,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         return self.pool.state(path)
 
     def state_paths(self) -> dict[str, _native.StateValue]:
-        """What `state` can give: path -> unit, frame, shape and meaning."""
+        """All paths of `state`: path -> unit, frame, shape and meaning."""
         return self.pool.state_paths()
 
     def close_extras(self, **_: Any) -> None:

@@ -89,10 +89,10 @@ def gymnasium_id(scenario: str) -> str:
 
 
 class SpecWithHorizon:
-    """Has the specification that Gymnasium gives an environment say when episodes end.
+    """Adds the scenario's horizon to the specification that Gymnasium gives an environment.
 
-    `compiled` is the environment's scenario. Registered specifications do not say it: that would
-    take reading all scenarios, and a wrapper that counts once more.
+    `compiled` is the environment's scenario. Registered specifications have no horizon: it would
+    require reading all scenarios, and Gymnasium would add a wrapper that counts steps again.
     """
 
     compiled: CompiledScenario
@@ -100,7 +100,7 @@ class SpecWithHorizon:
 
     @property
     def spec(self) -> EnvSpec | None:
-        """Of environments that `gymnasium.make` or `make_vec` has made."""
+        """The specification of environments made by `gymnasium.make` or `make_vec`."""
         return self._spec
 
     @spec.setter
@@ -111,10 +111,10 @@ class SpecWithHorizon:
 
 
 def register() -> None:
-    """Has Gymnasium know all shipped scenarios, now or as soon as it is imported.
+    """Registers all shipped scenarios with Gymnasium, now or as soon as it is imported.
 
-    `gymnasium.make` gives a `SkybodyEnv`, `gymnasium.make_vec` a `SkybodyVectorEnv`. Again does
-    nothing.
+    `gymnasium.make` creates a `SkybodyEnv`, `gymnasium.make_vec` a `SkybodyVectorEnv`. A second
+    call does nothing.
     """
     if sys.modules.get("gymnasium") is not None:
         _register()
@@ -123,10 +123,10 @@ def register() -> None:
 
 
 class _GymnasiumFinder:
-    """Finds Gymnasium where the others do, and registers when its import is over.
+    """Finds Gymnasium as the other finders do, and registers when its import is complete.
 
-    Its import takes longer than that of everything else here, and programs that train or fly need
-    none of it.
+    Importing Gymnasium takes longer than all other imports here, and programs that train or fly do
+    not need it.
     """
 
     def __init__(self) -> None:
@@ -135,7 +135,7 @@ class _GymnasiumFinder:
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """What an entry of `sys.meta_path` is asked."""
+        """The method that Python calls on entries of `sys.meta_path`."""
         if name != "gymnasium" or self._asks_others:
             return None
         self._asks_others = True

@@ -1,4 +1,4 @@
-"""What callers may ask randomizable parameters to become, in words that C++ reads."""
+"""Requested values of randomizable parameters, as text lines for C++."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ When: TypeAlias = Literal["next_step", "next_reset"]
 
 
 class Draw(TypedDict, total=False):
-    """A value that is drawn anew for each environment."""
+    """A value that is drawn separately for each environment."""
 
     distribution: Literal["uniform", "log_uniform", "normal", "choice"]
-    """What it is drawn from; "uniform" where it is left out."""
+    """The distribution; default: "uniform"."""
     range: Sequence[float]
-    """[low, high]: of uniform and log_uniform; where a normal distribution is cut off."""
+    """[low, high]: of uniform and log_uniform; the truncation limits of a normal distribution."""
     mean: float
     """Of a normal distribution."""
     deviation: float
-    """Of a normal distribution, its standard deviation before it is cut off."""
+    """Of a normal distribution, its standard deviation before truncation."""
     values: Sequence[float]
-    """What a choice is among."""
+    """The values of a choice."""
     weights: Sequence[float]
-    """Of these values, adding up to 1; left out: all alike."""
+    """Weights of these values, adding up to 1; default: equal."""
     form: Literal["value", "scale", "shift"]
-    """What is drawn is the value itself, a factor on the nominal value, or added to it."""
+    """The draw is the value itself, a factor on the nominal value, or added to it."""
     shared: bool
-    """One draw for all values that the path names, not one for each."""
+    """One draw for all values that the path names, instead of one for each."""
 
 
 Change: TypeAlias = float | Sequence[float] | NDArray[Any] | Draw
@@ -49,17 +49,17 @@ _KEYS = ("distribution", "form", "shared", *dict.fromkeys(sum(_NUMBERS.values(),
 
 
 def at_reset(when: str) -> bool:
-    """Raises ValueError for what is neither "next_step" nor "next_reset"."""
+    """Whether it is "next_reset". Raises ValueError for another word than "next_step"."""
     if when not in ("next_step", "next_reset"):
         raise ValueError(f'when is {when!r}; it must be "next_step" or "next_reset"')
     return when == "next_reset"
 
 
 def request_lines(compiled: CompiledScenario, changes: Mapping[str, Change]) -> list[str]:
-    """One line for each value or draw, as `read_param_change` in core/env takes it.
+    """One line for each value or draw, in the format of `read_param_change` in core/env.
 
     Raises:
-        TypeError, ValueError: naming the path and what is wrong.
+        TypeError, ValueError: naming the path and the problem.
     """
     if not isinstance(changes, Mapping):
         raise TypeError(f"changes are {changes!r}; they must be a dict of paths and what they get")
@@ -84,7 +84,7 @@ def request_lines(compiled: CompiledScenario, changes: Mapping[str, Change]) -> 
 
 
 def _numbers(path: str, given: Any, wanted: str) -> NDArray[np.float64]:
-    """`given` as numbers. Raises TypeError for booleans, texts, None and lists of lengths."""
+    """`given` as numbers. Raises TypeError for booleans, strings, None and ragged lists."""
     try:
         values = np.asarray(given)
     except ValueError:  # rows of different lengths

@@ -29,14 +29,14 @@ _PER_ENV_METHODS = ("param", "set_param")
 class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     """`num_envs` environments of one scenario for Stable-Baselines3.
 
-    An ended episode's environment is reset within the same step, as Stable-Baselines3 expects.
+    An environment is reset within the step that ends its episode, as Stable-Baselines3 expects.
     Its info then has
 
     * `terminal_observation` (observation_size,) float32: the last one before the reset, a copy;
-    * `TimeLimit.truncated`: True where the value of that observation is to be bootstrapped: for a
+    * `TimeLimit.truncated`: True if the value of that observation is to be bootstrapped: for a
       truncation that is neither a termination nor a fault;
     * `fault`: action, observation or reward was not finite, or the physics diverged;
-    * info values (the task's, then what other plugins report) at the end, for
+    * info values (the task's, then those of other plugins) at the end, for
       `VecMonitor(info_keywords=...)`.
 
     Infos of other environments are empty; `last_info` has their values, as arrays.
@@ -76,7 +76,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         )
 
     def reset(self) -> Any:
-        """Begins new episodes; under a new seed after `seed(...)`, else the next ones.
+        """Begins new episodes; under a new seed after `seed(...)`, otherwise the next ones.
 
         Returns:
             observations (num_envs, observation_size) float32 (a dictionary with
@@ -97,7 +97,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped).
 
-        Raises Error where the step before was interrupted: reset first.
+        Raises Error if the previous step was interrupted: reset first.
         """
         self.native.refuse_interrupted()
         self.native.send(np.ascontiguousarray(actions, np.float32), None)
@@ -134,7 +134,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
     @property
     def last_info(self) -> dict[str, NDArray[np.float32]]:
-        """Info values after the last step (or reset within it): (num_envs,) each.
+        """Info values after the last step (or its reset): (num_envs,) each.
 
         With privileged columns also `privileged` (num_envs, privileged_size), for a critic only.
         """
@@ -148,11 +148,11 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
                 raise ValueError(f"unknown reset option `{next(iter(each))}`; there are none")
 
     def close(self) -> None:
-        """Gives threads and memory back. Further calls raise."""
+        """Ends the threads and frees the memory. Later calls raise."""
         self.native.close()
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Raises AttributeError, and says how physical values are set."""
+        """Raises AttributeError with the way to set physical values."""
         raise AttributeError(
             f"environments have no attribute `{attr_name}` to set; physical values are set by "
             'env_method("set_param", PATH, VALUE)'

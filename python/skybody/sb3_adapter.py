@@ -19,9 +19,9 @@ except ModuleNotFoundError as error:
 class VectorEnvForSb3(UniformVecEnv):
     """A `PythonTaskVectorEnv` (or another vector environment) for Stable-Baselines3.
 
-    `skybody.sb3.SkybodyVecEnv` is the one for tasks in C++. Infos of ended episodes have
-    `terminal_observation`, and `TimeLimit.truncated`: True where its value is to be bootstrapped,
-    so not for faults.
+    For tasks in C++ use `skybody.sb3.SkybodyVecEnv`. Infos of ended episodes have
+    `terminal_observation`, and `TimeLimit.truncated`: True if its value is to be bootstrapped,
+    which excludes faults.
 
     Raises:
         ValueError: the environment's autoreset mode is not SAME_STEP.
@@ -68,9 +68,9 @@ class VectorEnvForSb3(UniformVecEnv):
         return observation, np.asarray(reward, np.float32), dones, infos
 
     def attribute(self, name: str) -> Any:
-        """That of the environment underneath. Raises AttributeError if there is none."""
+        """An attribute of the underlying environment. Raises AttributeError if there is none."""
         return getattr(self.envs, name)
 
     def close(self) -> None:
-        """Closes the environment underneath."""
+        """Closes the underlying environment."""
         self.envs.close()

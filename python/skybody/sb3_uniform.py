@@ -1,4 +1,4 @@
-"""What Stable-Baselines3 asks single environments, where they have no objects of their own."""
+"""Stable-Baselines3's methods on single environments, for environments without own objects."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .arguments import check_seed
 
 
 class UniformVecEnv(VecEnv):
-    """A `VecEnv` whose environments are all alike and have no objects of their own."""
+    """A `VecEnv` whose environments are identical and have no Python objects of their own."""
 
     def attribute(self, name: str) -> Any:
         """An attribute that all environments share. Raises AttributeError if there is none."""
         return getattr(self, name)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed for the next `reset`: environment i draws from (seed, i). None: a random one.
+        """Sets the seed of the next `reset`: environment i draws from (seed, i). None: random.
 
         Returns:
             the seed, num_envs times.

@@ -43,7 +43,7 @@ CONTROL_MODES: dict[str, str] = {
     "position": "[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]",
     "trajectory": "[{plugin: geometric}, {plugin: ctbt}]",
 }
-"""Controllers behind each word of `control`; what a command is: docs/control-modes.md."""
+"""Controllers of each value of `control`; for their commands see docs/control-modes.md."""
 
 _TERMINATED, _TRUNCATED, _FAULT = 1, 2, 4  # bits of `status`
 
@@ -54,7 +54,7 @@ def load_with_control(
     overrides: Iterable[str],
     plugin_path: Iterable[str | os.PathLike[str]],
 ) -> CompiledScenario:
-    """Loads a scenario, with other controllers on all of its robots.
+    """Loads a scenario and replaces the controllers of all its robots.
 
     Args:
         control: one of CONTROL_MODES, or a list of controllers as in a scenario's YAML; None: the
@@ -63,7 +63,7 @@ def load_with_control(
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        TypeError: control is no text.
+        TypeError: control is not a string.
         ValueError: an unknown mode, or changes to a compiled scenario.
     """
     if control is None:
@@ -96,8 +96,8 @@ def _floats(values: ArrayLike | None) -> NDArray[np.float64] | None:
 class Simulation(_native.Simulation):
     """One environment under direct control.
 
-    It is stepped as a learner does, by `step(action)`, or by hand: `command(values)` in the units
-    of the control mode, `advance(n)` physics steps, `evaluate()` where the task is to be asked.
+    Step it like a learner, by `step(action)`, or by hand: `command(values)` in the units of the
+    control mode, `advance(n)` physics steps, `evaluate()` to evaluate the task.
     Frames: world (z up), body (x forward, y left, z up); SI units. One Python thread at a time.
 
     Args:
@@ -122,12 +122,12 @@ class Simulation(_native.Simulation):
         super().__init__(compiled, check_seed(options["seed"]) or 0, options["env_id"])
 
     def command(self, values: ArrayLike, robot: str = "") -> None:
-        """Sets the commands of a robot's chains of controllers, in order; held until the next ones.
+        """Sets the commands of a robot's controller chains, in order; held until the next command.
 
         Args:
-            values: (command_size,), in the units of the control mode. Controllers hold them to
-                what the robot can do. A reset leaves zeros, a `step` its own.
-            robot: may be left out where there is one.
+            values: (command_size,), in the units of the control mode. Controllers limit them to
+                the robot's capabilities. A reset sets zeros, a `step` its own commands.
+            robot: optional if there is only one.
 
         Raises:
             ValueError: another shape, a value that is not finite, no such robot, before `reset`.
@@ -142,15 +142,15 @@ class Simulation(_native.Simulation):
         angular_velocity: ArrayLike | None = None,
         robot: str = "",
     ) -> None:
-        """Puts a robot's floating base somewhere. What is left out stays, and so do joints, rotors,
-        other robots and the sensors' last outputs.
+        """Sets the state of a robot's floating base. Omitted values are unchanged, as are joints,
+        rotors, other robots and the sensors' last outputs.
 
         Args:
             position: (3,) world [m].
             rotation: (4,) quaternion w x y z, world from body, any length but 0.
             velocity: (3,) world [m/s].
             angular_velocity: (3,) body axes [rad/s].
-            robot: may be left out where there is one.
+            robot: optional if there is only one.
 
         Raises:
             ValueError: another shape, a value that is not finite, a fixed base, before `reset`.
@@ -172,7 +172,7 @@ class Simulation(_native.Simulation):
         inertia: ArrayLike | None = None,
         robot: str = "",
     ) -> None:
-        """Changes the body that a link belongs to; controllers go on with the nominal values.
+        """Changes the body of a link; controllers keep using the nominal values.
 
         Args:
             mass: [kg].
@@ -180,55 +180,56 @@ class Simulation(_native.Simulation):
             inertia: (3, 3) about the centre of mass, body axes [kg m^2].
 
         Raises:
-            ValueError: no rigid body can have them, or no such link.
+            ValueError: the values are not physical for a rigid body, or no such link.
         """
         super().set_mass_properties(
             link, mass=mass, com=_floats(com), inertia=_floats(inertia), robot=robot
         )
 
     def request(self, changes: Mapping[str, Change], when: When = "next_step") -> None:
-        """Asks for values of randomizable parameters: done with the next `step` or `advance`, or in
-        the next `reset`. Values and errors: `skybody.vector.SkybodyVectorEnv.request`.
+        """Requests values of randomizable parameters, applied with the next `step` or `advance`, or
+        in the next `reset`. Values and errors: `skybody.vector.SkybodyVectorEnv.request`.
         """
         super().request_lines(request_lines(self.compiled, changes), at_reset(when))
 
     def state_paths(self) -> dict[str, _native.StateValue]:
-        """What `state` can give: path -> unit, frame, shape and meaning."""
+        """All paths of `state`: path -> unit, frame, shape and meaning."""
         return self.compiled.state_values
 
     def fork(self, rekey: bool = False) -> Simulation:
-        """A copy with the same future; with `rekey` its random numbers are its own."""
+        """A copy with the same future; with `rekey` it draws its own random numbers."""
         copy = type(self)(self.compiled)
         copy.restore(super().fork(rekey).save())
         return copy
 
 
 class EnvStates(NamedTuple):
-    """States of some environments, a row each; float64, copies. B bodies, R rotors each."""
+    """States of some environments, one row each; float64, copies. B bodies, R rotors each."""
 
     positions: NDArray[np.float64]
     """(n, B, 3): origins of the bodies, world axes [m]."""
     rotations: NDArray[np.float64]
     """(n, B, 4): unit quaternions w x y z, world from body."""
     velocities: NDArray[np.float64]
-    """(n, B, 3): of the origins, world axes [m/s]."""
+    """(n, B, 3): velocities of the origins, world axes [m/s]."""
     angular_velocities: NDArray[np.float64]
     """(n, B, 3): body axes [rad/s]."""
     rotor_speeds: NDArray[np.float64]
     """(n, R) [rad/s]."""
     times: NDArray[np.float64]
-    """(n,): since each environment's reset [s]."""
+    """(n,): time since each environment's reset [s]."""
 
 
 @takes(SimulationPoolOptions)
 class SimulationPool(_native.SimulationPool):
-    """Environments of one scenario under direct control, shared out among threads, batched calls.
+    """Environments of one scenario under direct control, on several threads, with batched calls.
 
-    What steps or resets environments runs on all threads, without the GIL, and waits for all.
-    Where one fails the others finish; the error names the first that failed. Nothing resets
-    itself. What an environment does depends on its key and its own calls alone.
+    Calls that step or reset environments run on all threads, without the GIL, and wait for all
+    environments. If one fails the others finish; the error names the first that failed. No
+    environment resets itself. The result of an environment depends only on its key and its own
+    calls.
 
-    `envs` is everywhere None for all, a (num_envs,) bool mask, or numbers, each at most once.
+    `envs` is always None for all, a (num_envs,) bool mask, or indices, each at most once.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
@@ -273,19 +274,19 @@ class SimulationPool(_native.SimulationPool):
         super().reset(self._ids(envs), check_seed(seed))
 
     def step(self, actions: ArrayLike, envs: ArrayLike | None = None) -> None:
-        """One step of each: action_repeat physics steps under an action.
+        """One step of each environment: action_repeat physics steps under an action.
 
         Args:
-            actions: (n, action_size) in [-1, 1] (clipped); one that is not finite ends the
+            actions: (n, action_size) in [-1, 1] (clipped). A value that is not finite ends the
                 environment's episode as a fault.
         """
         super().step(np.asarray(actions, np.float32), self._ids(envs))
 
     def command(self, values: ArrayLike, robot: str = "", envs: ArrayLike | None = None) -> None:
-        """Sets the command of a robot's chains in some environments, held until the next.
+        """Sets the command of a robot's controller chains; held until the next command.
 
         Args:
-            values: (n, command_size), or (command_size,) for all of them alike, in the units of the
+            values: (n, command_size), or (command_size,) for all of them, in the units of the
                 control mode.
 
         Raises:
@@ -298,14 +299,14 @@ class SimulationPool(_native.SimulationPool):
         super().command(rows, robot, ids)
 
     def advance(self, physics_steps: int = 1, envs: ArrayLike | None = None) -> None:
-        """Physics steps of each under its commands, without action and task.
+        """Makes physics steps of each environment under its commands, without action and task.
 
-        An environment whose physics gives up ends its episode as a fault: see `faults`.
+        If the physics of an environment diverges, its episode ends as a fault: see `faults`.
         """
         super().advance(integer("physics_steps", physics_steps), self._ids(envs))
 
     def evaluate(self, envs: ArrayLike | None = None) -> None:
-        """Ends a transition made by command and advance: asks the scenario's task."""
+        """Ends a transition made by command and advance: evaluates the scenario's task."""
         super().evaluate(self._ids(envs))
 
     def teleport(
@@ -352,7 +353,7 @@ class SimulationPool(_native.SimulationPool):
         return values if ids is None else values[ids]
 
     def state_paths(self) -> dict[str, _native.StateValue]:
-        """What `state` can give: path -> unit, frame, shape and meaning."""
+        """All paths of `state`: path -> unit, frame, shape and meaning."""
         return self.compiled.state_values
 
     def _has(self, bit: int) -> NDArray[np.bool_]:
@@ -366,10 +367,10 @@ class SimulationPool(_native.SimulationPool):
 
     @property
     def truncated(self) -> NDArray[np.bool_]:
-        """(num_envs,): horizon, task or fault ended it."""
+        """(num_envs,): horizon, task or fault ended the episode."""
         return self._has(_TRUNCATED)
 
     @property
     def faults(self) -> NDArray[np.bool_]:
-        """(num_envs,): the physics gave up, or an action was not finite."""
+        """(num_envs,): the physics diverged, or an action was not finite."""
         return self._has(_FAULT)

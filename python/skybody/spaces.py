@@ -18,7 +18,7 @@ def observation_bounds(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Lowest and highest value of each entry of an observation row, (observation_size,) each.
 
-    Units are the channels' own (SI); an entry without a bound has -inf or inf.
+    Units are those of the channels (SI); an entry without a bound has -inf or inf.
     """
     low = np.empty(compiled.observation_size, np.float32)
     high = np.empty(compiled.observation_size, np.float32)
@@ -34,7 +34,7 @@ def observation_space(compiled: CompiledScenario) -> Box[np.float32]:
 
 
 def column_space(column: ObservationColumn) -> Box[Any]:
-    """Values of one column: Box of its shape, dtype and bounds."""
+    """Space of one column: Box of its shape, dtype and bounds."""
     return Box(column.low, column.high, column.shape, np.dtype(column.dtype).type)
 
 
@@ -44,7 +44,7 @@ def dict_space(columns: Iterable[ObservationColumn]) -> Dict:
 
 
 def space_of(compiled: CompiledScenario, observations: Observations) -> Box[np.float32] | Dict:
-    """What one environment gives: a Box, or a Dict with a Box for each column under its key."""
+    """Observations of one environment: a Box, or a Dict with a Box for each column's key."""
     if observations.columns is None:
         return observation_space(compiled)
     return dict_space(observations.columns)
@@ -61,13 +61,13 @@ def batched(space: Box[np.float32] | Dict, count: int) -> Box[np.float32] | Dict
 def action_space(compiled: CompiledScenario) -> Box[np.float32]:
     """Actions of one environment: Box [-1, 1] (action_size,), float32.
 
-    What -1 and 1 mean is in `compiled.action_channels[k].low` and `.high`, in SI units.
+    The values of -1 and 1 in SI units are `compiled.action_channels[k].low` and `.high`.
     """
     return Box(-1.0, 1.0, (compiled.action_size,), np.float32)
 
 
 def select(space: Box[np.float32], entries: Sequence[int] | NDArray[np.intp]) -> Box[np.float32]:
-    """The space of some entries of a flat one, in the given order."""
+    """The space of some entries of a flat space, in the given order."""
     return Box(space.low[entries], space.high[entries], dtype=np.float32)
 
 

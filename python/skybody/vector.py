@@ -24,16 +24,16 @@ def autoreset_mode(autoreset: str | Enum) -> AutoresetMode:
     """Gymnasium's mode for "next_step", "same_step", "disabled", or for a mode or its value.
 
     Raises:
-        ValueError: none of these.
+        ValueError: an unknown mode.
     """
     return AutoresetMode[autoreset_word(autoreset).upper()]
 
 
 def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool_] | None:
-    """The mask (num_envs,) that reset options have; None: there are no options.
+    """The mask (num_envs,) in the reset options; None: there are no options.
 
     Raises:
-        TypeError: a mask that is no bool array.
+        TypeError: the mask is not a bool array.
         ValueError: another shape, no True, or an unknown option.
     """
     if not options:
@@ -56,29 +56,35 @@ class SkybodyVectorEnv(
 ):
     """`num_envs` environments of one scenario as one vector environment.
 
-    Observations, rewards, ends and infos are views of memory that C++ owns. They keep their values
-    until the second next `step`, and for as long as any of them is held.
+    Observations, rewards, ends and infos are views of memory owned by C++. They keep their values
+    until the second next `step`, and for as long as any of them is referenced.
 
-    Infos are arrays with Gymnasium's `_name` masks: one per info value of the task, and `fault`
-    (num_envs,) bool: action, observation or reward was not finite, or the physics diverged (beyond
-    1e6 in SI units). A fault ends the episode, truncated; its value must not be bootstrapped. Other
-    environments go on. Where values of actions lay beyond [-1, 1], as rad/s or newtons do,
-    `clipped` (num_envs,) int32 says how many; `clipped` of the environments is the sum so far.
-    With SAME_STEP, `fault` is the ended episode's (as are the flags beside it), while the other
-    infos are the new episode's. With several agents there is also `agent_reward`
-    (num_envs, agents) float32: the transition's, like the reward. With privileged columns there is
-    `privileged` (num_envs, privileged_size) float32, which belongs to the observations: for a
-    critic only.
+    Infos are arrays with Gymnasium's `_name` masks:
+
+    * one per info value of the task;
+    * `fault` (num_envs,) bool: action, observation or reward was not finite, or the physics
+      diverged (beyond 1e6 in SI units). A fault ends the episode as truncated; its value must not
+      be bootstrapped. Other environments continue;
+    * if values of actions were outside [-1, 1] (such as rad/s or newtons), `clipped` (num_envs,)
+      int32: their number; the attribute `clipped` is the sum so far;
+    * with several agents, `agent_reward` (num_envs, agents) float32 of the transition, like the
+      reward;
+    * with privileged columns, `privileged` (num_envs, privileged_size) float32, which belongs to
+      the
+      observations: for a critic only.
+
+    With SAME_STEP, `fault` belongs to the ended episode (as do terminations and truncations), while
+    the other infos belong to the new episode.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
-        max_episode_steps: the scenario's horizon or None; `gymnasium.make_vec` gives that of a
-            specification.
+        max_episode_steps: the scenario's horizon or None; `gymnasium.make_vec` passes the value of
+            the specification.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, joint for agents that are not alike, joint with
+        ValueError: a number is out of range, joint for agents that are not identical, joint with
             dictionaries or images, or another max_episode_steps.
     """
 
@@ -131,7 +137,7 @@ class SkybodyVectorEnv(
 
     @property
     def autoreset_mode(self) -> AutoresetMode:
-        """As Gymnasium's own vector environments have it."""
+        """The mode, as in Gymnasium's own vector environments."""
         return self._mode
 
     def reset(
@@ -140,25 +146,25 @@ class SkybodyVectorEnv(
         """Begins new episodes.
 
         Args:
-            seed: starts the episode counters again, under this seed; None: the next episodes.
+            seed: restarts the episode counters, under this seed; None: the next episodes.
             options: {"reset_mask": (num_envs,) bool array} resets only these environments; the
-                rows of the others are their last observations again.
+                rows of the others repeat their last observations.
 
         Returns:
             observations (num_envs, observation_size) float32 (a dictionary with
             dict_observations), and infos.
 
         Raises:
-            TypeError: a list of seeds, or a mask that is no bool array.
-            ValueError: a mask of another shape or without a True, a seed and a mask, or an unknown
-                option.
+            TypeError: a list of seeds, or the mask is not a bool array.
+            ValueError: a mask of another shape or without a True, both a seed and a mask, or an
+                unknown option.
         """
         mask = reset_mask(options, self.num_envs)
         value = check_seed(seed)
         if mask is not None and value is not None:
             raise ValueError("a seed restarts all environments: leave out `reset_mask`")
         if mask is not None:
-            self.native.refuse_interrupted()  # others' transitions would be lost
+            self.native.refuse_interrupted()  # otherwise transitions of others are lost
         super().reset(seed=value)
         drain(self.native)
         self.native.send_reset(mask, value)
@@ -171,7 +177,7 @@ class SkybodyVectorEnv(
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """One transition of all environments.
+        """Makes one transition of all environments.
 
         Args:
             actions: (num_envs, action_size) float32 in [-1, 1] (clipped). A row that is not finite
@@ -185,7 +191,7 @@ class SkybodyVectorEnv(
 
         Raises:
             TypeError: another dtype.
-            Error: the step before was interrupted: reset first.
+            Error: the previous step was interrupted: reset first.
             ValueError: another shape; an environment that is not yet reset, or (DISABLED) whose
                 episode has ended.
         """
@@ -207,7 +213,7 @@ class SkybodyVectorEnv(
     def _add_final(
         self, infos: dict[str, Any], batch: _native.Batch, ended: NDArray[np.intp]
     ) -> None:
-        """What SyncVectorEnv adds where episodes have ended: an object array, and a dictionary."""
+        """SyncVectorEnv's entries for ended episodes: an object array, and a dictionary."""
         if ended.size == 0:
             return
         final = self._observations.final_of(batch)
@@ -220,5 +226,5 @@ class SkybodyVectorEnv(
         infos["_final_obs"] = infos["_final_info"] = last.mask
 
     def close_extras(self, **_: Any) -> None:
-        """Finishes a recording, gives threads and memory back; called by `close`."""
+        """Finishes a recording, ends the threads and frees the memory; called by `close`."""
         self.native.close()

@@ -1,5 +1,5 @@
-// When a randomizer draws: at the first reset, then at every n-th, and whenever the caller asks;
-// and writing what was drawn then.
+// Schedule of a randomizer: it draws at the first reset, then at every n-th, and on request; and
+// writing of the drawn values.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -8,31 +8,31 @@
 
 namespace skybody::randomization {
 
-/// A randomizer's state, which survives resets.
+/// A randomizer's state, kept across resets.
 template <class Real>
 struct Schedule {
-  Word<Real> waited;  ///< resets since the last draw, 0: draw at the next one
+  Word<Real> waited;  ///< resets since the last draw; 0: draw at the next one
 };
 
-/// The parameter that all randomizers with a schedule declare.
+/// The parameter of all randomizers with a schedule.
 inline IntegerSpec every_spec() {
   return {
       .name = "every", .value = 1, .min = 1, .doc = "draw at every n-th reset, the first included"};
 }
 
-/// Where values are to be drawn now.
+/// Mask of the lanes in which to draw now.
 template <class Real>
 SKYBODY_INLINE MaskOf<Real> is_due(const Schedule<Real>& schedule, bool requested) {
   return logical_or(MaskOf<Real>(requested), schedule.waited == Word<Real>(0));
 }
 
-/// Writes a parameter where it is due; elsewhere it keeps what it has.
+/// Writes a parameter in the due lanes; the others keep their values.
 template <class Real>
 SKYBODY_INLINE void put(Start<Real>& start, int param, const MaskOf<Real>& due, const Real& value) {
   start.params.set(param, select(due, value, start.params[param]));
 }
 
-/// Counts a reset. A draw that was asked for in mid-episode is none.
+/// Counts a reset. A requested draw in mid-episode does not count.
 template <class Real>
 SKYBODY_INLINE void count_reset(Schedule<Real>& schedule, bool requested, std::int64_t every) {
   if (requested) return;

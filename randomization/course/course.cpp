@@ -1,5 +1,5 @@
-// Draws a race: where the gates of a ring stand, at which gate an episode begins, and where on the
-// way there its racers are.
+// Draws a race: positions of a ring's gates, the first gate of an episode, and start positions of
+// the racers on the way to it.
 #include <skybody/plugin.h>
 
 #include <stdexcept>
@@ -44,7 +44,8 @@ class Course : public Randomizer {
   };
   struct Robot {
     int position, turn, velocity;  ///< first EnvParams
-    Vec3<double> beside;           ///< of the team's middle in the scenario, in its heading [m]
+    Vec3<double> beside;           ///< relative to the team's mean in the scenario, in its heading
+                                   ///< [m]
     double yaw;                    ///< of the scenario [rad]
   };
 
@@ -103,7 +104,7 @@ class Course : public Randomizer {
     return {turn.cos * v.x - turn.sin * v.y, turn.sin * v.x + turn.cos * v.y, v.z};
   }
 
-  /// Gate i somewhere in its own sector of a ring, about along it.
+  /// Gate i at a random position in its own sector of a ring, roughly along the ring.
   template <class Real>
   SKYBODY_INLINE void place_gates(Random<Real>& draw, Start<Real>& start) const {
     const double sector = kTwoPi / static_cast<double>(gates_.size());
@@ -121,8 +122,8 @@ class Course : public Randomizer {
     }
   }
 
-  /// On the straight way from the middle of the gate before to that of the first one, flying along
-  /// it; a team keeps its places, turned to that way.
+  /// Start on the straight line from the previous gate's centre to the first gate's, flying along
+  /// it; a team keeps its formation, rotated to that line.
   template <class Real>
   SKYBODY_INLINE void place_robots(Random<Real>& draw, const Real& first,
                                    const Start<Real>& start) const {

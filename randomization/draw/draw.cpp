@@ -1,4 +1,4 @@
-// Draws any randomizable values, named by path: from what, how often, and at which times.
+// Draws any randomizable values, selected by path: distribution, frequency and times.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -14,7 +14,7 @@ class Draw : public Randomizer {
   template <class Real>
   struct State {
     randomization::Schedule<Real> schedule;
-    Word<Real> due;  ///< physics step before which it draws, where it draws in time; 0: never
+    Word<Real> due;  ///< physics step before which it draws, for draws at a time; 0: never
   };
 
   void configure(const Setup& setup) override {
@@ -47,14 +47,14 @@ class Draw : public Randomizer {
   struct Target {
     int param;
     double nominal;
-    double factor;  ///< the nominal value for `scale`, else 1
-    double offset;  ///< the nominal value for `shift`, else 0
-    bool draws;     ///< else it takes the number of the one before
+    double factor;  ///< nominal value for `scale`, else 1
+    double offset;  ///< nominal value for `shift`, else 0
+    bool draws;     ///< false: uses the previous value's random number
   };
 
-  /// ---- in an episode
+  /// ---- per episode
 
-  /// Numbers of this instance, or those that all draws of one name share.
+  /// Random numbers of this instance, or those shared by all draws of one `correlated` name.
   template <class Real>
   SKYBODY_INLINE Random<Real> numbers(const EnvView<Real>& env, std::uint64_t occasion) const {
     if (stream_ == 0) return random(env, occasion);
@@ -74,7 +74,7 @@ class Draw : public Randomizer {
     }
   }
 
-  /// Values are nominal until the time comes, which is drawn now.
+  /// Values are nominal until a time, which is drawn now.
   template <class Real>
   SKYBODY_INLINE void begin_episode(const EnvView<Real>& env, const MaskOf<Real>& is_due,
                                     State<Real>& state, Start<Real>& start) const {
@@ -96,7 +96,7 @@ class Draw : public Randomizer {
     state.due = select(is_now, Word<Real>(0), state.due);
   }
 
-  /// ---- of the scenario
+  /// ---- configuration
 
   Distribution read_distribution() const {
     const std::string& kind = distribution_name_.value();
@@ -114,7 +114,7 @@ class Draw : public Randomizer {
                                " values: write [low, high]");
     }
     const double low = range_.value(0), high = range_.value(1);
-    const bool is_flat = !(deviation_.value() > 0.0);  // of a normal one: what is refused first
+    const bool is_flat = !(deviation_.value() > 0.0);  // of a normal distribution: rejected first
     return blaming(kind == "normal" && is_flat && low <= high ? "deviation" : "range", [&] {
       if (kind == "uniform") return make_uniform(low, high);
       if (kind == "log_uniform") return make_log_uniform(low, high);
@@ -122,7 +122,7 @@ class Draw : public Randomizer {
     });
   }
 
-  /// What `make` gives; its error names the parameter.
+  /// Result of `make`; its error names the parameter.
   template <class Make>
   static Distribution blaming(const std::string& parameter, const Make& make) {
     try {

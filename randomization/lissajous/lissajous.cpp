@@ -1,5 +1,5 @@
-// The paper's family of Lissajous figures: what a controller `reference`, or a task, has as a path
-// of that kind is drawn together, and a robot may begin near the figure's beginning.
+// The paper's family of Lissajous figures: draws all path parameters of a controller `reference` or
+// a task together, and optionally places a robot near the figure's beginning.
 #include <skybody/plugin.h>
 
 #include <stdexcept>
@@ -89,7 +89,7 @@ class LissajousFamily : public Randomizer {
   }
 
  private:
-  /// The first of a parameter's EnvParams.
+  /// The first EnvParam of a parameter.
   int announce(const Setup& setup, const std::string& name) const {
     return announce_all(setup, reference_.value() + "." + name);
   }
@@ -105,7 +105,8 @@ class LissajousFamily : public Randomizer {
                              "` has a fixed base, which cannot start elsewhere: leave `robot` out");
   }
 
-  /// Puts the robot near the figure's beginning, in every episode: the figure may last for several.
+  /// Places the robot near the figure's beginning, in every episode: the figure may last for
+  /// several.
   template <class Real>
   SKYBODY_INLINE void place(Random<Real>& draw, Start<Real>& start) const {
     for (int axis = 0; axis < 3; ++axis) {
@@ -191,7 +192,7 @@ class LissajousFamily : public Randomizer {
 
   int amplitude_ = 0, centre_ = 0, cycles_ = 0, phase_ = 0, speed_ = 0, along_ = 0;
   int middle_ = 0;  ///< centre[0]
-  int start_ = -1;  ///< of the robot's position at a reset; -1: nobody is moved
+  int start_ = -1;  ///< of the robot's position at a reset; -1: no robot is moved
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Where and how robots begin an episode: position, heading, tilt, velocity, rates, rotor speeds.
+// Initial states of robots: position, heading, tilt, velocity, rates, rotor speeds.
 #include <skybody/plugin.h>
 
 #include <cmath>
@@ -45,9 +45,9 @@ class RandomStart : public Randomizer {
  private:
   /// First EnvParams.
   struct Rotor {
-    int start;  ///< its speed at the start
+    int start;  ///< its initial speed
     int constants;
-    double lift;       ///< axis . z of the base; below 0: it lifts by turning backwards
+    double lift;       ///< axis . z of the base; negative: it lifts in reverse rotation
     double min_speed;  ///< [rad/s]
   };
   struct Target {
@@ -150,7 +150,7 @@ class RandomStart : public Randomizer {
     start.params.set(t.angular_velocity, random_vector(draws + kRate, rate_max_.value()));
   }
 
-  /// Tilt about a random horizontal axis, then heading; on top of the scenario's own if relative.
+  /// Tilt about a random horizontal axis, then heading; added to the scenario's own if relative.
   template <class Real>
   SKYBODY_INLINE Quat<Real> rotation(const Real* draws, const Target& t) const {
     const Real turn = yaw_min_.value() + (yaw_max_.value() - yaw_min_.value()) * draws[kYaw];
@@ -164,7 +164,8 @@ class RandomStart : public Randomizer {
     return normalized(heading * tilt * own);
   }
 
-  /// Any direction, magnitude uniform up to `largest`. Takes three draws; Archimedes: z is uniform.
+  /// Random direction, magnitude uniform up to `largest`. Uses three draws; z is uniform
+  /// (Archimedes).
   template <class Real>
   static SKYBODY_INLINE Vec3<Real> random_vector(const Real* draws, double largest) {
     const Real z = 2.0 * draws[0] - 1.0;
@@ -173,7 +174,7 @@ class RandomStart : public Randomizer {
     return Vec3<Real>{side * angle.cos, side * angle.sin, z} * (largest * draws[2]);
   }
 
-  /// One speed for all rotors that carries the environment's own weight, level.
+  /// Equal speed of all rotors that carries the environment's own weight, level.
   template <class Real>
   SKYBODY_INLINE void spin(const EnvView<Real>& env, const Target& t, Start<Real>& start) const {
     Real mass(0.0), lift(0.0);

@@ -1,4 +1,4 @@
-// The scaling laws by which a quadrotor's constants follow from a few quantities: README.md.
+// Scaling laws: a quadrotor's constants from a few quantities. Equations: README.md.
 #pragma once
 
 #include "core/base/constants.h"
@@ -7,18 +7,18 @@
 
 namespace skybody::randomization {
 
-inline constexpr double kAirDensity = 1.225;  // [kg/m^3], of the standard atmosphere at sea level
+inline constexpr double kAirDensity = 1.225;  // [kg/m^3], standard atmosphere at sea level
 
-/// What a vehicle's rotors share.
+/// Common constants of a vehicle's rotors.
 template <class Real>
 struct VehicleRotors {
   Real arm, sweep;
-  Real constants[SKYBODY_ROTOR_POSITION];  ///< at the places of SkybodyRotorConstant
+  Real constants[SKYBODY_ROTOR_POSITION];  ///< indexed by SkybodyRotorConstant
 };
 
-/// The laws by one set of quantities.
-/// @tparam At   at(VehicleQuantity) is what a quantity is
-/// @tparam Has  has(VehicleQuantity): whether it is used, of those that stand for one another
+/// The laws for one set of quantities.
+/// @tparam At   at(VehicleQuantity): value of a quantity
+/// @tparam Has  has(VehicleQuantity): whether it is used, among alternatives
 template <class Real, class At, class Has>
 struct VehicleLaws {
   const At& at;
@@ -32,13 +32,13 @@ struct VehicleLaws {
       const Real radius = at(kGyration) * arm;
       return mass * (radius * radius);
     }
-    // Two rotors of an X push with a lever of arm / sqrt(2) each.
+    // Two rotors of an X act with a lever arm of arm / sqrt(2) each.
     const Real torque = arm * full * sqrt(2.0);
     if (has(kTorqueToInertia)) return torque / at(kTorqueToInertia);
     return torque * at(kWeightByTurn) / ratio;
   }
 
-  /// Fills `constants`. @param growth  of time constants with the mass
+  /// Fills `constants`. @param growth  growth factor of time constants with mass
   SKYBODY_INLINE void make_rotors(const Real& growth, const Real& full, const Real& ratio,
                                   VehicleRotors<Real>& out) const {
     const Real radius = at(kRotorRadius) * out.arm;

@@ -1,11 +1,11 @@
-// What `vehicle` draws from: one range for each quantity, by preset. Sources: README.md.
+// Ranges of `vehicle`: one range per quantity and preset. Sources: README.md.
 #pragma once
 
 #include <cstddef>
 
 namespace skybody::randomization {
 
-/// [low, high]; low > high: the preset does not use it.
+/// [low, high]; low > high: not used by the preset.
 struct Range {
   double low = 1.0, high = 0.0;
   bool is_used() const { return low <= high; }
@@ -35,7 +35,7 @@ enum VehicleQuantity : int {
   kVehicleQuantityCount
 };
 
-/// One quantity: its parameter, what may be given, and the presets' ranges.
+/// One quantity: its parameter, its allowed values, and the presets' ranges.
 struct VehicleRow {
   const char* name;
   const char* unit;

@@ -1,4 +1,4 @@
-// Draws whole quadrotors: a mass, and by scaling laws all that goes with it. Equations: README.md.
+// Draws whole quadrotors: a mass, and all other constants by scaling laws. Equations: README.md.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -58,19 +58,19 @@ class Vehicle : public Randomizer {
 
  private:
   struct Hub {
-    int first;       ///< EnvParam of the rotor
-    double x, y;     ///< from the middle, of length 1; body axes
-    double height;   ///< above the middle, by the nominal arm
-    double towards;  ///< +1 where a turn towards the y axis is one about z, -1 where it is not
+    int first;       ///< first EnvParam of the rotor
+    double x, y;     ///< relative to the centre, of length 1; body axes
+    double height;   ///< above the centre, relative to the nominal arm
+    double towards;  ///< +1 if a rotation towards the y axis is positive about z, else -1
   };
   struct Target {
     int body;             ///< first EnvParam of the base
     Vec3<double> middle;  ///< the centre of mass [m]
     std::vector<Hub> hubs;
   };
-  /// ---- in an episode
+  /// ---- per episode
 
-  /// Those of one draw, or of one vehicle of the fleet, whoever draws it.
+  /// Random numbers of one draw, or of one vehicle of the fleet, the same for all environments.
   template <class Real>
   SKYBODY_INLINE Random<Real> numbers(const EnvView<Real>& env, std::uint64_t substream) const {
     Random<Real> draw = random(env, substream);
@@ -133,7 +133,7 @@ class Vehicle : public Randomizer {
     put(place + 2, middle.z + rotors.arm * hub.height);
   }
 
-  /// ---- of the scenario
+  /// ---- configuration
 
   static std::string text_of(const Range& range) {
     return "[" + to_text(range.low) + ", " + to_text(range.high) + "]";
@@ -180,7 +180,7 @@ class Vehicle : public Randomizer {
     return range;
   }
 
-  /// Of quantities that stand for one another: the one that is given, else the preset's.
+  /// Among alternative quantities: the given one, or the preset's.
   void choose(std::initializer_list<int> alternatives,
               std::array<Range, kVehicleQuantityCount>& ranges) const {
     int chosen = -1;
@@ -199,7 +199,8 @@ class Vehicle : public Randomizer {
     }
   }
 
-  /// About z it is at most the sum of the others, by its range; these are to be near enough too.
+  /// The largest moment of inertia about z is below the sum of the others by its range; these must
+  /// be close enough as well.
   static void check_inertia(const std::array<Range, kVehicleQuantityCount>& ranges) {
     const Range &pitch = ranges[kPitchInertia], &yaw = ranges[kYawInertia];
     for (const double a : {pitch.low, pitch.high}) {
@@ -306,7 +307,7 @@ class Vehicle : public Randomizer {
 
   std::array<Distribution, kVehicleQuantityCount> laws_;
   std::array<bool, kVehicleQuantityCount> is_used_{};
-  bool is_by_size_ = false;  ///< the mass is the cube of what is drawn
+  bool is_by_size_ = false;  ///< the mass is the cube of the drawn value
   double tau_exponent_ = 0.0;
   double gravity_ = 0.0;  ///< nominal [m/s^2]
   std::vector<Target> robots_;

@@ -47,7 +47,7 @@ class VehicleConstants : public Randomizer {
   }
 
  private:
-  static constexpr int kRotorConstants = SKYBODY_ROTOR_TAU_DOWN + 1;  // not the hub's position
+  static constexpr int kRotorConstants = SKYBODY_ROTOR_TAU_DOWN + 1;  // excludes the hub's position
   static constexpr int kBodyConstants = SKYBODY_BODY_CONSTANT_COUNT;
   /// In the order of SkybodyRotorConstant.
   static constexpr const char* kRotorNames[kRotorConstants] = {
@@ -60,7 +60,7 @@ class VehicleConstants : public Randomizer {
   };
   struct Target {
     int first;                    ///< EnvParam
-    std::vector<double> nominal;  ///< values from there on
+    std::vector<double> nominal;  ///< values in that order
   };
 
   static Range range_of(const RealsParameter& p, const std::string& name) {
@@ -82,7 +82,7 @@ class VehicleConstants : public Randomizer {
   }
 
   void choose_bodies(const Setup& setup) {
-    if (!robot_.value().empty()) setup.robot(robot_.value());  // fails on an unknown name
+    if (!robot_.value().empty()) setup.robot(robot_.value());  // throws on an unknown name
     const std::vector<int> named = named_bodies(setup);
     if (mass_range_.idle() && inertia_range_.idle()) return;
     const bool writes_inertia = !inertia_range_.idle() || couple_.value();
@@ -123,7 +123,7 @@ class VehicleConstants : public Randomizer {
     }
   }
 
-  /// One scale for the mass, one for all six of the inertia: what was physical stays so.
+  /// One scale for the mass, one for all six values of the inertia, which keeps it physical.
   template <class Real>
   SKYBODY_INLINE void scale_body(Random<Real>& draw, const Target& body, MaskOf<Real> due,
                                  Start<Real>& start) const {

@@ -15,7 +15,7 @@ class Imu : public Sensor {
     Vec3<Real> rate_bias;   ///< [rad/s]
     Vec3<Real> force;       ///< latest sample, held until the next
     Vec3<Real> rate;
-    Real walked;  ///< physics step up to which the biases have walked
+    Real walked;  ///< physics step of the latest update of the biases' random walk
   };
 
   void configure(const Setup& setup) override {
@@ -32,7 +32,8 @@ class Imu : public Sensor {
         frame * from_rpy(orientation_.value(0), orientation_.value(1), orientation_.value(2));
     gravity_ = setup.find_params("gravity")[0];
     dt_ = setup.dt();
-    // Called often enough both to sample and to deliver; the line has one place a call.
+    // Called at the greatest common divisor of period and latency; the delay line has one entry per
+    // call.
     const std::int64_t call = std::gcd(period_.value(), latency_.value());
     places_ = static_cast<int>(latency_.value() / call);
     interval_ = static_cast<double>(period_.value()) * dt_;
@@ -47,7 +48,7 @@ class Imu : public Sensor {
     setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity, robot);
   }
 
-  /// Draws the biases that the episode starts with.
+  /// Draws the initial biases of the episode.
   template <class Real>
   void reset(const EnvView<Real>& env, State<Real>& state) const {
     Real draws[6];
@@ -70,11 +71,10 @@ class Imu : public Sensor {
  private:
   static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1, kWalkDraws = 2;
   static constexpr int kSize = 6;
-  /// Physics steps over which the engine leaves out calls at most. A state that was restored may
-  /// say anything.
+  /// Limit of physics steps without calls. A restored state may contain any value.
   static constexpr double kLongestLeftOut = SKYBODY_LONGEST_LEFT_OUT;
 
-  /// Standard normals, in a loop: the code of one draw is large.
+  /// Standard normals, in a loop, because the code of one draw is large.
   template <class Real, int N>
   static SKYBODY_INLINE void fill_normal(Random<Real> draw, Real (&draws)[N]) {
     static_assert(N % 2 == 0);
@@ -91,7 +91,7 @@ class Imu : public Sensor {
     return m.velocity + rotate(m.rotation, cross(m.angular_velocity, arm));
   }
 
-  /// Measures where `due` holds.
+  /// Takes samples in the lanes of `due`.
   template <class Real>
   SKYBODY_INLINE void sample(const EnvView<Real>& env, State<Real>& state, MaskOf<Real> due) const {
     const BodyMotion<Real> now = env.body(body_), before = env.body_before(body_);
@@ -119,7 +119,7 @@ class Imu : public Sensor {
     return logical_or(a > 0.0, b > 0.0);
   }
 
-  /// The biases' walk since the last call, by the samples that are due, one after another.
+  /// Random walk of the biases since the last call, one due sample after another.
   template <class Real>
   SKYBODY_INLINE void walk(const EnvView<Real>& env, State<Real>& state) const {
     const Real now = to_real(env.physics_step());
@@ -131,8 +131,7 @@ class Imu : public Sensor {
     const Real longest_ago = now - (kLongestLeftOut + period);
     const Real walked = select(state.walked >= longest_ago, state.walked, longest_ago);
     Real sample = (floor(walked / period) + 1.0) * period;
-    // Counted: a step number that was restored may be so large that adding a period changes
-    // nothing.
+    // Counted loop: a restored step number may be so large that adding a period changes nothing.
     const int most = static_cast<int>(kLongestLeftOut / period) + 2;
     for (int k = 0; k < most && any(logical_and(sample <= now, env.served())); ++k) {
       Real draws[6];
@@ -144,7 +143,7 @@ class Imu : public Sensor {
     state.walked = now;
   }
 
-  /// A density of zero leaves every bit as it is, whatever the other lanes do.
+  /// A density of zero leaves all bits unchanged, independent of other lanes.
   template <class Real>
   SKYBODY_INLINE void walk(const Vec3<Real>& draw, const Real& density, MaskOf<Real> walks,
                            Vec3<Real>& bias) const {
@@ -157,7 +156,7 @@ class Imu : public Sensor {
     value = select(density > 0.0, value + draw * (density / sqrt(interval_)), value);
   }
 
-  /// The line moves by one place a call; at a reset it is filled with the first sample.
+  /// The delay line advances by one entry per call; at a reset it is filled with the first sample.
   template <class Real>
   SKYBODY_INLINE void deliver(const State<Real>& state, MaskOf<Real> fresh, Values<Real> output,
                               Values<Real> buffer) const {
@@ -242,12 +241,12 @@ class Imu : public Sensor {
                                  .randomizable = true}};
 
   int body_ = 0;
-  Vec3<double> point_{};     ///< body frame [m]
+  Vec3<double> point_{};     ///< position of the sensor, body frame [m]
   Quat<double> rotation_{};  ///< body from sensor
   int gravity_ = 0;          ///< first EnvParam
   double dt_ = 0.0;
   double interval_ = 0.0;  ///< between samples [s]
-  int places_ = 0;         ///< of the delay line
+  int places_ = 0;         ///< length of the delay line
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Range finder on any link: how far rays go until they meet an obstacle or the ground, with noise
+// Range finder on any link: distance along rays to the nearest obstacle or the ground, with noise
 // and rate.
 #include <skybody/plugin.h>
 
@@ -52,11 +52,11 @@ class RangeFinder : public Sensor {
  private:
   int count() const { return static_cast<int>(rays_.size()); }
 
-  /// Rings from the lowest elevation as given, each ray after ray counter-clockwise.
+  /// Rings in the order of `elevations`, each with its rays counter-clockwise.
   void add_rays() {
     const int around = static_cast<int>(count_.value());
     const double field = field_of_view_.value();
-    const bool is_ring = field >= kTwoPi;  // the last ray would be the first one again
+    const bool is_ring = field >= kTwoPi;  // the last ray would coincide with the first
     const int gaps = is_ring ? around : around - 1;
     if (elevations_.count() == 0) {
       throw std::runtime_error("`elevations` is empty: give one or more, such as [0]");
@@ -97,7 +97,7 @@ class RangeFinder : public Sensor {
     return ground_.value() ? min(obstacles::until_plane(ray), most) : most;
   }
 
-  /// To what meets something; a ray that meets nothing says so for certain.
+  /// Adds noise to hits only; a ray without a hit reads exactly max_range.
   template <class Real>
   SKYBODY_INLINE void add_noise(const EnvView<Real>& env, const Values<Real>& output) const {
     const Real most(max_range_.value()), zero(0.0);
@@ -180,7 +180,7 @@ class RangeFinder : public Sensor {
 
   std::vector<Obstacle> obstacles_;
   std::vector<Vec3<double>> rays_;  ///< unit vectors, sensor axes
-  Vec3<double> point_{};            ///< of the sensor, in the body's frame [m]
+  Vec3<double> point_{};            ///< position of the sensor, in the body's frame [m]
   Quat<double> mount_{1.0, 0.0, 0.0, 0.0};
   int body_ = 0;
 };

@@ -1,4 +1,4 @@
-// Pursuers catch an evader, which follows a reference or is an agent as they are.
+// Pursuers catch an evader, which follows a reference or is an agent itself.
 #include <skybody/task_kit.h>
 
 #include <string>
@@ -62,8 +62,8 @@ class Chase : public Task {
     out.set_reward(at(pursuers_).index, evader);
   }
 
-  /// The first pursuer flies at the evader and the others beside it, each on the side that it comes
-  /// from; an evader that is an agent flies away from them, and not past its pen.
+  /// The first pursuer flies to the evader, the others to positions beside it, each on its own
+  /// side. An evader that is an agent flies away from them, within its pen.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     const Vec3<Real> evader = position(env, pursuers_);
@@ -82,7 +82,7 @@ class Chase : public Task {
     goal.set(4 * pursuers_ + 3, Real(0.0));
   }
 
-  /// As fast as the evader.
+  /// The goal moves with the evader's velocity.
   template <class Real>
   void goal_motion(const EnvView<Real>& env, const State<Real>&, Values<Real> motion) const {
     const Vec3<Real> still{Real(0.0), Real(0.0), Real(0.0)};
@@ -93,28 +93,28 @@ class Chase : public Task {
   }
 
  private:
-  /// What a robot sees of another one.
+  /// Columns of a robot about another one.
   struct Sight {
     Part offset, velocity;
   };
   struct Robot {
     int index, body;
     std::string name;
-    int memory = 0;  ///< word of the buffer: a distance at the last step [m]
+    int memory = 0;  ///< buffer word: a distance at the last step [m]
     Part place = {}, velocity = {}, attitude = {}, angular_velocity = {}, evades = {};
     std::vector<Sight> others = {};  ///< of an agent: all others, the evader first
   };
-  /// What all pursuers together have come to.
+  /// Joint result of all pursuers.
   template <class Real>
   struct Moment {
     Real distance{kInfinity};    ///< of the evader from the nearest pursuer [m]
-    Real separation{kInfinity};  ///< of two pursuers [m]
+    Real separation{kInfinity};  ///< smallest distance between two pursuers [m]
     PassedLimits<Real> passed;
     MaskOf<Real> low{false};
   };
 
   int count() const { return static_cast<int>(robots_.size()); }
-  /// Robots that see and are rewarded; an evader that follows a reference is none.
+  /// Robots with observations and rewards; an evader that follows a reference is not one.
   int agents() const { return pursuers_ + (evades_ ? 1 : 0); }
   const Robot& at(int i) const { return robots_[static_cast<std::size_t>(i)]; }
   template <class Real>
@@ -150,7 +150,7 @@ class Chase : public Task {
     now.low = logical_or(now.low, body.position.z < height_min_.value());
   }
 
-  /// Of pursuer i from the nearest other one.
+  /// Distance of pursuer i from its nearest companion.
   template <class Real>
   SKYBODY_INLINE Real separation(const EnvView<Real>& env, int i) const {
     Real nearest(kInfinity);
@@ -160,7 +160,7 @@ class Chase : public Task {
     return nearest;
   }
 
-  /// Whether robot i has failed by itself.
+  /// Whether robot i has failed.
   template <class Real>
   SKYBODY_INLINE MaskOf<Real> fails(const EnvView<Real>& env, int i) const {
     const BodyMotion<Real> body = env.body(at(i).body);
@@ -194,7 +194,7 @@ class Chase : public Task {
            at_end<Real>(failed, caught, 1.0);
   }
 
-  /// The evader's: what the nearest pursuer gains it loses.
+  /// The evader's reward: it loses the progress of the nearest pursuer.
   template <class Real>
   SKYBODY_INLINE Real evasion(const EnvView<Real>& env, const Moment<Real>& now,
                               const MaskOf<Real>& caught, const Values<Real>& buffer) const {
@@ -225,7 +225,7 @@ class Chase : public Task {
     nearest_info_.set(out.info, now.separation);
   }
 
-  /// Within `pen`, at heights at which pursuers can follow.
+  /// Within `pen`, at heights that pursuers can reach.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> penned(const Vec3<Real>& p) const {
     const Real side(pen_.value());
@@ -237,7 +237,7 @@ class Chase : public Task {
 
   static constexpr double kPenFloor = 1.0, kPenTop = 3.0;  // [m]
 
-  /// The others of robot i in its own order: the evader first, then pursuers as they are named.
+  /// The others of robot i in its own order: the evader first, then pursuers in their named order.
   int other_of(int i, int k) const {
     if (i == pursuers_) return k;
     if (k == 0) return pursuers_;

@@ -1,11 +1,11 @@
-// Limits of a flight with a common load: what ends it as a failure, and why.
+// Limits of a flight with a common load: failures that end it.
 #pragma once
 
 #include <skybody/task_kit.h>
 
 namespace skybody {
 
-/// Which limits are passed, by the load or by any robot.
+/// Limits violated by the load or by any robot.
 template <class Real>
 struct PassedByTeam {
   MaskOf<Real> tilt{false}, load_tilt{false}, bound{false}, separation{false}, dropped{false};
@@ -23,12 +23,12 @@ struct PassedByTeam {
   }
 };
 
-/// The limits and their parameters: a member of the task, among its parameters.
+/// The limits and their parameters; a member of the task.
 class CarriedLimits {
  public:
   explicit CarriedLimits(Plugin* owner) : owner_(owner) {}
 
-  /// Declares the infos of the failures.
+  /// Declares the infos about failures.
   void configure(const Setup& setup, task_kit::InfoParts& infos) {
     using task_kit::declare_failure;
     tilt_cosine_ = task_kit::tilt_cosine_limit(tilt_max_.value());
@@ -42,8 +42,11 @@ class CarriedLimits {
     dropped_ = declare_failure(setup, infos, "dropped", "the load below `height_min`");
   }
 
-  double bound() const { return bound_max_.value(); }        ///< of each coordinate's magnitude [m]
-  double height_min() const { return height_min_.value(); }  ///< of the load [m]
+  double bound() const {
+    return bound_max_.value();
+  }                                                          ///< limit of each coordinate's
+                                                             ///< magnitude [m]
+  double height_min() const { return height_min_.value(); }  ///< least height of the load [m]
 
   template <class Real>
   SKYBODY_INLINE PassedByTeam<Real> by_load(const BodyMotion<Real>& load) const {

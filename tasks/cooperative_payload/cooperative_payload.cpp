@@ -33,7 +33,7 @@ class CooperativePayload : public Task {
         setup, infos_, "the load within `success_distance` and `success_yaw` of its target");
   }
 
-  /// A pose of the load in the box, unless the scenario gives one.
+  /// Draws a target pose of the load in the box, unless the scenario gives one.
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     target_.randomize(random(env), start);
@@ -69,7 +69,7 @@ class CooperativePayload : public Task {
     nearest_info_.set(out.info, nearest);
   }
 
-  /// Every robot's place about the load's target, its heading that of W.
+  /// Goals: every robot's place about the load's target, heading along x of W.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     for (int i = 0; i < static_cast<int>(carriers_.size()); ++i) {
@@ -80,12 +80,12 @@ class CooperativePayload : public Task {
 
  private:
   static constexpr double kPoseWeight = 2.56;  // (1.6)^2 [1/m^2], [1/rad^2]
-  static constexpr double kPlaceReward = 0.5;  // of a robot at its place, beside the load's 1
-  static constexpr double kRateReward = 0.01;  // of a robot that does not turn
+  static constexpr double kPlaceReward = 0.5;  // of a robot at its place; the load's is 1
+  static constexpr double kRateReward = 0.01;  // of a robot that does not rotate
   static constexpr double kNearWeight = 5.0;   // 1 / 0.2 m
   static constexpr int kRobotsNeeded = 2;
 
-  /// What a carrier sees of another one.
+  /// Columns of a carrier about another one.
   struct Sight {
     int body;
     Part offset, velocity;
@@ -93,21 +93,21 @@ class CooperativePayload : public Task {
   struct Carrier {
     int index, body;
     std::string name;
-    Vec3<double> place;       ///< about the load, in the frame of its target [m]
+    Vec3<double> place;       ///< relative to the load, in the frame of its target [m]
     Vec3<double> attachment;  ///< on the load, in its frame [m]
     Part place_error = {}, velocity = {}, attitude = {}, angular_velocity = {};
     Part load_error = {}, load_yaw_error = {}, load_velocity = {}, load_attitude = {},
          load_angular_velocity = {}, attachment_offset = {};
-    std::vector<Sight> others = {};  ///< in the order of carriers_, itself left out
+    std::vector<Sight> others = {};  ///< in the order of carriers_, without the carrier itself
   };
-  /// The load as all carriers see it.
+  /// The load, as observed by all carriers.
   template <class Real>
   struct LoadView {
     BodyMotion<Real> body;
     Vec3<Real> error;  ///< target - position, W [m]
     Real yaw_error;    ///< wrapped [rad]
   };
-  /// The robot that `load` names, else the only one that neither flies nor acts.
+  /// The robot named by `load`, or the only one without rotors and actions.
   void find_load(const Setup& setup) {
     if (!load_.value().empty()) {
       load_robot_ = setup.robot(load_.value());
@@ -156,7 +156,7 @@ class CooperativePayload : public Task {
     take_lists(count);
   }
 
-  /// Places and attachments that the scenario gives.
+  /// Places and attachments given in the scenario.
   void take_lists(int count) {
     for (const auto* list : {&places_, &attachments_}) {
       const std::string name = list == &places_ ? "places" : "attachments";
@@ -175,7 +175,7 @@ class CooperativePayload : public Task {
     return {list.value(3 * i), list.value(3 * i + 1), list.value(3 * i + 2)};
   }
   static Vec3<double> vec3_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
-  /// The turn about z by an angle [rad].
+  /// The rotation about z by an angle [rad].
   template <class Real>
   static SKYBODY_INLINE Quat<Real> from_yaw(const Real& angle) {
     const SinCos<Real> half = sincos(0.5 * angle);
@@ -253,7 +253,7 @@ class CooperativePayload : public Task {
     return nearest;
   }
 
-  /// What all have of the load: 1 in its pose, and `load_precision_reward` close to it.
+  /// Common reward of the load: 1 in its pose, plus `load_precision_reward` close to it.
   template <class Real>
   SKYBODY_INLINE Real load_reward(const LoadView<Real>& load) const {
     const Real square = squared_norm(load.error);
@@ -261,7 +261,7 @@ class CooperativePayload : public Task {
            load_precision_reward_.value() * closeness(sqrt(square), kNearWeight);
   }
 
-  /// A robot's own, beside the load's.
+  /// A robot's own reward, in addition to the load's.
   template <class Real>
   SKYBODY_INLINE Real own_reward(const BodyMotion<Real>& body, const Real& distance,
                                  const MaskOf<Real>& failed) const {

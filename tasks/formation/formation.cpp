@@ -1,5 +1,5 @@
-// The paper's formation task: N robots stand on a polygon about a target, level and facing forward;
-// where the scenario has obstacles, clear of them.
+// The paper's formation task: N robots hover on a polygon about a target, level and facing forward,
+// and clear of obstacles if the scenario has any.
 #include <skybody/task_kit.h>
 
 #include <vector>
@@ -45,7 +45,7 @@ class Formation : public Task {
     success_ = declare_success(setup, infos_, "`formation_error` is below `success_error`");
   }
 
-  /// A target in the box, unless the scenario gives one.
+  /// Draws a target in the box, unless the scenario gives one.
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     if (!target_.is_drawn()) return;
@@ -103,7 +103,8 @@ class Formation : public Task {
     for (int i = 0; i < count(); ++i) {
       const Vec3<Real> own = target_.position(env) + place<Real>(i);
       const Vec3<Real> way = own - env.body(at(i).body).position;
-      // The later a robot's turn, the higher it comes, lest two meet on the way.
+      // Goals approach at different heights, increasing with the robot's index, so that two robots
+      // do not meet on the way.
       const Real far =
           clamp((norm(way.x, way.y) - kSinkTo) / (kSinkFrom - kSinkTo), Real(0.0), Real(1.0));
       goal.set(4 * i, own + Vec3<Real>{Real(0.0), Real(0.0), far * (storey * i)});
@@ -112,16 +113,17 @@ class Formation : public Task {
   }
 
  private:
-  static constexpr double kErrorWeight = 2.56;   // (1.6)^2 [1/m^2]
-  static constexpr double kSafeDistance = 0.5;   // [m] below, neighbours cost reward
-  static constexpr double kArrivalReward = 0.4;  // for being near without the formation
-  // Ways of the goals, for the baseline: height from one robot's to the next one's, of all of them
-  // at most, and how far from its place a goal begins to sink and has sunk to it [m].
+  static constexpr double kErrorWeight = 2.56;  // (1.6)^2 [1/m^2]
+  // [m] a smaller distance of neighbours costs reward
+  static constexpr double kSafeDistance = 0.5;
+  static constexpr double kArrivalReward = 0.4;  // for closeness without the formation
+  // Goals of the baseline: height between consecutive robots' goals, the largest height, and the
+  // distances from its place [m] at which a goal starts and ends sinking.
   static constexpr double kStorey = 0.5, kStoreys = 5.0, kSinkFrom = 2.0, kSinkTo = 0.5;
 
-  /// What a robot sees of another one: the first value of each, and how many there are.
+  /// Columns of a robot about another one: the first index of each, and their sizes.
   enum Sight { kOffset = 0, kDistance = 3, kVelocity = 4, kRotation = 7, kSight = 16 };
-  /// Which limits a robot has passed.
+  /// Limits that a robot violates.
   template <class Real>
   struct Failures {
     MaskOf<Real> tilt{false}, distance{false}, separation{false}, collision{false};
@@ -139,15 +141,15 @@ class Formation : public Task {
   struct Robot {
     int index, body, body_count;
     std::string name;
-    Vec3<double> place = {};  ///< from the target [m]
+    Vec3<double> place = {};  ///< relative to the target [m]
     Part target_error = {}, velocity = {}, rotation = {}, angular_velocity = {};
-    Part others = {};  ///< a Sight of each, in the order of robots_, itself left out
+    Part others = {};  ///< a Sight of each, in the order of robots_, without the robot itself
     Part place_error = {};
     ObstacleParts obstacles = {};
   };
 
   int count() const { return static_cast<int>(robots_.size()); }
-  /// Where among `others` of robot i its sight of robot j begins.
+  /// Index in `others` of robot i of its Sight of robot j.
   static int sight(int i, int j) { return kSight * (j < i ? j : j - 1); }
   const Robot& at(int i) const { return robots_[static_cast<std::size_t>(i)]; }
 
@@ -199,7 +201,7 @@ class Formation : public Task {
     robot.obstacles = obstacles_.declare(setup, observation_, robot.name + ".", robot.index);
   }
 
-  /// All others see the same of a robot's motion.
+  /// All others observe the same values of a robot's motion.
   void repeat_motion(const Setup& setup) {
     for (int i = 0; i < count(); ++i) {
       for (int j = 0; j < count(); ++j) {
@@ -245,7 +247,7 @@ class Formation : public Task {
     }
   }
 
-  /// Where two robots see each other.
+  /// Values of a pair of robots about each other.
   template <class Real>
   SKYBODY_INLINE void observe_pair(const EnvView<Real>& env, int i, int j, const Vec3<Real>& there,
                                    const Values<Real>& row) const {
@@ -270,7 +272,7 @@ class Formation : public Task {
     return sum / Real(static_cast<double>(count()));
   }
 
-  /// Of robot i from any other, as it has observed them.
+  /// Distance of robot i from any other robot, as observed.
   template <class Real>
   SKYBODY_INLINE Real nearest_distance(const Values<Real>& observation, int i) const {
     Real nearest(kInfinity);
@@ -303,7 +305,7 @@ class Formation : public Task {
     return failed;
   }
 
-  /// What the paper's reward lacks for a learner, about the robot's own place in the world.
+  /// Shaping terms beyond the paper's reward, about the robot's own place in the world.
   template <class Real>
   SKYBODY_INLINE Real shaping_of(int i, const BodyMotion<Real>& body, const Vec3<Real>& target,
                                  const MaskOf<Real>& failed) const {
@@ -392,7 +394,7 @@ class Formation : public Task {
   InfoParts infos_;
   Part error_info_, centroid_info_, nearest_info_;
   Part tilt_failure_, distance_failure_, separation_failure_, collision_failure_, success_;
-  bool is_shaped_ = false;  ///< by anything that the paper's reward has not
+  bool is_shaped_ = false;  ///< whether there are terms beyond the paper's reward
   std::vector<Robot> robots_;
   double tilt_cosine_ = -2.0, farthest_ = kInfinity;
 };

@@ -1,4 +1,4 @@
-// Where the robots of a formation belong, and how far they are from standing there.
+// Places of the robots of a formation, and their distance from them.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -12,7 +12,7 @@ namespace skybody {
 /// counter-clockwise; from five places on the first one is the centre. Their mean is 0.
 /// @param radius  [m]
 inline std::vector<Vec3<double>> polygon_places(int count, double radius) {
-  constexpr int kCentered = 5;  // places from which on one is the centre
+  constexpr int kCentered = 5;  // number of places from which on one is the centre
   const int center = count >= kCentered ? 1 : 0;
   std::vector<Vec3<double>> places(static_cast<std::size_t>(count), {0.0, 0.0, 0.0});
   for (int i = center; i < count; ++i) {

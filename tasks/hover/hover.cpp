@@ -36,7 +36,7 @@ class Hover : public Task {
     setup.buffer(memory_.size());
   }
 
-  /// A target in the box, unless the scenario gives one.
+  /// Draws a target in the box, unless the scenario gives one.
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     target_.randomize(random(env), start);
@@ -102,7 +102,7 @@ class Hover : public Task {
     Part position_error = {}, yaw_error = {}, velocity = {}, attitude = {}, angular_velocity = {},
          actions = {};
     Part distance_info = {}, yaw_info = {}, tilt_info = {}, speed_info = {};
-    History past_actions = {};  ///< this step's, then the one before; empty: not observed
+    History past_actions = {};  ///< this step's, then the previous one; empty: not observed
   };
 
   template <class Real>
@@ -117,7 +117,7 @@ class Hover : public Task {
     robot.past_actions.observe(buffer, robot.actions, row);
   }
 
-  /// One robot's: the paper's, and what it lacks for a learner where the scenario asks for it.
+  /// One robot's reward: the paper's, plus optional shaping terms of the scenario.
   template <class Real>
   SKYBODY_INLINE Real reward_of(const BodyMotion<Real>& body, const Vec3<Real>& error,
                                 const Real& yaw_error, const MaskOf<Real>& failed) const {
@@ -160,7 +160,7 @@ class Hover : public Task {
     setup.goal(index, info.first_body);
   }
 
-  /// Places in the team: `formation`, else where the scenario puts the robots, about their mean.
+  /// Positions in the team: `formation`, or the scenario's positions relative to their mean.
   void set_offsets() {
     const int count = static_cast<int>(robots_.size());
     if (formation_.count() != 0 && formation_.count() != 3 * count) {
@@ -187,7 +187,7 @@ class Hover : public Task {
            Vec3<Real>{Real(robot.offset.x), Real(robot.offset.y), Real(robot.offset.z)};
   }
 
-  /// Shifts the action of this step in; there is none at a reset.
+  /// Shifts in the action of this step; there is none at a reset.
   template <class Real>
   SKYBODY_INLINE void remember(const EnvView<Real>& env, const Robot& robot,
                                const Values<Real>& buffer) const {
@@ -237,7 +237,7 @@ class Hover : public Task {
   InfoParts infos_;
   BufferPlan memory_;
   Part success_;
-  bool is_shaped_ = false;  ///< by anything that the paper's reward has not
+  bool is_shaped_ = false;  ///< whether there are terms beyond the paper's reward
   std::vector<Robot> robots_;
 };
 

@@ -1,4 +1,4 @@
-// A deck, and the lowest point of a robot above it.
+// A deck, and the height of a robot's lowest point above it.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -9,20 +9,21 @@
 
 namespace skybody::landing {
 
-/// How a robot stands to the deck, whose frame lies in the middle of its upper face: z out of it.
+/// A robot's motion relative to the deck. Deck frame: origin at the centre of its upper face, z out
+/// of it.
 template <class Real>
 struct OverDeck {
   Vec3<Real> position;  ///< of the robot's base, deck axes [m]
-  Vec3<Real> velocity;  ///< against the deck where it is, deck axes [m/s]
+  Vec3<Real> velocity;  ///< relative to the deck's material below it, deck axes [m/s]
   Quat<Real> rotation;  ///< deck from B
   Real height;          ///< of the robot's lowest point over the face's plane [m]
 };
 
-/// The upper face of a box that a robot carries.
+/// The upper face of a box of a robot's base.
 class Deck {
  public:
-  /// @param pad  index of the robot whose base has the box; of several the largest one counts
-  /// @throws std::runtime_error where there is none
+  /// @param pad  index of the robot whose base has the box; the largest of several is used
+  /// @throws std::runtime_error if there is none
   void configure(const Setup& setup, int pad) {
     const RobotInfo& info = setup.robots()[pad];
     body_ = info.first_body;
@@ -42,7 +43,7 @@ class Deck {
                              "` has no box to land on: give its link a `<collision>` with a box");
   }
 
-  double half_x() const { return half_x_; }  ///< half of its edges [m]
+  double half_x() const { return half_x_; }  ///< half the length of its edges [m]
   double half_y() const { return half_y_; }
 
   /// W from the deck's frame.
@@ -50,19 +51,19 @@ class Deck {
   SKYBODY_INLINE Quat<Real> rotation(const EnvView<Real>& env) const {
     return env.body(body_).rotation * to_real<Real>(turn_);
   }
-  /// Middle of the upper face, W [m].
+  /// Centre of the upper face, W [m].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> middle(const EnvView<Real>& env) const {
     const BodyMotion<Real> pad = env.body(body_);
     return pad.position + rotate(pad.rotation, to_real<Real>(middle_));
   }
-  /// Velocity of the deck's material at a place of W, W [m/s].
+  /// Velocity of the deck's material at a point of W, W [m/s].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> velocity(const EnvView<Real>& env, const Vec3<Real>& place) const {
     const BodyMotion<Real> pad = env.body(body_);
     return pad.velocity + cross(rotate(pad.rotation, pad.angular_velocity), place - pad.position);
   }
-  /// Whether a place in the deck's frame is over it, `inset` [m] within its edges.
+  /// Whether a point in the deck's frame is over it, at least `inset` [m] within its edges.
   template <class Real>
   SKYBODY_INLINE MaskOf<Real> is_under(const Vec3<Real>& place, double inset) const {
     return logical_and(abs(place.x) <= half_x_ - inset, abs(place.y) <= half_y_ - inset);
@@ -70,16 +71,16 @@ class Deck {
 
  private:
   int body_ = 0;
-  Vec3<double> middle_{};                  ///< of the face, in the pad's frame [m]
+  Vec3<double> middle_{};                  ///< centre of the face, in the pad's frame [m]
   Quat<double> turn_{1.0, 0.0, 0.0, 0.0};  ///< pad's frame from the deck's
   double half_x_ = 0.0, half_y_ = 0.0;
 };
 
-/// The points with which a robot's base can touch: corners of the boxes about its shapes, and
-/// middles of its spheres.
+/// Contact points of a robot's base: corners of the boxes about its shapes, and centres of its
+/// spheres.
 class TouchdownPoints {
  public:
-  /// @throws std::runtime_error where the base has no shape
+  /// @throws std::runtime_error if the base has no shape
   void configure(const Setup& setup, int robot) {
     const RobotInfo& info = setup.robots()[robot];
     body_ = info.first_body;
@@ -130,7 +131,7 @@ class TouchdownPoints {
       case SKYBODY_CYLINDER:
         add_corners(at, turn, {size[0], size[0], 0.5 * size[1]});
         return;
-      default:  // a box, or the one about a mesh
+      default:  // a box, or a mesh's bounding box
         add_corners(at, turn, {0.5 * size[0], 0.5 * size[1], 0.5 * size[2]});
     }
   }

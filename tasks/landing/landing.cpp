@@ -13,8 +13,8 @@ class Landing : public Task {
  public:
   template <class Real>
   struct State {
-    Real distance;  ///< from the place of landing, after the action before [m]
-    Real speed;     ///< against the deck, likewise [m/s]
+    Real distance;  ///< from the landing point, after the previous action [m]
+    Real speed;     ///< relative to the deck, after the previous action [m/s]
   };
 
   void configure(const Setup& setup) override {
@@ -67,8 +67,8 @@ class Landing : public Task {
     state.speed = speed;
   }
 
-  /// Over the deck's middle, and down on it: slowly, and no lower than a cone allows whoever is
-  /// aside.
+  /// Goal: over the deck's centre, sinking slowly, but not below a cone while the robot is off the
+  /// axis.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     const OverDeck<Real> at = hull_.over(deck_, env);
@@ -96,8 +96,8 @@ class Landing : public Task {
     MaskOf<Real> crash, landed;
   };
 
-  /// Whether it touches the deck, and how. The speed before tells how fast it came: contact has
-  /// stopped it since.
+  /// Whether and how the robot touches the deck. The approach speed is that of the previous action,
+  /// because contact has stopped the robot since.
   template <class Real>
   SKYBODY_INLINE Touch<Real> judge_touch(const OverDeck<Real>& at, const Real& speed,
                                          const Real& speed_before) const {
@@ -134,7 +134,7 @@ class Landing : public Task {
     }
   }
 
-  /// How far above the cone [m], and kRoom.
+  /// Height above the cone [m], and kRoom.
   template <class Real>
   SKYBODY_INLINE Real room(const OverDeck<Real>& at) const {
     const Real aside = norm(at.position.x, at.position.y);
@@ -310,7 +310,7 @@ class Landing : public Task {
   landing::Deck deck_;
   landing::TouchdownPoints hull_;
   int body_ = 0, first_action_ = 0, actions_ = 0;
-  double step_time_ = 0.0;  ///< of an action [s]
+  double step_time_ = 0.0;  ///< duration of an action [s]
   double crash_cosine_ = -2.0, rest_cosine_ = -2.0;
 };
 

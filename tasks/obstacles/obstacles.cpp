@@ -1,4 +1,4 @@
-// Fly to a point between obstacles, which the robot sees as the nearest surfaces, or by sensors.
+// Fly to a point between obstacles, which are observed as the nearest surfaces, or by sensors.
 #include <skybody/task_kit.h>
 
 #include <string>
@@ -80,7 +80,7 @@ class Obstacles : public Task {
     speed_info_.set(out.info, norm(body.velocity));
   }
 
-  /// A point ahead that leads between the obstacles; near the target that itself.
+  /// A point ahead on a way between the obstacles; near the target, the target itself.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     const BodyMotion<Real> body = env.body(body_);
@@ -96,7 +96,7 @@ class Obstacles : public Task {
   }
 
  private:
-  /// Of one obstacle that is seen.
+  /// Columns of one observed obstacle.
   struct SeenParts {
     Part way, distance, size;
   };

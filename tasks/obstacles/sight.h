@@ -1,4 +1,4 @@
-// What a robot sees of the obstacles around it: the nearest ones, in order.
+// Observation of the obstacles around a robot: the nearest ones, in order of distance.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,12 @@ namespace skybody::obstacles {
 
 inline constexpr int kMostSeen = 12;
 
-/// One obstacle as it is seen. What is farther than the view is not: the way and the size are 0.
+/// One observed obstacle. Beyond the view's range, way and size are 0.
 template <class Real>
 struct Seen {
-  Real distance;    ///< of its surface; the view where nothing is [m]
-  Vec3<Real> way;   ///< to the nearest point of the surface, W [m]
-  Vec3<Real> size;  ///< as its kind says [m]
+  Real distance;    ///< of its surface; the view's range if there is none [m]
+  Vec3<Real> way;   ///< vector to the nearest point of the surface, W [m]
+  Vec3<Real> size;  ///< size as defined by its kind [m]
 };
 
 template <class Real>
@@ -26,16 +26,16 @@ SKYBODY_INLINE Seen<Real> choose(const MaskOf<Real>& mask, const Seen<Real>& a,
           choose(mask, a.size, b.size)};
 }
 
-/// All that is seen, and how near the nearest obstacle is, seen or not.
+/// All observed obstacles, and the distance of the nearest one, observed or not.
 template <class Real>
 struct Sight {
-  Seen<Real> seen[kMostSeen];  ///< the nearest first; obstacles as near as one another in the
-                               ///< scenario's order
-  Real nearest;                ///< distance of its surface [m]; infinity where nothing is
+  Seen<Real> seen[kMostSeen];  ///< the nearest first; at equal distance in the scenario's order
+  Real nearest;                ///< distance of the nearest surface [m]; infinity if there is none
 };
 
-/// Looks around from `p`.
-/// @param count  how many are seen, kMostSeen at most; @param view  how far [m]
+/// Observes the surroundings of `p`.
+/// @param count  number of observed obstacles, at most kMostSeen
+/// @param view  range [m]
 template <class Real>
 SKYBODY_INLINE Sight<Real> look(const EnvView<Real>& env, const std::vector<Obstacle>& obstacles,
                                 const Vec3<Real>& p, int count, double view) {
@@ -53,7 +53,7 @@ SKYBODY_INLINE Sight<Real> look(const EnvView<Real>& env, const std::vector<Obst
   return sight;
 }
 
-/// How near the nearest surface is to `p` [m]; infinity where nothing is.
+/// Distance of the nearest surface from `p` [m]; infinity if there is none.
 template <class Real>
 SKYBODY_INLINE Real nearest_surface(const EnvView<Real>& env,
                                     const std::vector<Obstacle>& obstacles, const Vec3<Real>& p) {

@@ -1,4 +1,4 @@
-// The paper's payload task: bring what hangs below the robot to a point and keep it there.
+// The paper's payload task: bring the load that hangs below the robot to a point and keep it there.
 #include <skybody/task_kit.h>
 
 namespace skybody {
@@ -83,7 +83,7 @@ class Payload : public Task {
     }
   }
 
-  /// Where the payload's frame belongs, turned as it is now.
+  /// Goal pose of the payload's frame, in its present orientation.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     const Quat<Real> rotation = env.body(payload_).rotation;
@@ -95,7 +95,7 @@ class Payload : public Task {
   static constexpr double kDistanceWeight = 1.6;  // [1/m^2]
   static constexpr double kRateReward = 0.1;
 
-  /// With what the paper's reward lacks for a learner, where the scenario asks for it.
+  /// The reward, with optional shaping terms of the scenario.
   template <class Real>
   SKYBODY_INLINE Real shaped(const Real& reward, const Vec3<Real>& error,
                              const BodyMotion<Real>& robot) const {
@@ -140,7 +140,7 @@ class Payload : public Task {
   Part error_info_, tilt_info_, speed_info_, success_;
   int base_ = 0, payload_ = 0;
   int first_action_ = 0, actions_ = 0;
-  Vec3<double> center_{};  ///< of mass, in the payload body's frame [m]
+  Vec3<double> center_{};  ///< centre of mass, in the payload body's frame [m]
 };
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace {
 
 using namespace task_kit;
 
-/// Not kSmooth: accelerations come from the motion one physics step before, which has no tangents.
+/// Not kSmooth: accelerations use the motion of the previous physics step, which has no tangents.
 class Pendulum : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -39,7 +39,7 @@ class Pendulum : public Task {
 
   template <class Real>
   struct State {
-    Real distance;  ///< of the bob from the target, one step ago [m]
+    Real distance;  ///< distance of the bob from the target, one step ago [m]
   };
 
   template <class Real>
@@ -70,7 +70,7 @@ class Pendulum : public Task {
     tilt_info_.set(out.info, tilt(base.rotation));
   }
 
-  /// Where the frame of the bob's body belongs, turned as it is now.
+  /// Goal pose of the bob's body, in its present orientation.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     goal.set(0, target_.vec3(env) - rotate(env.body(bob_).rotation, center<Real>()));
@@ -81,7 +81,7 @@ class Pendulum : public Task {
   static constexpr double kProgressReward = 2.0;  // [1/m]
   static constexpr double kAliveReward = 0.01;
 
-  /// A quantity over the last steps: what is remembered of it, and where it is observed.
+  /// A quantity over the last steps: its history, and its place in the observation.
   struct Track {
     History history;
     Part part;
@@ -145,7 +145,7 @@ class Pendulum : public Task {
     return {Real(center_.x), Real(center_.y), Real(center_.z)};
   }
 
-  /// The bob's motion at its centre of mass.
+  /// The motion of the bob's centre of mass.
   template <class Real>
   SKYBODY_INLINE BodyMotion<Real> at_center(BodyMotion<Real> body) const {
     body.position = body.position + rotate(body.rotation, center<Real>());
@@ -224,7 +224,7 @@ class Pendulum : public Task {
     return sum / static_cast<double>(rotor_params_.size());
   }
 
-  /// How many limits are passed.
+  /// Number of violated limits.
   template <class Real>
   static SKYBODY_INLINE Real count(const PassedLimits<Real>& passed, const MaskOf<Real>& low,
                                    const MaskOf<Real>& fallen) {
@@ -285,9 +285,9 @@ class Pendulum : public Task {
   Part mass_, inertia_, lags_;
   Part error_info_, upright_info_, tilt_info_, low_failure_, fallen_failure_, success_;
   int base_ = 0, bob_ = 0, first_action_ = 0, actions_ = 0, base_param_ = 0;
-  std::vector<int> rotor_params_;  ///< first EnvParam of each
+  std::vector<int> rotor_params_;  ///< first EnvParam of each rotor
   double dt_ = 0.0;                ///< [s]
-  Vec3<double> center_{};          ///< of the bob, in its body's frame [m]
+  Vec3<double> center_{};          ///< centre of mass of the bob, in its body's frame [m]
 };
 
 }  // namespace

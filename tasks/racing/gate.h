@@ -1,27 +1,27 @@
-// A gate as a racer meets it: an opening in a frame of four bars.
+// A gate: an opening in a frame of four bars.
 #pragma once
 
 #include <skybody/plugin.h>
 
 namespace skybody::racing {
 
-/// Where a gate stands, and how large it is. Its frame: x is the way through, y to the left, z up.
+/// Pose and size of a gate. Its frame: x in the passing direction, y to the left, z up.
 template <class Real>
 struct Gate {
-  Vec3<Real> centre;    ///< of the opening, W [m]
+  Vec3<Real> centre;    ///< centre of the opening, W [m]
   Quat<Real> rotation;  ///< W from its frame
   Vec3<Real> half;      ///< half of the frame's depth (x), of the opening's width and height [m]
 
-  /// A place of W in the gate's frame [m]; x is the signed distance from its plane, below 0 before
+  /// A point of W in the gate's frame [m]; x is the signed distance from its plane, negative before
   /// it.
   SKYBODY_INLINE Vec3<Real> local(const Vec3<Real>& p) const {
     return rotate_inverse(rotation, p - centre);
   }
-  /// The way through, W.
+  /// The passing direction, W.
   SKYBODY_INLINE Vec3<Real> normal() const {
     return rotate(rotation, Vec3<Real>{Real(1.0), Real(0.0), Real(0.0)});
   }
-  /// Whether a place of the gate's plane lies in the opening.
+  /// Whether a point of the gate's plane is in the opening.
   SKYBODY_INLINE MaskOf<Real> opens_at(const Vec3<Real>& in_frame) const {
     return logical_and(abs(in_frame.y) <= half.y, abs(in_frame.z) <= half.z);
   }
@@ -35,8 +35,8 @@ SKYBODY_INLINE Gate<Real> choose(const MaskOf<Real>& mask, const Gate<Real>& a,
           select(mask, a.half, b.half)};
 }
 
-/// Whether the boxes about two frames have a point in common: no axis separates them, of their six
-/// faces and nine pairs of edges (S. Gottschalk, M. Lin, D. Manocha, "OBBTree", 1996, section 5).
+/// Whether the bounding boxes of two frames intersect: separating-axis test over six faces and nine
+/// pairs of edges (S. Gottschalk, M. Lin, D. Manocha, "OBBTree", 1996, section 5).
 inline bool overlap(const Gate<double>& a, const Gate<double>& b) {
   const auto outer = [](const Gate<double>& g, int k) {
     const double bar = 2.0 * g.half.x;
@@ -47,7 +47,7 @@ inline bool overlap(const Gate<double>& a, const Gate<double>& b) {
                   Vec3<double>{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
   };
   const auto separates = [&](const Vec3<double>& along) {
-    if (norm(along) < 1e-9) return false;  // edges in parallel: the faces have told
+    if (norm(along) < 1e-9) return false;  // parallel edges: covered by the faces
     double reach = 0.0;
     for (int k = 0; k < 3; ++k) {
       reach += abs(dot(axis(a, k), along)) * outer(a, k);

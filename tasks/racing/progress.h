@@ -1,5 +1,4 @@
-// How far a racer has come: which gate is next, whether a step led through it or past it, and when
-// laps were flown.
+// Progress of a racer: the next gate, whether a step passed or missed it, and lap times.
 #pragma once
 
 #include <skybody/task_kit.h>
@@ -8,14 +7,14 @@
 
 namespace skybody::racing {
 
-/// What is remembered of a racer between two actions.
+/// State of a racer between two actions.
 template <class Real>
 struct RaceState {
-  Real gates;           ///< passed in this episode
+  Real gates;           ///< number of gates passed in this episode
   Real distance;        ///< from the next gate's centre [m]
   Vec3<Real> position;  ///< W [m]
-  Real lap_start;       ///< since the reset [s]
-  Real lap_time;        ///< of the last whole lap; 0: none yet [s]
+  Real lap_start;       ///< start time of the lap, since the reset [s]
+  Real lap_time;        ///< duration of the last whole lap; 0: none yet [s]
 };
 
 /// A racer's RaceState in the task's buffer.
@@ -40,7 +39,7 @@ class PastWords {
     buffer.set(first_ + 5, past.lap_start);
     buffer.set(first_ + 6, past.lap_time);
   }
-  /// Gates passed alone.
+  /// Reads only the number of passed gates.
   template <class Real>
   SKYBODY_INLINE Real gates(const Values<Real>& buffer) const {
     return buffer[first_];
@@ -51,17 +50,17 @@ class PastWords {
   int first_ = 0;
 };
 
-/// What one action has brought.
+/// Effect of one action.
 template <class Real>
 struct Passage {
-  MaskOf<Real> passed;  ///< the next gate, in its direction
-  MaskOf<Real> missed;  ///< crossed its plane in its direction, and not in its opening
-  Real gain;            ///< by how much its centre has come nearer [m]
+  MaskOf<Real> passed;  ///< the next gate was passed, in its direction
+  MaskOf<Real> missed;  ///< its plane was crossed in its direction outside the opening
+  Real gain;            ///< decrease of the distance from its centre [m]
 };
 
-/// Whether the way from the place before to this one goes through the gate's opening: its signed
-/// distance from the gate's plane turns from negative to positive, and the place where the straight
-/// way crosses the plane lies in the opening.
+/// Whether the straight line from the previous position to this one passes the gate: the signed
+/// distance from the gate's plane changes from negative to positive, and the crossing point is in
+/// the opening.
 template <class Real>
 SKYBODY_INLINE Passage<Real> passage(const Gate<Real>& gate, const Vec3<Real>& before,
                                      const Vec3<Real>& now) {
@@ -72,9 +71,10 @@ SKYBODY_INLINE Passage<Real> passage(const Gate<Real>& gate, const Vec3<Real>& b
   return {logical_and(crossed, opens), logical_and(crossed, logical_not(opens)), Real(0.0)};
 }
 
-/// Goes on by one action: passes the next gate where the way led through it, and counts laps. At a
-/// reset it begins.
-/// @param first  index of the gate at which the episode begins; @param time  since the reset [s]
+/// Advances by one action: passes the next gate if the motion led through it, and counts laps. At a
+/// reset it initialises the state.
+/// @param first  index of the gate at which the episode begins
+/// @param time  since the reset [s]
 template <class Real>
 SKYBODY_INLINE Passage<Real> advance(const EnvView<Real>& env, const Track& track,
                                      const Real& first, const Real& time, const Vec3<Real>& now,
@@ -94,15 +94,15 @@ SKYBODY_INLINE Passage<Real> advance(const EnvView<Real>& env, const Track& trac
   return way;
 }
 
-/// Where a baseline that holds goals is led, and how fast.
+/// Goal for a baseline that holds goals: position and velocity.
 template <class Real>
 struct Lead {
   Vec3<Real> position, velocity;  ///< W [m], [m/s]
 };
 
-/// Leads to a line through the gate and along it at `pace` [m/s], and before the gate waits for
-/// whoever is still far aside: 1.5 m for each metre beyond 0.2 m.
-/// @param lane  how far the line is to the left of the gate's axis [m]
+/// A goal on a line through the gate, moving along it at `pace` [m/s]. The goal waits before the
+/// gate if the racer is off the line: 1.5 m for each metre beyond 0.2 m.
+/// @param lane  offset of the line to the left of the gate's axis [m]
 template <class Real>
 SKYBODY_INLINE Lead<Real> lead(const Gate<Real>& gate, const Vec3<Real>& p, double pace,
                                double lane) {

@@ -55,7 +55,7 @@ class Racing : public Task {
             Values<Real> buffer) const {
     for (int i = 0; i < count(); ++i) {
       goal.set(4 * i, led(env, i, buffer).position);
-      goal.set(4 * i + 3, yaw(env.body(at(i).body).rotation));  // any heading will do
+      goal.set(4 * i + 3, yaw(env.body(at(i).body).rotation));  // the goal has no own heading
     }
   }
 
@@ -70,7 +70,7 @@ class Racing : public Task {
   }
 
  private:
-  /// What a racer sees of another one.
+  /// Columns of a racer about another racer.
   struct Sight {
     Part offset, velocity, lead;
   };
@@ -79,7 +79,7 @@ class Racing : public Task {
     racing::PastWords past = {};
     Part gate = {}, normal = {}, next_gate = {}, next_normal = {}, velocity = {}, up = {},
          angular_velocity = {}, action = {};
-    std::vector<Sight> others = {};  ///< in the order of racers_, itself left out
+    std::vector<Sight> others = {};  ///< in the order of racers_, without the racer itself
     Part gates_info = {}, lap_info = {}, speed_info = {};
   };
   template <class Real>
@@ -93,8 +93,7 @@ class Racing : public Task {
 
   // --- phases of evaluate() ---------------------------------------------------------------------
 
-  /// Goes on along the track; leaves in `scratch` what racer i has gained, and what it has earned
-  /// beside.
+  /// Advances racer i along the track; writes its progress and its other rewards to `scratch`.
   template <class Real>
   SKYBODY_INLINE void race(const EnvView<Real>& env, int i, const Values<Real>& buffer,
                            const Values<Real>& scratch, Failures<Real>& failures) const {
@@ -166,7 +165,8 @@ class Racing : public Task {
     racer.speed_info.set(out.info, norm(body.velocity));
   }
 
-  /// Each racer's own, less what the others gain; their mean is the environment's.
+  /// Each racer's reward, minus a share of the others' progress; the mean is the environment's
+  /// reward.
   template <class Real>
   SKYBODY_INLINE void reward(const Values<Real>& scratch, Evaluation<Real>& out) const {
     Real gains(0.0), sum(0.0);
@@ -215,7 +215,7 @@ class Racing : public Task {
                              std::to_string(track_.size() - 1));
   }
 
-  /// What is said about several racers must fit their number and the gates.
+  /// Checks that parameters for several racers fit their number and the gates.
   void check_rivals() const {
     if (racers_.size() < 2 && rivalry_.value() > 0.0) {
       throw std::runtime_error("`rivalry` is " + to_text(rivalry_.value()) +
@@ -361,7 +361,7 @@ class Racing : public Task {
   Part missed_failure_, collision_failure_, ground_failure_, success_;
   racing::Track track_;
   std::vector<Racer> racers_;
-  double step_time_ = 0.0;  ///< of an action [s]
+  double step_time_ = 0.0;  ///< duration of an action [s]
 };
 
 }  // namespace

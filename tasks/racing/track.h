@@ -1,4 +1,4 @@
-// A track: gates of the scenario in the order in which they are passed, round and round.
+// A track: gates of the scenario in passing order, as a closed loop.
 #pragma once
 
 #include <skybody/task_kit.h>
@@ -12,14 +12,15 @@
 
 namespace skybody::racing {
 
-/// Looked up once; where its gates stand is asked of each environment, as randomizers may move
-/// them.
+/// The gates' names are resolved once. Their poses are read from each environment, because
+/// randomizers may move them.
 class Track {
  public:
   /// @param names  obstacles of kind `gate` in the order of the track; none: all, in their order
   /// @param is_closed  whether the first gate follows the last one
-  /// @param bound  of each coordinate, beyond which nobody may be [m]
-  /// @throws std::runtime_error for no gate, for what is none, and for gates that no flight passes
+  /// @param bound  limit of each coordinate's magnitude [m]
+  /// @throws std::runtime_error if there are no gates, if a name is not a gate, or if the gates
+  ///     cannot be passed
   void configure(const Setup& setup, const std::vector<std::string>& names, bool is_closed,
                  double bound) {
     if (names.empty()) {
@@ -40,8 +41,8 @@ class Track {
     check_order(is_closed);
   }
 
-  /// Refuses gates that reach into the ground, or whose middle lies below the height where an
-  /// episode ends. @param height_min  below 0 where there is no ground to fly into [m]
+  /// Rejects gates that reach into the ground, or whose centre is below the height at which an
+  /// episode ends. @param height_min  negative if there is no ground [m]
   void require_above(double height_min) const {
     for (const Entry& gate : gates_) {
       const Gate<double>& g = gate.nominal;
@@ -59,7 +60,8 @@ class Track {
     }
   }
 
-  /// Refuses gates in which no racer is farther from the frame than `radius` [m].
+  /// Rejects gates whose opening leaves a racer no position farther than `radius` from the frame
+  /// [m].
   void require_wide(double radius) const {
     for (const Entry& gate : gates_) {
       const Vec3<double>& half = gate.nominal.half;
@@ -72,7 +74,7 @@ class Track {
     }
   }
 
-  /// Refuses lanes that lead beside an opening. @param width  between two of them [m]
+  /// Rejects lanes that lead beside an opening. @param width  distance between two lanes [m]
   void require_lanes(double width, int racers, double radius) const {
     const double aside = 0.5 * (racers - 1) * width;
     for (const Entry& gate : gates_) {
@@ -88,7 +90,7 @@ class Track {
 
   int size() const { return static_cast<int>(gates_.size()); }
 
-  /// Gate `index` of an environment, counted on behind the last one.
+  /// Gate `index` of an environment; indices continue after the last gate.
   template <class Real>
   SKYBODY_INLINE Gate<Real> at(const EnvView<Real>& env, const Real& index) const {
     const double n = size();
@@ -100,7 +102,7 @@ class Track {
     return gate;
   }
 
-  /// How far a place is from the nearest bar of all gates [m].
+  /// Distance of a point from the nearest bar of all gates [m].
   template <class Real>
   SKYBODY_INLINE Real frame_distance(const EnvView<Real>& env, const Vec3<Real>& p) const {
     Real nearest(kInfinity);
@@ -112,10 +114,10 @@ class Track {
   }
 
  private:
-  /// [m] behind a gate, where whoever has passed it looks for the next one.
+  /// [m] behind a gate: position from which the next gate must be in front.
   static constexpr double kLeave = 0.5;
 
-  /// [m] that a gate that stands on the ground may seem to reach into it.
+  /// [m] tolerance for a gate that stands on the ground.
   static constexpr double kRounding = 1e-9;
 
   struct Entry {
@@ -129,7 +131,7 @@ class Track {
     return "[" + to_text(p.x) + ", " + to_text(p.y) + ", " + to_text(p.z) + "] m";
   }
 
-  /// How far the opening reaches down from its middle [m].
+  /// Vertical extent of the opening below its centre [m].
   static double drop(const Gate<double>& gate) {
     const Vec3<double> up = rotate_inverse(gate.rotation, Vec3<double>{0.0, 0.0, 1.0});
     return abs(up.y) * gate.half.y + abs(up.z) * gate.half.z;
@@ -170,7 +172,7 @@ class Track {
     }
   }
 
-  /// Whoever leaves a gate must be in front of the next one.
+  /// The next gate must be in front of a racer that leaves a gate.
   void check_order(bool is_closed) const {
     const std::size_t pairs = gates_.size() - (is_closed && gates_.size() > 1 ? 0 : 1);
     for (std::size_t i = 0; i < pairs; ++i) {

@@ -1,4 +1,4 @@
-// A vehicle holds its place while its arm brings a tool to a point.
+// A vehicle holds its position while its arm brings a tool to a point.
 #include <skybody/task_kit.h>
 
 #include <algorithm>
@@ -95,7 +95,7 @@ class Reach : public Task {
     }
   }
 
-  /// Where the frame of the body that has the tool belongs, turned as it is now; the vehicle's yaw.
+  /// Goal pose of the body with the tool, in its present orientation; the vehicle's yaw.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     goal.set(0, target(env) - rotate(env.body(carrier_).rotation, lever<Real>()));
@@ -104,15 +104,15 @@ class Reach : public Task {
 
  private:
   static constexpr double kToolWeight = 100.0;    // (1 / 0.1 m)^2
-  static constexpr double kVehicleWeight = 2.56;  // as of `hover` [1/m^2]
+  static constexpr double kVehicleWeight = 2.56;  // as in `hover` [1/m^2]
   static constexpr double kRateReward = 0.01;
 
-  /// Places of a joint's coordinate and rate among the world's.
+  /// World indices of a joint's coordinate and rate.
   struct Coordinate {
     int q, u;
   };
 
-  /// The joints between the base and the tool, the one at the base first.
+  /// The joints between the base and the tool, from the base on.
   void find_joints(const Setup& setup, const RobotInfo& robot) {
     for (int b = carrier_; b != base_; b = setup.bodies()[b].parent) {
       const BodyInfo& body = setup.bodies()[b];
@@ -131,12 +131,12 @@ class Reach : public Task {
     std::reverse(joints_.begin(), joints_.end());
   }
 
-  /// The tool's place, W.
+  /// The tool's position, W.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> target(const EnvView<Real>& env) const {
     return from_home(place_.vec3(env));
   }
-  /// @param p  from the robot's place in the scenario, in its heading, level [m]
+  /// @param p  relative to the robot's initial position in the scenario, in its heading, level [m]
   template <class Real>
   SKYBODY_INLINE Vec3<Real> from_home(const Vec3<Real>& p) const {
     const double c = cos(heading_), s = sin(heading_);
@@ -183,9 +183,9 @@ class Reach : public Task {
   int base_ = 0, carrier_ = 0;
   int first_action_ = 0, actions_ = 0;
   std::vector<Coordinate> joints_;
-  Vec3<double> lever_{};  ///< of the tool, in the frame of the body that has it [m]
-  Vec3<double> home_{};   ///< the robot's place in the scenario, W [m]
-  double heading_ = 0.0;  ///< and its yaw [rad]
+  Vec3<double> lever_{};  ///< position of the tool in the frame of its body [m]
+  Vec3<double> home_{};   ///< the robot's position in the scenario, W [m]
+  double heading_ = 0.0;  ///< the robot's yaw in the scenario [rad]
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Where a flight along a path has failed: the box, the tilt and the rates of the reference's task.
+// Failure limits of a flight along a path: the box, the tilt and the rates of the reference's task.
 #pragma once
 
 #include <skybody/task_kit.h>
@@ -14,7 +14,7 @@ class PathLimits {
  public:
   explicit PathLimits(Plugin* owner) : owner_(owner) {}
 
-  /// Declares the failures.
+  /// Declares the infos about failures.
   void configure(const Setup& setup, InfoParts& infos) {
     tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
     side_failure_ = declare_failure(setup, infos, "side", "|x| or |y| beyond `side_max`");
@@ -34,7 +34,8 @@ class PathLimits {
                  squared_norm(body.angular_velocity) > rate_max_.value() * rate_max_.value());
   }
 
-  /// Refuses a box that is upside down, and a nominal path that leads out of it within an episode.
+  /// Rejects a box whose minimum is above its maximum, and a nominal path that leaves the box
+  /// within an episode.
   void require_within(const reference::PathNumbers<double>& numbers, reference::Path path,
                       double duration) const {
     if (!(height_min_.value() < height_max_.value())) {
@@ -43,7 +44,7 @@ class PathLimits {
                                ": let heights lie between");
     }
     constexpr int kSamples = 1024;
-    path.approach = 0.0;  // where from is drawn
+    path.approach = 0.0;  // the approach's start is random
     const double length = path.length(numbers);
     const double end = duration > 0.0 && duration < length ? duration : length;
     for (int i = 0; i <= kSamples; ++i) {

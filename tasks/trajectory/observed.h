@@ -1,4 +1,4 @@
-// What the task `trajectory` observes: a history of the flight, and a window of the path ahead.
+// Observation of the task `trajectory`: a history of the flight, and a window of the path ahead.
 #pragma once
 
 #include <skybody/task_kit.h>
@@ -9,11 +9,11 @@ namespace skybody::tracking {
 
 using namespace task_kit;
 
-/// The robot's motion as it is observed.
+/// The observed motion of the robot.
 template <class Real>
 struct Flight {
   BodyMotion<Real> body;
-  Quat<Real> axes;  ///< W from the axes of observed vectors
+  Quat<Real> axes;  ///< W from the axes of the observed vectors
   SKYBODY_INLINE Vec3<Real> seen(const Vec3<Real>& v) const { return rotate_inverse(axes, v); }
 };
 
@@ -21,21 +21,22 @@ struct Flight {
 template <class Real>
 struct Ahead {
   Vec3<Real> position, velocity;  ///< W [m], [m/s]
-  Quat<Real> rotation;            ///< W from B, of a vehicle that flies it
+  Quat<Real> rotation;            ///< W from B, of a vehicle on the path
 };
 
 /// Parts of the observation, and the histories behind them.
 class Observed {
  public:
   struct Choice {
-    int history, window;  ///< entries of the past, moments ahead
-    bool matrices;        ///< with each entry's and moment's rotation; else the present one only
-    bool body_axes;       ///< vectors in B rather than in W
-    bool past_actions;    ///< the history has the actions
+    int history, window;  ///< number of past entries, and of moments ahead
+    bool matrices;        ///< with the rotation of each entry and moment; false: only the present
+                          ///< one
+    bool body_axes;       ///< vectors in B instead of W
+    bool past_actions;    ///< the history contains the actions
     int robot, actions;
   };
 
-  /// Declares the parts, in the order of the observation.
+  /// Declares the parts in the order of the observation.
   void configure(const Setup& setup, const Choice& choice) {
     choice_ = choice;
     const std::string axes = choice.body_axes ? "B" : "W";
@@ -78,8 +79,8 @@ class Observed {
     return {body, choice_.body_axes ? body.rotation : Quat<Real>::identity()};
   }
 
-  /// Takes this moment into the histories, and writes them.
-  /// @param action  action(k): value k of this step's
+  /// Adds this moment to the histories, and writes them.
+  /// @param action  action(k): value k of this step's action
   template <class Real, class Action>
   SKYBODY_INLINE void past(const EnvView<Real>& env, const Flight<Real>& flight,
                            const Action& action, const Values<Real>& buffer,
@@ -111,7 +112,7 @@ class Observed {
     if (choice_.matrices) reference_attitude_.set(row, to_mat3(reference.rotation), 9 * i);
   }
 
-  /// Writes what stands for the matrices where there are none.
+  /// Writes the replacement of the matrices if there are none.
   template <class Real>
   SKYBODY_INLINE void present(const Flight<Real>& flight, const Real& yaw_error,
                               const Values<Real>& row) const {

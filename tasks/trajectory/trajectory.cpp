@@ -19,8 +19,8 @@ class Trajectory : public Task {
   template <class Real>
   struct State {
     reference::PathStart<Real> path;
-    Real error_sum;  ///< of the distances after `settle` [m]
-    Real counted;    ///< of how many steps
+    Real error_sum;  ///< sum of the distances after `settle` [m]
+    Real counted;    ///< number of steps in the sum
   };
 
   void configure(const Setup& setup) override {
@@ -104,12 +104,12 @@ class Trajectory : public Task {
   }
 
  private:
-  // Of the reference's reward, gzdrl's task `trajectory`.
+  // Weights of the reference's reward, gzdrl's task `trajectory`.
   static constexpr double kSideWeight = 0.1, kHeightWeight = 2.0;            // [1/m^2]
   static constexpr double kSideSlipWeight = 0.002, kClimbSlipWeight = 0.04;  // [s^2/m^2]
   static constexpr double kRateWeight = 0.01;                                // [s^2]
   static constexpr double kActionWeight = 0.01;
-  // Of what may be added to it.
+  // Weights of the optional terms.
   static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
   static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
 
@@ -131,12 +131,12 @@ class Trajectory : public Task {
     check_.require_flyable_path(setup, robot, path_parameters_, path_);
   }
 
-  /// Since the reset [s].
+  /// Time since the reset [s].
   template <class Real>
   SKYBODY_INLINE Real time(const EnvView<Real>& env) const {
     return to_real(env.physics_step()) * dt_;
   }
-  /// As controllers hold it: heading first, then the shortest turn that tilts [rad].
+  /// Yaw as in the controllers: the heading, followed by the shortest tilting rotation [rad].
   template <class Real>
   static SKYBODY_INLINE Real heading(const Quat<Real>& q) {
     return wrap_angle(2.0 * atan2(q.z, q.w));
@@ -163,7 +163,7 @@ class Trajectory : public Task {
     return out;
   }
 
-  /// Takes a step into the mean error. @returns the mean so far [m]
+  /// Adds a step to the mean error. @returns the mean so far [m]
   template <class Real>
   SKYBODY_INLINE Real count(const EnvView<Real>& env, const Real& now, const Real& distance,
                             State<Real>& state) const {
@@ -173,7 +173,7 @@ class Trajectory : public Task {
     return select(state.counted > 0.0, state.error_sum / max(state.counted, Real(1.0)), distance);
   }
 
-  /// The reference's, and what it lacks for a learner where the scenario asks for it.
+  /// The reference's reward, with optional shaping terms of the scenario.
   template <class Real>
   SKYBODY_INLINE Real reward(const EnvView<Real>& env, const BodyMotion<Real>& body,
                              const Vec3<Real>& error, const Vec3<Real>& slip, const Real& distance,

@@ -1,4 +1,4 @@
-// Lets a world run and looks at one of its links: no goal, no reward, no end.
+// Runs a world and observes one of its links: no goal, no reward, no termination.
 #include <skybody/plugin.h>
 
 namespace skybody {

@@ -1,7 +1,7 @@
-// No allocation of ours in the step path: operator new is replaced, and every call that comes from
-// libskybody or a plugin while stepping is counted. Simbody's own allocations (13 a step in the
-// air) come from its libraries and are not, nor those of SUNDIALS, which are C's; without either
-// there is none at all.
+// No allocation of ours in the step path. operator new is replaced, and every call from libskybody
+// or a plugin during a step is counted. Not counted: Simbody's own allocations (13 a step in the
+// air), which come from its libraries, and those of SUNDIALS, which is written in C. Without these
+// two libraries a step allocates nothing.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -128,7 +128,7 @@ TEST(Allocation, IsCounted) {
   EXPECT_EQ(all_counted.load(), 1) << "is operator new still replaced? " << some.size();
 }
 
-/// Forward, backward and a step of the optimiser, of fewer rows in every other call.
+/// Forward pass, backward pass and an optimiser step; every other call has fewer rows.
 TEST(Allocation, DoesNotHappenInAnUpdateOfANetworkAfterTheFirst) {
   const Isa isa = best_isa();
   const learn::RecurrentNetwork network({7, 20, {40}, 3, Activation::kTanh}, isa);
@@ -158,7 +158,7 @@ TEST(Allocation, DoesNotHappenInAnUpdateOfANetworkAfterTheFirst) {
   EXPECT_EQ(all_counted.load(), 0);
 }
 
-/// Both vectors of a report, and the names of losses that are longer than a string holds by itself.
+/// Both vectors of a report, and the names of losses that are too long for the small-string buffer.
 TEST(Allocation, OfAnIterationIsItsReportAlone) {
   learn::LearnerOptions options;
   options.compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover_learn.yaml", {}, {}});
@@ -168,7 +168,7 @@ TEST(Allocation, OfAnIterationIsItsReportAlone) {
   options.hyper.rollout_steps = 16;
   options.hyper.minibatch = 100;
   learn::Ppo ppo(options);
-  for (int k = 0; k < 24; ++k) ppo.iterate();  // 384 steps: all environments began anew
+  for (int k = 0; k < 24; ++k) ppo.iterate();  // 384 steps: every environment has reset
   ours_counted = 0;
   counting = true;
   constexpr int kIterations = 5;
@@ -177,7 +177,7 @@ TEST(Allocation, OfAnIterationIsItsReportAlone) {
   EXPECT_LE(ours_counted.load(), 6 * kIterations);
 }
 
-/// Ids beyond 999: numbers that no longer fit into a short string.
+/// Ids above 999: their text no longer fits into a small string.
 constexpr int kEnvs = 1010;
 
 class NoAllocationInBatches : public testing::TestWithParam<PoolOptions> {};
@@ -201,7 +201,8 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
     envs.send(std::span(actions).first(ids.size() * 4), ids);
   };
   const int cycle = kEnvs / envs.batch();
-  // Caches fill: by arrival an environment whose thread sleeps may be far behind the others.
+  // Caches fill. In order of arrival, an environment whose thread sleeps may be far behind the
+  // others.
   while (*std::min_element(received.begin(), received.end()) < 6) step();
   ours_counted = all_counted = 0;
   counting = true;
@@ -211,7 +212,7 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
   while (envs.in_flight() > 0) envs.recv();
 }
 
-/// On the ground, and on a joint: what plugins ask for is found without memory, once it was found.
+/// On the ground and on a joint: queries of contact and joint forces allocate only the first time.
 TEST(Allocation, DoesNotHappenWherePluginsAskWhatBodiesFeel) {
   Simulation simulation(
       {.scenario = SKYBODY_SOURCE_DIR "/scenarios/payload.yaml",

@@ -1,5 +1,5 @@
-// One trajectory hash for every shipped scenario, whatever the threads, batches and order, and
-// whatever happens in the environment next door.
+// One trajectory hash for every shipped scenario, for all numbers of threads, batch sizes and
+// orders, even while a neighbouring environment has a fault.
 #include <gtest/gtest.h>
 #include <xmmintrin.h>
 
@@ -26,7 +26,8 @@ constexpr int kEnvs = 6;
 constexpr std::uint64_t kSeed = 7;
 constexpr int kNobody = -1;
 
-/// Step k of environment e: what `skybody hash` does as well. `faulty` gets a NaN in step 5.
+/// Action of step k of environment e, as in `skybody hash`. Environment `faulty` gets a NaN in step
+/// 5.
 std::vector<float> action_of(int env, int k, int width, int faulty) {
   Random<double> random({kSeed, static_cast<std::uint64_t>(env)}, 0, static_cast<std::uint64_t>(k),
                         derive_stream("hash.action"));
@@ -36,7 +37,7 @@ std::vector<float> action_of(int env, int k, int width, int faulty) {
   return action;
 }
 
-/// A reset and `steps` steps, resets where an episode has ended among them.
+/// Hash after a reset and `steps` steps; an ended episode resets instead of stepping.
 std::uint64_t hash_alone(const std::shared_ptr<const CompiledScenario>& compiled, int env,
                          int steps, int faulty) {
   Simulation simulation(compiled, kSeed, static_cast<std::uint64_t>(env));
@@ -51,7 +52,7 @@ std::uint64_t hash_alone(const std::shared_ptr<const CompiledScenario>& compiled
   return simulation.hash();
 }
 
-/// Steps begin ... end - 1 of all environments, each sent again as soon as it is back.
+/// Flies steps begin ... end - 1 of all environments; each is sent again as soon as it returns.
 void fly(Pool& envs, int begin, int end, int faulty) {
   std::array<int, kEnvs> next;
   next.fill(begin);
@@ -125,7 +126,7 @@ std::vector<Flight> shipped_scenarios() {
   return flights;
 }
 
-/// Those that are not the default of a shipped scenario, on both dynamics.
+/// Integrators that no shipped scenario uses by default, on both dynamics.
 std::vector<Flight> solvers() {
   std::vector<Flight> flights;
   for (const std::string dynamics : {"tree", "simbody"}) {
@@ -146,8 +147,8 @@ class EveryShippedScenario : public testing::TestWithParam<Flight> {
  protected:
   std::shared_ptr<const CompiledScenario> compiled_ =
       compile_scenario({file_of(GetParam().scenario), GetParam().overrides, {}});
-  /// Worlds of many robots, and those whose integrator takes steps of its own, take about as much
-  /// time in all as others.
+  /// Fewer steps for worlds of many robots and for error-controlled integrators, so that all
+  /// scenarios take about the same time.
   int steps_ =
       std::max(8, 60 / static_cast<int>(compiled_->scenario().robots.size()) /
                       (is_error_controlled(compiled_->scenario().stepping.integrator) ? 6 : 1));
@@ -178,7 +179,7 @@ TEST_P(EveryShippedScenario, HasTheHashOfEnvironmentsAloneForAllThreadsBatchesAn
     Pool envs = make(compiled_, shape);
     reset(envs);
     fly(envs, 0, steps_ / 2, kNobody);
-    if (!saved.empty()) envs.restore(saved);  // what a Pool of another shape has saved
+    if (!saved.empty()) envs.restore(saved);  // saved by a Pool of another shape
     saved = envs.save();
     fly(envs, steps_ / 2, steps_, kNobody);
     expect(envs, hashes);
@@ -205,8 +206,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shippe
 INSTANTIATE_TEST_SUITE_P(Solvers, EveryShippedScenario, testing::ValuesIn(solvers()),
                          [](const auto& flight) { return flight.param.name; });
 
-/// Denormals flushed, rounding downwards: what another library may have left in the caller's
-/// thread.
+/// Denormals flushed and rounding downwards, as another library may leave the caller's thread.
 TEST(CallersFloatingPointMode, MovesNoHash) {
   const auto compiled = compile_scenario({file_of("hover"), {}, {}});
   const auto run = [&](int envs_count) {
@@ -259,15 +259,15 @@ TEST(Groups, AreAsLargeAsThreadsBatchesAndDynamicsAllow) {
         .lanes();
   };
   EXPECT_EQ(lanes(tree, 64, 1), 32);
-  EXPECT_EQ(lanes(tree, 40, 1), 24);                      // two groups of about the same size
-  EXPECT_EQ(lanes(tree, 63, 4), 16);                      // one for each thread
-  EXPECT_EQ(lanes(tree, 63, 2, 20, Order::kArrival), 8);  // quick ones do not wait for slow ones
-  EXPECT_EQ(lanes(tree, 15, 2), 1);                       // an octet would leave a thread idle
+  EXPECT_EQ(lanes(tree, 40, 1), 24);                      // two groups of about equal size
+  EXPECT_EQ(lanes(tree, 63, 4), 16);                      // one group for each thread
+  EXPECT_EQ(lanes(tree, 63, 2, 20, Order::kArrival), 8);  // quick lanes do not wait for slow ones
+  EXPECT_EQ(lanes(tree, 15, 2), 1);  // a block of eight lanes would leave a thread idle
   EXPECT_EQ(lanes(simbody, 64, 1), 1);
 }
 
-/// Eight collisions, each with another vehicle, so that lanes touch at different times. Saved and
-/// restored in the midst of them, in lanes and one by one.
+/// Eight collisions, each with another vehicle, so that lanes touch at different times. The states
+/// are saved and restored during the collisions, in lanes and one by one.
 TEST(Collision, HasOneHashInLanesAndAlone) {
   constexpr int kLanes = 8, kSteps = 140, kMidst = 102;
   const auto compiled = compile_scenario({file_of("collision"), {}, {}});

@@ -1,4 +1,4 @@
-// Prints the trajectory hash of each scenario that is named: build_types.sh compares those of two
+// Prints the trajectory hash of each named scenario. build_types.sh compares the hashes of two
 // builds.
 #include <cstdio>
 #include <vector>
@@ -12,10 +12,10 @@ namespace {
 
 using namespace skybody;
 
-constexpr int kEnvs = 9;  // side by side in lanes, and one left over
+constexpr int kEnvs = 9;  // one full block of lanes, and one environment left over
 constexpr int kSteps = 300;
 
-/// With actions all over what is allowed.
+/// Actions span the whole allowed range.
 std::uint64_t hash_of(const std::string& scenario) {
   LoadOptions options;
   options.scenario = scenario;

@@ -1,4 +1,4 @@
-// Save, restore, fork and hash over shipped scenarios: sensors, drawn values, keys included.
+// Save, restore, fork and hash over shipped scenarios, including sensors, drawn values and keys.
 #include "core/simulation/simulation.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 std::string scenario(const std::string& name) { return SKYBODY_SOURCE_DIR "/scenarios/" + name; }
 
-/// Actions that depend on the step only.
+/// The actions depend only on the step.
 void fly(Simulation& simulation, int steps, std::uint64_t salt = 0) {
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   for (int i = 0; i < steps; ++i) {
@@ -66,7 +66,7 @@ TEST_P(EveryScenario, RestoringInMidEpisodeGivesTheSameFuture) {
   EXPECT_EQ(a.hash(), future);
   EXPECT_EQ(a.save().words, end.words);
 
-  Simulation fresh = make(77);  // another seed: the key must travel with the state
+  Simulation fresh = make(77);  // another seed: restore() must restore the key too
   fresh.restore(saved);
   fly(fresh, 200);
   fresh.reset();
@@ -84,7 +84,7 @@ TEST_P(EveryScenario, AForkHasTheSameFutureAndARekeyedOneItsOwn) {
     s->reset();
     fly(*s, 60);
   }
-  // The parent counts its rekeyed forks in its state, so compare what the episodes did.
+  // The parent's state counts its rekeyed forks, so compare the episodes' observations.
   const auto observed = [](const Simulation& s) {
     return std::vector<float>(s.observation().begin(), s.observation().end());
   };
@@ -124,12 +124,13 @@ TEST(Simulation, AWrenchOnTheBodyStartsInBalanceWithTheRotorsOfTheStart) {
       {.scenario = scenario("hover.yaml"),
        .overrides = {"robots[0].controllers=[{plugin: ctbt, parameters: {apply: body}}]"}});
   hover.reset();
-  for (const double speed : hover.rotor_speeds()) EXPECT_EQ(speed, 0.0);  // idle: the wrench acts
+  for (const double speed : hover.rotor_speeds())
+    EXPECT_EQ(speed, 0.0);  // idle: the wrench acts on the body
   const std::vector<float> level = {0.0f, 0.0f, 0.0f, 0.0f};
   const double before = hover.bodies()[0].velocity.z;
   hover.step(level);
-  // The lag begins at hover thrust, and one millisecond towards another thrust changes little: well
-  // below the 9.81 mm/s that a fall would give.
+  // The lag starts at hover thrust, and one millisecond towards another thrust changes little: far
+  // less than the 9.81 mm/s of a free fall.
   EXPECT_LT(std::abs(hover.bodies()[0].velocity.z - before), 0.002);
   for (int i = 0; i < 50; ++i) hover.step(level);
   for (const double speed : hover.rotor_speeds()) EXPECT_EQ(speed, 0.0);

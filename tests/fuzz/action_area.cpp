@@ -1,7 +1,10 @@
-// Actions, commands and changes in flight, of one environment and of one in a batch. The first line
-// of an input names a scenario; the others are calls (flight_script.h), or of the batch:
-// `batch VALUES` (environment 1 gets these, the others always the same), `set PARAMETER VALUE`,
-// `adopt SOURCE REKEY`, `end` (a reset of environment 1).
+// Actions, commands and changes in flight, for a single environment and for one environment in a
+// batch. The first line of an input names a scenario. The other lines are calls (flight_script.h)
+// or batch commands:
+// - `batch VALUES`: environment 1 gets these values, the others always the same ones
+// - `set PARAMETER VALUE`
+// - `adopt SOURCE REKEY`
+// - `end`: a reset of environment 1
 #include <cstdlib>
 #include <map>
 #include <sstream>
@@ -16,8 +19,8 @@ namespace skybody::fuzz {
 namespace {
 
 constexpr int kEnvs = 4, kChanged = 1;
-constexpr int kMostLines = 40;          // of one script
-constexpr std::size_t kMostBatch = 12;  // `batch` lines of one script
+constexpr int kMostLines = 40;          // per script
+constexpr std::size_t kMostBatch = 12;  // `batch` lines per script
 const char* const kScenarios[] = {"hover", "payload",      "collision",          "formation_2",
                                   "boom",  "hard_landing", "cooperative_payload"};
 
@@ -38,7 +41,7 @@ PoolOptions batch_options() {
   return options;
 }
 
-/// Environments of one scenario; only environment 1 is ever treated differently.
+/// Environments of one scenario; only environment 1 ever gets other inputs.
 class Flock {
  public:
   explicit Flock(std::shared_ptr<const CompiledScenario> compiled)
@@ -55,7 +58,7 @@ class Flock {
     BatchRows::receive(envs_);
   }
 
-  /// @returns whether there is such a call
+  /// @returns false if there is no such call
   bool call(const std::string& name, const Values& values) {
     if (name == "batch") return batch(values);
     if (name == "set") return set(values);
@@ -167,7 +170,7 @@ class ActionArea : public Area {
     return *flock;
   }
 
-  /// @returns whether it was not refused
+  /// @returns false if the call was refused
   static bool call(FlightScript& script, Flock& flock, const std::string& line) {
     const std::size_t space = std::min(line.find(' '), line.size());
     const std::string name = line.substr(0, space);

@@ -1,4 +1,4 @@
-// One kind of input, and what a right answer to it is.
+// An area: one kind of input, and the check of the program's answer to it.
 #pragma once
 
 #include <filesystem>
@@ -12,33 +12,33 @@
 
 namespace skybody::fuzz {
 
-/// Both are right, as long as nothing else happens.
+/// Both are correct answers if no other check fails.
 enum class Answer { kRefused, kAccepted };
 
-/// What areas need to make their seeds.
+/// Options from which areas make their seeds.
 struct AreaOptions {
-  std::filesystem::path folder;  ///< to write into
+  std::filesystem::path folder;  ///< output folder
   std::filesystem::path policy;  ///< a valid policy.h5; empty: one is made
 };
 
-/// So many inputs of a block are run again and again to see whether memory grows.
+/// Number of inputs of a block that are run repeatedly to detect growth of memory.
 inline constexpr std::uint64_t kLeakInputs = 12;
-/// Smallest growth that is no noise of malloc's [bytes].
+/// Smallest growth that is not malloc's noise [bytes].
 inline constexpr std::size_t kSmallLeak = 16;
 
-/// Made once in the parent process; begin() and run() are called in children.
+/// Created once in the parent process; begin() and run() are called in child processes.
 class Area {
  public:
   virtual ~Area() = default;
 
   const Material& material() const { return material_; }
-  /// Before the first run() of a process, with a folder that no other process uses.
+  /// Called before the first run() of a process. No other process uses the folder.
   virtual void begin(const std::filesystem::path& folder) = 0;
-  /// @param thorough  asks for checks that take longer, such as a second run that must be the same
+  /// @param thorough  enables slower checks, such as a second run that must give the same result
   /// @throws Finding if the answer is wrong; any other exception is a finding as well
   virtual Answer run(const std::string& input, bool thorough) = 0;
-  /// Growth of the heap that counts as a leak, per repetition of kLeakInputs inputs [bytes]; 0:
-  /// leaks are not looked for.
+  /// Growth of the heap per repetition of kLeakInputs inputs that counts as a leak [bytes]; 0
+  /// disables leak detection.
   virtual std::size_t smallest_leak() const { return 0; }
 
  protected:
@@ -55,7 +55,7 @@ struct AreaRow {
 /// All areas, in the order of the table.
 const std::vector<AreaRow>& area_rows();
 
-/// The k-th input of an area: it follows from seed, area and k alone.
+/// The k-th input of an area; a function of seed, area and k only.
 inline std::string make_input(const AreaRow& row, const Area& area, std::uint64_t seed,
                               std::uint64_t k) {
   Dice dice(seed, row.name, k);

@@ -4,7 +4,7 @@ namespace skybody::fuzz {
 
 const std::vector<AreaRow>& area_rows() {
   const auto bytes = byte_mutators(), text = text_mutators();
-  // Text mutators twice: most bytes that change at random are no YAML or XML any more.
+  // Text mutators are listed twice, since most random byte changes give invalid YAML or XML.
   static const std::vector<AreaRow> rows = {
       {"scenario", make_scenario_area, {text, text, bytes}},
       {"override", make_override_area, {text, text, bytes}},

@@ -1,4 +1,4 @@
-// How each area is made. The table that lists them is in areas.cpp.
+// Factory functions of the areas. The table of areas is in areas.cpp.
 #pragma once
 
 #include "tests/fuzz/area.h"

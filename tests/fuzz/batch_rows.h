@@ -1,4 +1,4 @@
-// What a batch of environments gave: compared bit by bit, and looked at for numbers.
+// The output of a batch of environments: compared bit by bit and checked for finite values.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,9 @@ namespace skybody::fuzz {
 /// Rows of one transition of every environment, in the order of their ids.
 class BatchRows {
  public:
-  /// Receives everything that is in flight.
-  /// @throws Finding if a value is not finite, but for rows with a fault under Faults::kAreAnything
+  /// Receives all environments in flight.
+  /// @throws Finding if a value is not finite, except in rows with a fault under
+  ///         Faults::kAreAnything
   static BatchRows receive(Pool& envs, Faults faults = Faults::kAreFinite);
 
   /// Words of one environment's row.
@@ -27,7 +28,7 @@ class BatchRows {
   std::vector<std::vector<std::uint32_t>> words_;
 };
 
-/// @throws Finding if an environment other than `changed` has another row or hash
+/// @throws Finding if the row or hash of an environment other than `changed` differs
 void check_others(const BatchRows& rows, const BatchRows& expected, int envs, int changed);
 
 }  // namespace skybody::fuzz

@@ -19,16 +19,18 @@ namespace {
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kSanitized =
-    true;  // it reserves terabytes, catches signals, and counts leaks itself
+    true;  // it reserves terabytes, catches signals, and detects leaks itself
 #else
 constexpr bool kSanitized = false;
 #endif
 
-/// Every so many inputs are run thoroughly.
+/// One in this many inputs is run thoroughly.
 constexpr std::uint64_t kThorough = 16;
-/// How often: what malloc keeps aside counts as used, and settles after a few times.
+/// Repetitions of a leak check, and the first ones to ignore: malloc's caches count as used memory
+/// and settle after a few repetitions.
 constexpr int kRepetitions = 7, kSettling = 3;
-/// Of what seems to grow: malloc keeps up to seven freed blocks of a size, which look in use.
+/// Repetitions that confirm a suspected leak: malloc keeps up to seven freed blocks of each size,
+/// and they appear to be in use.
 constexpr int kConfirmations = 24;
 
 std::uint64_t processor_ns() {
@@ -77,7 +79,7 @@ bool run_timed(const Block& block, std::uint64_t k, Progress& progress) {
   return true;
 }
 
-/// Repetitions do not count.
+/// Runs an input again without counting it.
 void run_again(const Block& block, std::uint64_t k, Progress& progress) {
   const std::uint64_t refused = progress.refused, accepted = progress.accepted;
   progress.input = k;
@@ -89,7 +91,7 @@ void run_again(const Block& block, std::uint64_t k, Progress& progress) {
 
 std::size_t heap_in_use() { return mallinfo2().uordblks; }
 
-/// How far the heap grows while some inputs are run again: the least of several repetitions.
+/// Growth of the heap while `count` inputs are run again: the minimum over the repetitions.
 std::size_t growth(const Block& block, std::uint64_t first, std::uint64_t count, int repetitions,
                    Progress& progress) {
   std::size_t least = ~std::size_t{0};
@@ -118,14 +120,15 @@ void look_for_leaks(const Block& block, std::uint64_t count, Progress& progress)
     worst = k;
   }
   if (most > 0) most = growth(block, worst, 1, kConfirmations, progress);
-  if (most == 0) return;  // a list that grew once in a while
+  if (most == 0) return;  // a list that grew occasionally
   progress.input = worst;
   progress.note(FindingKind::kLeak, std::to_string(most) + " bytes each time it is run");
 }
 
 Progress* crashed_progress = nullptr;
 
-/// Only notes addresses: the parent, which has the same libraries at the same places, names them.
+/// Records addresses only; the parent process, which has the same libraries at the same addresses,
+/// resolves the names.
 void note_crash(int signal) {
   crashed_progress->frame_count =
       backtrace(crashed_progress->frames.data(), static_cast<int>(Progress::kFrames));
@@ -137,7 +140,7 @@ void catch_crashes(Progress& progress) {
   if (kSanitized) return;
   crashed_progress = &progress;
   void* first[1];
-  backtrace(first, 1);  // loads what it needs
+  backtrace(first, 1);  // loads the libraries it needs
   static std::vector<char> stack(1 << 16);
   const stack_t own{stack.data(), 0, stack.size()};
   sigaltstack(&own, nullptr);

@@ -10,11 +10,11 @@
 
 namespace skybody::fuzz {
 
-/// What a process may use for one input. A megabyte is to take at most 2 s and 500 MB (docs); twice
-/// that is allowed here, for machines that do other things.
+/// Resource limits of a process for one input. The documented limits are 2 s and 500 MB for a
+/// megabyte of input (docs); here twice as much is allowed, for machines under load.
 struct Limits {
   double processor_seconds = 4.0;
-  double wall_seconds = 60.0;       ///< waiting for something that never comes
+  double wall_seconds = 60.0;       ///< for an input that waits forever
   std::uint64_t memory = 1u << 30;  ///< of the whole process [bytes]
 };
 
@@ -25,10 +25,10 @@ struct Block {
   bool only_accepted = false;  ///< a refusal is a wrong answer
 };
 
-/// Runs the block in this process and tells `progress`.
+/// Runs the block in this process and records the results in `progress`.
 void run_block(const Block& block, const std::filesystem::path& folder, Progress& progress);
 
-/// Sets this process's limits, and notes where it crashes if it does.
+/// Sets this process's limits, and installs a handler that records the place of a crash.
 void guard_process(const Limits& limits, Progress& progress);
 
 }  // namespace skybody::fuzz

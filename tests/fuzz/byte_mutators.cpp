@@ -8,7 +8,7 @@
 namespace skybody::fuzz {
 namespace {
 
-/// A place and a length within an input.
+/// Offset and length of a chunk of an input.
 struct Chunk {
   std::size_t at, size;
 };
@@ -21,7 +21,8 @@ Chunk chunk_of(const std::string& input, Dice& dice) {
 
 std::size_t gap_of(const std::string& input, Dice& dice) { return dice.below(input.size() + 1); }
 
-/// A byte: half of them near the beginning or the end, where binary formats have their tables.
+/// Index of a byte; half of the draws are near the beginning or the end, where binary formats have
+/// their tables.
 std::size_t byte_of(const std::string& input, Dice& dice) {
   constexpr std::size_t kHeader = 1024;
   const std::size_t near = std::min(input.size(), kHeader);
@@ -49,7 +50,7 @@ void set_byte(std::string& input, Dice& dice, const Material&) {
   input[byte_of(input, dice)] = static_cast<char>(byte);
 }
 
-/// 2, 4 or 8 bytes become a number that lengths and offsets do not expect.
+/// Overwrites 2, 4 or 8 bytes with an integer that is unlikely as a length or an offset.
 void set_integer(std::string& input, Dice& dice, const Material&) {
   constexpr std::array<std::uint64_t, 9> kNumbers = {
       0, 1, ~0ull, 1ull << 31, (1ull << 31) - 1, 1ull << 61, 1ull << 63, 0xfffffffeu, 1ull << 32};
@@ -60,7 +61,7 @@ void set_integer(std::string& input, Dice& dice, const Material&) {
   std::memcpy(input.data() + std::min(byte_of(input, dice), input.size() - size), &number, size);
 }
 
-/// 4 or 8 bytes become a float or a double.
+/// Overwrites 4 or 8 bytes with a float or a double.
 void set_real(std::string& input, Dice& dice, const Material&) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr std::array<double, 10> kNumbers = {
@@ -110,7 +111,7 @@ void swap_chunks(std::string& input, Dice& dice, const Material&) {
   input.replace(a.at, size, second);
 }
 
-/// A piece of a valid input, itself or another one.
+/// Inserts a chunk of a valid input, either the same input or another one.
 void splice(std::string& input, Dice& dice, const Material& material) {
   const std::string& other = dice.pick(material.seeds);
   const Chunk from = chunk_of(other, dice), to = chunk_of(input, dice);

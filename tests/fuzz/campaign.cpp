@@ -13,14 +13,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kEndless = std::numeric_limits<std::uint64_t>::max();
-constexpr std::uint64_t kBlock = 1000;      // inputs of one process where they are counted
-constexpr std::uint64_t kFirstBlock = 100;  // where time is counted: to learn how fast an area is
-constexpr double kBlockSeconds = 2.0;       // and then for so long
+constexpr std::uint64_t kBlock = 1000;  // inputs per process when inputs are counted
+constexpr std::uint64_t kFirstBlock =
+    100;  // first block when time is limited: measures the area's speed
+constexpr double kBlockSeconds = 2.0;  // duration of the blocks after it
 constexpr std::uint64_t kMostBlock = 20000;
-constexpr std::uint64_t kMostTold = 40;            // findings of one area that are told and saved
-constexpr std::chrono::milliseconds kPatience{5};  // between two looks at the workers
+constexpr std::uint64_t kMostTold = 40;            // findings per area that are printed and saved
+constexpr std::chrono::milliseconds kPatience{5};  // between two polls of the workers
 
-/// For terminals: messages may hold whatever the input held.
+/// For terminals: a message may contain any bytes of the input.
 std::string without_controls(std::string text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
@@ -116,7 +117,7 @@ void Campaign::run_from(Job& job, std::uint64_t first) {
                     job.queue->only_accepted});
 }
 
-/// Counts what a block came to; after a finding the rest of it goes on in another process.
+/// Adds a block's results; after a finding the rest of the block continues in another process.
 void Campaign::take(Job& job, const BlockEnd& end) {
   Tally& tally = job.front->tally;
   tally.refused += end.refused;

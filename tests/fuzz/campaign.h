@@ -1,4 +1,4 @@
-// All areas at once: which inputs are run next, by several processes, and what they come to.
+// The campaign: runs all areas at once in several processes and collects the results.
 #pragma once
 
 #include <chrono>
@@ -15,10 +15,10 @@ namespace skybody::fuzz {
 
 class Campaign {
  public:
-  /// Makes the areas. @param folder  for their files and the workers'
+  /// Makes the areas. @param folder  for the files of areas and workers
   Campaign(const Options& options, std::filesystem::path folder);
 
-  /// Runs everything, tells about findings on stderr and saves their inputs.
+  /// Runs everything, prints findings to stderr and saves their inputs.
   std::vector<Tally> run();
   /// Runs everything in this process, for a debugger; nothing is caught.
   void run_here();
@@ -26,7 +26,7 @@ class Campaign {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Inputs of an area that are still to be run.
+  /// Remaining inputs of an area.
   struct Queue {
     std::unique_ptr<Inputs> inputs;
     std::uint64_t next = 0, end = 0;
@@ -35,12 +35,12 @@ class Campaign {
   struct Front {
     const AreaRow* row;
     std::unique_ptr<Area> area;
-    std::vector<Queue> queues;  ///< the first of them first
+    std::vector<Queue> queues;  ///< in order of execution
     Tally tally;
     int workers = 0;
-    std::uint64_t told = 0;  ///< findings that were told
+    std::uint64_t told = 0;  ///< findings printed so far
   };
-  /// A worker, and the part of a queue that it was given.
+  /// A worker, and its part of a queue.
   struct Job {
     Worker worker;
     Front* front = nullptr;
@@ -60,7 +60,7 @@ class Campaign {
 
   const Options& options_;
   std::filesystem::path folder_;
-  std::deque<Front> fronts_;  // jobs point to them
+  std::deque<Front> fronts_;  // deque: jobs hold pointers to the elements
   Clock::time_point deadline_;
 };
 

@@ -1,5 +1,5 @@
-// The random numbers of one input: they follow from the seed, the area and the input's number
-// alone, so that any input can be made again.
+// The random numbers of one input: a function of the seed, the area and the input's number only, so
+// any input can be reproduced.
 #pragma once
 
 #include <cstddef>
@@ -18,15 +18,15 @@ class Dice {
   std::uint64_t bits() { return random_.bits(); }
   /// Uniform in 0 .. n - 1, n >= 1.
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.integer(n)); }
-  /// True once in n.
+  /// True with probability 1/n.
   bool one_in(std::size_t n) { return below(n) == 0; }
-  /// A length from 1 to `most`; short ones are more frequent, every magnitude equally so.
+  /// A length from 1 to `most`, uniform over orders of magnitude; short lengths are more frequent.
   std::size_t length(std::size_t most) {
     std::size_t bound = 1;
     while (bound < most && !one_in(4)) bound *= 2;
     return 1 + below(bound < most ? bound : most);
   }
-  /// One entry of a list that is not empty.
+  /// A random entry of a list that is not empty.
   template <class List>
   const auto& pick(const List& list) {
     return *(std::begin(list) + static_cast<std::ptrdiff_t>(below(std::size(list))));

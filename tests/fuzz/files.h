@@ -22,14 +22,14 @@ inline void write_bytes(const std::filesystem::path& file, const std::string& by
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-/// The shipped scenarios and models, as a folder of somebody's own.
+/// Copies the shipped scenarios and models, as into a user's own folder.
 inline void copy_scenarios(const std::filesystem::path& folder) {
   std::filesystem::copy(
       std::filesystem::path(SKYBODY_SOURCE_DIR) / "scenarios", folder,
       std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
 }
 
-/// A file of this project.
+/// Path of a file of this project.
 inline std::string shipped(const std::string& name) {
   return read_bytes(std::filesystem::path(SKYBODY_SOURCE_DIR) / "scenarios" / name);
 }

@@ -1,4 +1,4 @@
-// What is wrong with an answer to an input.
+// A finding: an error in the program's answer to an input.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ inline constexpr std::size_t kFindingKinds = 6;
 /// Column titles of the table, in the order of the enumerators.
 inline constexpr std::array<const char*, kFindingKinds> kFindingTitles = {
     "crashes", "hangs", "memory", "leaks", "silent changes", "wrong answers"};
-/// One of them, for messages.
+/// Names for messages.
 inline constexpr std::array<const char*, kFindingKinds> kFindingNames = {
     "crash", "hang", "memory", "leak", "silent change", "wrong answer"};
 

@@ -11,10 +11,10 @@
 namespace skybody::fuzz {
 namespace {
 
-/// Physics steps of one check: the engine is to be met, not the length of an action.
+/// Physics steps per check: the check exercises the engine, not long actions.
 constexpr std::int64_t kPhysicsSteps = 20;
 constexpr int kTransitions = 3;
-/// More steps of SUNDIALS' own than this in a physics step may take as long as somebody asks for.
+/// With more SUNDIALS steps per physics step than this, an input may legitimately take any time.
 constexpr std::int64_t kMostSolverSteps = 2000;
 
 struct Outcome {

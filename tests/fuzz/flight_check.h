@@ -1,4 +1,4 @@
-// Loads a scenario as `skybody check` does and flies it for a moment.
+// Loads a scenario as `skybody check` does and flies it briefly.
 #pragma once
 
 #include <span>
@@ -12,23 +12,24 @@
 namespace skybody::fuzz {
 
 /// Loads and flies.
-/// @param thorough  does everything twice; both must be the same
-/// @throws Finding if it is refused without a message that names a place and reads as one line, or
-///         accepted and rows are not finite
+/// @param thorough  does everything twice; both results must be equal
+/// @throws Finding if a refusal has no one-line message with a location, or if an accepted scenario
+///         gives rows that are not finite
 Answer check_flight(const LoadOptions& options, bool thorough);
 
-/// @throws Finding if the message would not be one readable line
+/// @throws Finding if the message is not one printable line
 void check_message(const std::string& message);
 
 /// The messages of a refusal.
-/// @throws Finding if none is an error that names a place, or one is no readable line
+/// @throws Finding if no message is an error with a location, or a message is not one printable
+///         line
 std::string check_refusal(const Diagnostics& diagnostics);
 
-/// What rows with a fault may hold: a fault gives the last finite observation, which a state that
-/// somebody made up need not have.
+/// Allowed values of rows with a fault. A fault returns the last finite observation; a hand-made
+/// state may have none.
 enum class Faults { kAreFinite, kAreAnything };
 
-/// Info values of a fault are what the task says of a state that is none.
+/// Info values of a fault come from the task, evaluated on an invalid state.
 /// @throws Finding if a value of the last transition is not finite
 void check_rows(const Simulation& simulation, Faults faults = Faults::kAreFinite);
 

@@ -11,7 +11,7 @@ constexpr std::int64_t kPhysicsSteps = 100;  // of all advance() calls of one sc
 
 double value_at(const Values& values, std::size_t k) { return k < values.size() ? values[k] : 0.0; }
 
-/// An index from 0 to n - 1 out of any number.
+/// Maps any number to an index from 0 to n - 1.
 std::size_t index_of(const Values& values, std::size_t k, std::size_t n) {
   const double value = std::fabs(value_at(values, k));
   return n > 0 && value < 1e9 ? static_cast<std::size_t>(value) % n : 0;
@@ -27,7 +27,7 @@ std::vector<float> floats(const Values& values, std::size_t n) {
 
 }  // namespace
 
-/// A word and what it does.
+/// A command word and its function.
 struct FlightScript::Call {
   const char* name;
   void (*act)(FlightScript& script, const Values& values);
@@ -82,7 +82,7 @@ const RobotUse& FlightScript::robot(double index) const {
   return robots[index_of({index}, 0, robots.size())];
 }
 
-/// Missing values are 0.2; more than there should be are refused.
+/// Missing values are 0.2; extra values are refused.
 void FlightScript::step(const Values& values) {
   const auto size = static_cast<std::size_t>(simulation_.action_size());
   simulation_.step(floats(values, std::max(values.size(), size)));
@@ -144,13 +144,13 @@ void FlightScript::set_rotor(const Values& values) {
                                   value_at(values, 3));
 }
 
-/// Goes on with a copy.
+/// Continues with a copy.
 void FlightScript::fork(const Values& values) {
   Simulation copy = simulation_.fork(index_of(values, 0, 2) == 1);
   simulation_ = std::move(copy);
 }
 
-/// Everything that can be asked. The dynamics may say that it has no answer.
+/// Calls all query functions. The dynamics may report that a result is not available.
 void FlightScript::look() {
   simulation_.bodies();
   simulation_.goals();

@@ -9,16 +9,16 @@
 
 namespace skybody::fuzz {
 
-/// Values of one line, behind its first word.
+/// Values of one line, after its first word.
 using Values = std::vector<double>;
 
-/// Does what lines say to one environment under direct control.
+/// Executes script lines on one environment under direct control.
 class FlightScript {
  public:
   explicit FlightScript(std::shared_ptr<const CompiledScenario> compiled);
 
-  /// @returns whether there is such a call
-  /// @throws Error as the call
+  /// @returns false if there is no such call
+  /// @throws Error as the call does
   bool call(const std::string& name, const Values& values);
 
   const Simulation& simulation() const { return simulation_; }
@@ -42,7 +42,7 @@ class FlightScript {
 
   Simulation simulation_;
   Snapshot saved_;
-  std::int64_t budget_;  ///< physics steps that advance() may still take
+  std::int64_t budget_;  ///< remaining physics steps for advance()
 };
 
 }  // namespace skybody::fuzz

@@ -1,4 +1,4 @@
-// Where inputs come from: made from a seed, or read from files.
+// Sources of inputs: made from a seed, or read from files.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ class Inputs {
  public:
   virtual ~Inputs() = default;
   virtual std::string make(std::uint64_t k) const = 0;
-  /// A file's name for input k.
+  /// A file name for input k.
   virtual std::string name(std::uint64_t k) const = 0;
-  /// The command that runs input k again, behind the program's name.
+  /// The arguments of skybody_fuzz that run input k again.
   virtual std::string rerun(std::uint64_t k) const = 0;
 };
 
-/// Seeds with changes: any number of them.
+/// Mutated seeds; their number is unlimited.
 class MadeInputs : public Inputs {
  public:
   MadeInputs(const AreaRow& row, const Area& area, std::uint64_t seed)
@@ -36,7 +36,7 @@ class MadeInputs : public Inputs {
   std::uint64_t seed_;
 };
 
-/// Files: the corpus, or one that was named. A file called *.recipe is expanded (recipe.h).
+/// Files: the corpus, or one named file. A file named *.recipe is expanded (recipe.h).
 class FileInputs : public Inputs {
  public:
   FileInputs(std::string area, std::vector<std::filesystem::path> files)

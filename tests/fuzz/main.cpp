@@ -1,5 +1,5 @@
 // skybody_fuzz: mutated scenarios, models, policies, recordings, states, actions and plugins.
-// docs/fuzzing.md says how to run it, how to run a finding again, and how to add an area.
+// docs/fuzzing.md describes how to run it, how to rerun a finding, and how to add an area.
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In memory where plugins can be loaded from there: an input is a file of its own.
+/// A folder in memory, if plugins can be loaded from it: every input is written to a file.
 fs::path scratch_parent() {
   const char* memory = "/dev/shm";
   struct statvfs found {};

@@ -1,5 +1,5 @@
-// Meshes of collisions, each input as every format that is read: a mutated head of one format is
-// a likely body of none.
+// Collision meshes. Each input is read as every supported format, since a mutated header of one
+// format is unlikely to fit the body of another.
 #include "core/io/urdf_reader.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/files.h"
@@ -213,7 +213,7 @@ class MeshArea : public Area {
   std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
-  /// What a mesh came to: its size is in a warning.
+  /// The result of reading a mesh; a warning contains its size.
   struct Outcome {
     bool is_read = false;
     std::string messages;

@@ -1,4 +1,4 @@
-// A file of a model, inside a scenario that is sound.
+// A model file inside a valid scenario.
 #pragma once
 
 #include "tests/fuzz/files.h"
@@ -8,8 +8,8 @@ namespace skybody::fuzz {
 
 class ModelArea : public Area {
  public:
-  /// @param file      where the input is written to
-  /// @param scenario  YAML that names it
+  /// @param file      the path to which the input is written
+  /// @param scenario  YAML that names the file
   ModelArea(const char* file, const char* scenario) : file_(file), scenario_(scenario) {}
 
   void begin(const std::filesystem::path& folder) override {

@@ -1,4 +1,4 @@
-// Small changes that make a bad input of a good one.
+// Small changes that turn a valid input into a bad one.
 #pragma once
 
 #include <span>
@@ -9,13 +9,13 @@
 
 namespace skybody::fuzz {
 
-/// What mutators take pieces from.
+/// Material from which mutators take pieces.
 struct Material {
   std::vector<std::string> seeds;  ///< valid inputs, at least one
-  std::vector<std::string> words;  ///< what the input's language has: keys, values, names
+  std::vector<std::string> words;  ///< vocabulary of the input's language: keys, values, names
 };
 
-/// One kind of change. New ones are a function and a row in the table of their file.
+/// One kind of change. To add one, write a function and add a row to the table of its file.
 struct Mutator {
   const char* name;
   void (*apply)(std::string& input, Dice& dice, const Material& material);
@@ -26,12 +26,12 @@ std::span<const Mutator> byte_mutators();
 /// For text: numbers, words, quoted values, lines.
 std::span<const Mutator> text_mutators();
 
-/// Longer inputs are cut, unless their seed is as long: an input's time is to be the reader's, not
-/// the mutators'.
+/// Longer inputs are cut, unless their seed is as long, so that the time goes into the reader and
+/// not into the mutators.
 inline constexpr std::size_t kMostBytes = 1 << 18;
 
 /// A seed with one or several changes.
-/// @param tables  of mutators; each is chosen equally often
+/// @param tables  tables of mutators; each table is chosen with equal probability
 std::string make_input(Dice& dice, const Material& material,
                        std::span<const std::span<const Mutator>> tables);
 

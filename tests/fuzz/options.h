@@ -14,20 +14,20 @@ struct Options {
   std::vector<std::string> areas;  ///< empty: all
   std::uint64_t seed = 1;
   std::uint64_t first = 0;
-  std::uint64_t count = 0;      ///< inputs of each area; 0: none but the corpus, or see minutes
-  double minutes = 0.0;         ///< instead of a count: for so long, all areas as long as another
-  bool corpus = false;          ///< the areas' seeds and tests/fuzz/corpus first
-  std::filesystem::path input;  ///< one file instead of everything else
-  std::filesystem::path save;   ///< folder for inputs with findings; empty: they are not saved
+  std::uint64_t count = 0;         ///< inputs of each area; 0: only the corpus, or see `minutes`
+  double minutes = 0.0;            ///< total time instead of a count, shared equally by all areas
+  bool corpus = false;             ///< runs the areas' seeds and tests/fuzz/corpus first
+  std::filesystem::path input;     ///< one file instead of everything else
+  std::filesystem::path save;      ///< folder for inputs with findings; empty: they are not saved
   std::filesystem::path markdown;  ///< file for the table
   std::filesystem::path policy;    ///< seed of the policy area
   int jobs = 1;
-  bool in_process = false;  ///< run here, for a debugger: no child process, no limits
+  bool in_process = false;  ///< run in this process, for a debugger: no child process, no limits
   Limits limits;
-  std::string command;  ///< as it was written
+  std::string command;  ///< the command line as given
 };
 
-/// @returns whether to go on; if not, `status` is the program's exit status
+/// @returns false if the program must exit; then `status` is its exit status
 bool parse_options(int count, char** arguments, Options& options, int& status);
 
 }  // namespace skybody::fuzz

@@ -1,4 +1,4 @@
-// Values of `--set`, one a line. The first line names a shipped scenario.
+// Values of `--set`, one per line. The first line names a shipped scenario.
 #include <sstream>
 
 #include "tests/fuzz/areas.h"

@@ -1,4 +1,4 @@
-// Shared libraries: a changed file is refused, or used, and the process that looks at it stands.
+// Shared libraries: a changed file is either refused or used, and must never end the host process.
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/flight_check.h"
@@ -26,7 +26,7 @@ class PluginArea : public Area {
 
   void begin(const fs::path& folder) override { folder_ = folder; }
 
-  /// Under the plugin's own name, which the file promises.
+  /// Under the plugin's own name, which the file declares.
   Answer run(const std::string& input, bool) override {
     write_bytes(folder_ / (std::string(kPlugin) + ".so"), input);
     const std::string failure = plugin_failure(folder_);

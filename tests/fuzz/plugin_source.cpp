@@ -8,7 +8,7 @@
 
 namespace skybody::fuzz {
 namespace {
-constexpr unsigned kPatience = 2;  // [s]; the fuzzer takes what lasts longer for a hang
+constexpr unsigned kPatience = 2;  // [s]; the fuzzer treats longer calls as a hang
 }
 
 std::shared_ptr<const PluginRegistry> shipped_plugins() {
@@ -41,7 +41,7 @@ std::string plugin_failure(const std::filesystem::path& folder) {
       },
       kPatience);
   if (child.status == 0) return child.out;
-  // A changed library may have damaged memory; where none was opened, the fault is ours.
+  // A changed library may have damaged memory; if no library was opened, the fault is ours.
   const std::string line = child.err.substr(0, child.err.find('\n'));
   if (line.find("damaged its memory") == line.npos) wrong_answer(line);
   return line;

@@ -1,4 +1,4 @@
-// The one place of the fuzzers that uses the registry of plugins.
+// The only part of the fuzzers that uses the plugin registry.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,17 @@
 
 namespace skybody::fuzz {
 
-/// The shipped plugins, opened once for all scenarios that are loaded.
+/// The shipped plugins, opened once for all loaded scenarios.
 std::shared_ptr<const PluginRegistry> shipped_plugins();
 
-/// Their names and those of their parameters: words of scenarios.
+/// Names of the plugins and of their parameters: words of scenarios.
 std::vector<std::string> plugin_words();
 
-/// A shipped plugin's file.
+/// Path of a shipped plugin.
 std::filesystem::path plugin_file(const std::string& name);
 
-/// Why a folder's only library cannot be used, or "": it is opened in a child process, as by
-/// `skybody plugins`.
+/// The reason why a folder's only library cannot be used, or "". The library is opened in a child
+/// process, as in `skybody plugins`.
 std::string plugin_failure(const std::filesystem::path& folder);
 
 }  // namespace skybody::fuzz

@@ -1,4 +1,4 @@
-// policy.h5: a changed file is refused, or flies exactly as the original does.
+// policy.h5: a changed file is either refused or flies exactly as the original does.
 #include <cstring>
 
 #include "core/policy/network_policy.h"
@@ -12,9 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kObservations = 16;  // sets of values that a network is asked with
+constexpr int kObservations = 16;  // number of observations given to a network
 
-/// What a network answers, and what else is read of it, as words that can be compared.
+/// A network's outputs and the file's metadata, as comparable words.
 struct Content {
   std::string scenario, scenario_hash, algorithm;
   std::int64_t steps = 0;
@@ -23,7 +23,7 @@ struct Content {
   bool operator==(const Content&) const = default;
 };
 
-/// Of every sign, from small to far outside any clip.
+/// Values of both signs, from small to far outside any clip.
 float observation(int set, std::size_t k) {
   Dice dice(static_cast<std::uint64_t>(set), "policy.observation", k);
   const double size = set % 4 == 3 ? 1e4 : 3.0;

@@ -1,5 +1,4 @@
-// What a child process tells its parent, in a page that both see: it is still there when the child
-// is not.
+// A child process's progress, in shared memory, so that it survives the child's death.
 #pragma once
 
 #include <array>
@@ -15,20 +14,20 @@ struct Progress {
   static constexpr std::size_t kText = 1000;
   static constexpr std::size_t kFrames = 24;
 
-  /// Made in shared memory. @throws std::runtime_error
+  /// Allocates it in shared memory. @throws std::runtime_error
   static Progress* make();
 
-  std::atomic<std::uint64_t> input;   ///< the present one
-  std::atomic<std::uint64_t> starts;  ///< inputs begun: changes whenever one is
-  std::atomic<bool> stop;             ///< from the parent: no further inputs
+  std::atomic<std::uint64_t> input;   ///< number of the present input
+  std::atomic<std::uint64_t> starts;  ///< number of inputs begun; changes with each of them
+  std::atomic<bool> stop;             ///< set by the parent: no further inputs
   std::uint64_t refused, accepted;
-  bool repeating;                           ///< inputs that were run before are run again
+  bool repeating;                           ///< earlier inputs are being run again
   std::uint64_t slowest_ns, slowest_input;  ///< by processor time
-  bool finished;                            ///< came to the end of its block, or to a finding
+  bool finished;                            ///< reached the end of its block, or a finding
   bool has_finding;
   FindingKind kind;
   std::array<char, kText> text;
-  std::array<void*, kFrames> frames;  ///< where it crashed
+  std::array<void*, kFrames> frames;  ///< backtrace of a crash
   int frame_count;
 
   void clear();

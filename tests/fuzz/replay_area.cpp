@@ -1,5 +1,5 @@
-// Recordings: a changed file is refused, or its replay says that it differs, or every transition
-// that is read equals the original's.
+// Recordings. A changed file must give one of three results: it is refused, its replay reports a
+// difference, or every transition read equals the original's.
 #include "core/base/hash.h"
 #include "core/replay/replay_player.h"
 #include "core/replay/replay_recorder.h"
@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kEnvs = 2, kSteps = 6;
-/// Transitions that a changed file may claim; each takes time to replay.
+/// Limit on the number of transitions that a changed file may declare; each takes time to replay.
 constexpr std::size_t kMostTransitions = 10000;
 
 std::shared_ptr<const CompiledScenario> load_hover() {
@@ -26,7 +26,7 @@ std::shared_ptr<const CompiledScenario> load_hover() {
   return compiled;
 }
 
-/// Within the range, so that a changed bit changes the flight.
+/// Actions inside the range, so that a changed bit changes the flight.
 std::vector<float> actions_of(int step, int width) {
   std::vector<float> actions(static_cast<std::size_t>(kEnvs * width));
   for (std::size_t k = 0; k < actions.size(); ++k) {
@@ -75,7 +75,7 @@ void add(const ReplayRow& row, HashChain& chain) {
   chain.update(row.state.data(), row.state.size());
 }
 
-/// A hash over all transitions, with what was sent.
+/// A hash over all transitions and the actions sent.
 std::uint64_t digest(const ReplayReader& replay) {
   HashChain chain;
   chain.update(replay.header().envs);
@@ -116,7 +116,8 @@ class ReplayArea : public Area {
     }
   }
 
-  /// HDF5 1.10 itself loses 424 bytes with each damaged object header (H5O_protect, by valgrind).
+  /// HDF5 1.10 itself leaks 424 bytes for each damaged object header (H5O_protect, found by
+  /// valgrind).
   std::size_t smallest_leak() const override { return 512 * kLeakInputs; }
 
  private:

@@ -1,4 +1,4 @@
-// The table at the end, for people and for docs.
+// The table of results, for the terminal and for docs.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace skybody::fuzz {
 
-/// What holds for all areas.
+/// Facts that hold for all areas.
 struct RunFacts {
   std::string command;
   double minutes = 0.0;

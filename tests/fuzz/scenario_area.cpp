@@ -10,7 +10,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMark = "#file ";
-/// Files of one input; more are left out.
+/// Files of one input; more are ignored.
 constexpr std::size_t kMostFiles = 32;
 
 const char* const kShipped[] = {"hover.yaml",       "payload.yaml",
@@ -20,7 +20,7 @@ const char* const kShipped[] = {"hover.yaml",       "payload.yaml",
                                 "four_bar.yaml",    "cooperative_payload.yaml",
                                 "arm.yaml"};
 
-/// What shipped scenarios do not have: obstacles, anchors, several includes.
+/// Features that shipped scenarios lack: obstacles, anchors, several includes.
 // Boxes are small: Simbody takes a third of a second to prepare one of a metre.
 const char* const kOwn[] = {
     R"(include: hover.yaml
@@ -98,7 +98,7 @@ class Bundle {
     return found == std::string::npos ? found : found + 1;
   }
 
-  /// Nothing outside the folder, and no shipped file.
+  /// Writes only inside the folder, and never over a shipped file.
   void write(const std::string& name, const std::string& text) {
     const bool plain =
         !name.empty() && name.size() < 32 && name[0] != '.' &&

@@ -5,7 +5,8 @@
 
 namespace skybody::fuzz {
 
-/// Writes a small network with normalization. The one place of the fuzzers that knows the format.
+/// Writes a small network with normalization. The only part of the fuzzers that depends on the
+/// policy file format.
 void write_seed_policy(const std::filesystem::path& file);
 
 }  // namespace skybody::fuzz

@@ -1,6 +1,9 @@
-// Saved states. The first byte of an input names a scenario, the second whether the words behind
-// them go to restore() as they are (`.`) or as environment 1's words in a state that is otherwise
-// sound, checksum included (`!`): whoever writes states himself can do that.
+// Saved states. The first byte of an input names a scenario. The second byte tells how the words
+// after it are used:
+// - `.`: they go to restore() as they are
+// - `!`: they become environment 1's words in an otherwise valid state with a valid checksum, as
+//   anyone
+//   can write who makes states by hand
 #include <cstring>
 
 #include "core/base/hash.h"
@@ -30,14 +33,14 @@ PoolOptions batch_options() {
 
 BatchRows receive_all(Pool& envs) { return BatchRows::receive(envs, Faults::kAreAnything); }
 
-/// A batch that is restored again and again.
+/// A batch that is restored repeatedly.
 class Flock {
  public:
   explicit Flock(std::shared_ptr<const CompiledScenario> compiled)
       : envs_(std::move(compiled), batch_options()),
         actions_(static_cast<std::size_t>(kEnvs * envs_.compiled().action_size()), 0.2f) {}
 
-  /// What save() gives after a few steps.
+  /// Output of save() after a few steps.
   Words saved() {
     envs_.send_reset();
     receive_all(envs_);
@@ -66,7 +69,7 @@ class Flock {
   std::vector<float> actions_;
 };
 
-/// One scenario's environments, and what they do when nothing is changed.
+/// One scenario's environments, and their transitions from the unchanged state.
 struct Stage {
   std::shared_ptr<const CompiledScenario> compiled;
   Words saved;
@@ -140,7 +143,8 @@ class StateArea : public Area {
 
   static Answer restore_one(Stage& stage, const Words& words) {
     const auto size = static_cast<std::size_t>(stage.compiled->layout().words);
-    const std::size_t each = (stage.saved.size() - 7) / kEnvs;  // behind 5 words, before 2
+    const std::size_t each =
+        (stage.saved.size() - 7) / kEnvs;  // 5 words precede the environments' words, 2 follow them
     const std::size_t first = 5 + kChanged * each;
     Words changed = stage.saved;
     for (std::size_t k = first; k < std::min(first + each, words.size()); ++k) {

@@ -8,12 +8,12 @@
 namespace skybody::fuzz {
 namespace {
 
-/// A piece of a text.
+/// A part of a text.
 struct Span {
   std::size_t at, size;
 };
 
-/// Numbers that readers and physics do not expect.
+/// Numbers that readers and physics may not handle.
 constexpr std::array kNumbers = {"0",
                                  "-1",
                                  "1e300",
@@ -49,7 +49,7 @@ constexpr std::array kNumbers = {"0",
                                  "9223372036854775808",
                                  "18446744073709551616"};
 
-/// Values of another type than the right one.
+/// Values of a wrong type.
 constexpr std::array kValues = {"{}",     "[]",      "null",      "~",        "true",      "\"\"",
                                 "[[[]]]", "{a: {}}", "!!str",     "x",        "[0, 0, 0]", "|\n  x",
                                 "*x",     "&x 1",    "\"\\x00\"", "\"\xff\"", "&amp;",     "a\nb"};
@@ -64,7 +64,7 @@ bool begins_number(const std::string& text, std::size_t at) {
   return digit(at) || ((text[at] == '-' || text[at] == '.') && digit(at + 1));
 }
 
-/// Pieces that begin where `begins` says and go on as long as `goes_on` does.
+/// Pieces of the text: each begins where `begins` is true and extends while `goes_on` is true.
 template <class Begins, class GoesOn>
 std::vector<Span> pieces(const std::string& text, Begins begins, GoesOn goes_on) {
   std::vector<Span> found;
@@ -89,7 +89,7 @@ std::vector<Span> words(const std::string& text) {
   return pieces(text, begins, is_word);
 }
 
-/// Between quotes, or after ": " to the end of the value.
+/// Text between quotes, or from ": " to the end of the value.
 std::vector<Span> values(const std::string& text) {
   std::vector<Span> found;
   for (std::size_t at = 0; at + 1 < text.size(); ++at) {
@@ -113,7 +113,7 @@ std::vector<Span> lines(const std::string& text) {
   return found;
 }
 
-/// Replaces one of the pieces, if there are any.
+/// Replaces a random piece, if there are any.
 void replace_one(std::string& input, Dice& dice, const std::vector<Span>& found,
                  const std::string& by) {
   if (found.empty()) return;
@@ -125,7 +125,7 @@ void number_by_special(std::string& input, Dice& dice, const Material&) {
   replace_one(input, dice, numbers(input), dice.pick(kNumbers));
 }
 
-/// A number by one that is close: what is out of bounds by little.
+/// Replaces a number by a close one, which may be slightly out of bounds.
 void number_by_neighbour(std::string& input, Dice& dice, const Material&) {
   constexpr std::array kFactors = {"e1", "e-1", "e5", "e-5", "0", "9", "e12", "e-12"};
   const std::vector<Span> found = numbers(input);
@@ -183,7 +183,7 @@ void delete_line(std::string& input, Dice& dice, const Material&) {
   replace_one(input, dice, lines(input), "");
 }
 
-/// A line or a block of lines, once more or many times.
+/// Repeats a line or a block of lines, once or many times.
 void repeat_lines(std::string& input, Dice& dice, const Material&) {
   const std::vector<Span> found = lines(input);
   if (found.empty()) return;
@@ -219,7 +219,7 @@ void indent_line(std::string& input, Dice& dice, const Material&) {
   }
 }
 
-/// A line of a valid input.
+/// Inserts a line of a valid input.
 void insert_line(std::string& input, Dice& dice, const Material& material) {
   const std::string& other = dice.pick(material.seeds);
   const std::vector<Span> theirs = lines(other), ours = lines(input);

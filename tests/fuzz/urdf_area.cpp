@@ -12,7 +12,7 @@ const char* const kShipped[] = {
     "models/firefly/firefly.urdf",           "models/hummingbird/hummingbird.urdf",
     "models/firefly_arm/firefly_arm.urdf"};
 
-/// Joints and shapes that shipped models do not have.
+/// Joints and shapes that no shipped model has.
 const char* const kOwn = R"(<?xml version="1.0"?>
 <robot name="crane">
   <link name="world"/>

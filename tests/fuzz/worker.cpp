@@ -25,7 +25,7 @@ std::string demangled(const char* name) {
   return result.substr(0, result.find('('));
 }
 
-/// `library+offset (function)`, for addr2line and for people.
+/// `library+offset (function)`, readable by addr2line and by people.
 std::string frame_name(void* address) {
   Dl_info info{};
   if (dladdr(address, &info) == 0 || info.dli_fname == nullptr) return "?";
@@ -37,7 +37,7 @@ std::string frame_name(void* address) {
   return info.dli_sname == nullptr ? file : file + " (" + demangled(info.dli_sname) + ")";
 }
 
-/// Without the handler's own frames.
+/// Omits the handler's own frames.
 std::string trace(const Progress& progress) {
   constexpr int kOwn = 2, kMost = 8;
   std::string text;
@@ -119,7 +119,7 @@ Found Worker::crash(int status) const {
 BlockEnd Worker::end(std::optional<Found> found) {
   child_ = 0;
   const std::uint64_t done = progress_->refused + progress_->accepted;
-  const bool one_more = found.has_value() && !progress_->repeating;  // the one that it is about
+  const bool one_more = found.has_value() && !progress_->repeating;  // the input of the finding
   return {block_.first + done + (one_more ? 1 : 0),
           progress_->refused,
           progress_->accepted,

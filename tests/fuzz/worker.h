@@ -1,4 +1,4 @@
-// A child process that runs a block of inputs, and the parent's eye on it.
+// A child process that runs a block of inputs, monitored by its parent.
 #pragma once
 
 #include <sys/types.h>
@@ -12,14 +12,14 @@
 
 namespace skybody::fuzz {
 
-/// What was found, and by which input.
+/// A finding and the number of its input.
 struct Found {
   std::uint64_t input;
   FindingKind kind;
   std::string text;
 };
 
-/// How a block ended.
+/// Result of a block.
 struct BlockEnd {
   std::uint64_t next;  ///< the first input that was not run
   std::uint64_t refused, accepted;
@@ -30,15 +30,15 @@ struct BlockEnd {
 
 class Worker {
  public:
-  /// @param folder  for its files; nobody else's
+  /// @param folder  for the worker's files; no other process uses it
   Worker(std::filesystem::path folder, const Limits& limits, bool quiet);
 
   bool busy() const { return child_ > 0; }
   const Block& block() const { return block_; }
   void start(const Block& block);
-  /// Asks for an end after the present input.
+  /// Requests an end after the present input.
   void stop() { progress_->stop = true; }
-  /// Whether the block has ended; kills a child that takes too long.
+  /// @returns the result once the block has ended; kills a child that takes too long
   std::optional<BlockEnd> poll();
 
  private:
@@ -57,7 +57,7 @@ class Worker {
   Block block_{};
   pid_t child_ = 0;
   Clock::time_point began_;
-  std::uint64_t starts_seen_ = 0;  ///< of the input that is watched
+  std::uint64_t starts_seen_ = 0;  ///< of the monitored input
   Clock::time_point input_began_;
   double input_processor_ = 0.0;
 };

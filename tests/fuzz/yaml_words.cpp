@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::string_literals;
 
-/// What YAML gives a meaning to, what is no text, files that are none, and values of keys.
+/// YAML syntax, text that is not valid UTF-8, names of missing files, and values of keys.
 const std::vector<std::string>& fixed_words() {
   static const std::vector<std::string> words = {
       "&a ",

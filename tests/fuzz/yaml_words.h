@@ -1,4 +1,4 @@
-// Words of scenarios: keys, plugins and what YAML gives a meaning to.
+// Words of scenarios: keys, plugins and YAML syntax.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// `skybody bench`: what it prints, never how fast it was.
+// `skybody bench`: tests the format of its output, not the speed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

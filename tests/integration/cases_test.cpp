@@ -1,5 +1,5 @@
-// Every broken input of tests/bad_input/cases.yaml through the real program: the exact messages,
-// the exit code, no crash, and nothing written into the working directory.
+// Runs every bad input of tests/bad_input/cases.yaml through the real program. Checks the exact
+// messages, the exit code, that nothing crashes, and that no file appears in the working directory.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -19,8 +19,8 @@ struct Case {
   std::vector<std::string> arguments;
   std::vector<std::string> stderr_lines;
   int exit_code = 2;
-  std::vector<std::string> needs;  ///< test plugins that the case finds, see add_plugins()
-  std::string built;               ///< a shipped plugin that may be left out of the build
+  std::vector<std::string> needs;  ///< test plugins that the case needs, see add_plugins()
+  std::string built;               ///< a shipped plugin that the build may lack
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -46,16 +46,18 @@ std::vector<Case> read_cases() {
   return cases;
 }
 
-/// A folder that looks like the project's root to paths below tests and scenarios.
+/// Links `tests` and `scenarios` into a folder, so that paths below them resolve as in the
+/// project's root.
 void imitate_root(const fs::path& folder) {
   for (const char* name : {"tests", "scenarios"}) {
     fs::create_directory_symlink(fs::path(SKYBODY_SOURCE_DIR) / name, folder / name);
   }
 }
 
-/// Puts plugins of the build's tests/plugins into the folder `plugins`: `bad/wrong_version.so`;
-/// `truncated good/plain_controller.so` for its first half, as truncated.so; `zeroed ...` for one
-/// whose last 4 KiB are zeros, as zeroed.so.
+/// Copies plugins of the build's tests/plugins into the folder `plugins`. Forms of an entry:
+/// - `bad/wrong_version.so`: the file as it is
+/// - `truncated good/plain_controller.so`: the file's first half, as truncated.so
+/// - `zeroed ...`: the file with its last 4 KiB set to zero, as zeroed.so
 void add_plugins(const fs::path& folder, const std::vector<std::string>& needs) {
   fs::create_directory(folder / "plugins");
   for (const std::string& need : needs) {
@@ -75,7 +77,7 @@ void add_plugins(const fs::path& folder, const std::vector<std::string>& needs) 
   }
 }
 
-/// Puts N for what stands between `before` and the next `after`.
+/// Replaces the text between `before` and the next `after` by N.
 void replace_word(std::string& line, const std::string& before, const std::string& after) {
   const std::size_t at = line.find(before);
   if (at == std::string::npos) return;
@@ -83,7 +85,8 @@ void replace_word(std::string& line, const std::string& before, const std::strin
   line.replace(begin, line.find(after, begin) - begin, "N");
 }
 
-/// What a message says, independent of where the test runs and how long a library happens to be.
+/// Messages without the test's folder and without the sizes of libraries, which differ between
+/// builds.
 std::vector<std::string> portable(std::vector<std::string> lines, const fs::path& folder) {
   const std::string place = fs::canonical(folder).string() + "/";
   for (std::string& line : lines) {

@@ -1,4 +1,4 @@
-// Wrong command lines: one line with the remedy, exit code 2.
+// Invalid command lines: one line with the remedy, exit code 2.
 #include <gtest/gtest.h>
 
 #include <string>

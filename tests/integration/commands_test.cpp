@@ -1,4 +1,4 @@
-// check, hash, plugins, schema and new, as people call them.
+// The commands check, hash, plugins, schema and new, run through the program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,7 +105,7 @@ TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   EXPECT_EQ(fine.err, "");
 }
 
-/// A link with its centre of mass at a height.
+/// A link with its centre of mass at height z.
 std::string urdf_link(const std::string& name, const std::string& z, const std::string& kg,
                       const std::string& inertia) {
   return "<link name='" + name + "'><inertial><origin xyz='0 0 " + z + "'/><mass value='" + kg +
@@ -113,8 +113,7 @@ std::string urdf_link(const std::string& name, const std::string& z, const std::
          "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
 }
 
-/// A base of 1 kg with eight rods below one another, of 0.1 m each and so many kilograms, and 0.5
-/// kg on the last.
+/// A base of 1 kg with a chain of eight rods of 0.1 m and the given mass, and 0.5 kg at the end.
 std::string chain_urdf(const std::string& mass, const std::string& inertia_of_rod) {
   std::string text = "<robot name='chain'>" + urdf_link("base", "0", "1", "0.01");
   std::string parent = "base";
@@ -159,7 +158,8 @@ std::string finger_urdf(const std::string& dynamics) {
          dynamics + "/></joint></robot>";
 }
 
-// The rate of the damper by hand: d (1 / 1.5e-6 + 1 / 0.01), of the spring the root of k times it.
+// Expected rates by hand: for the damper d (1 / 1.5e-6 + 1 / 0.01), for the spring the square root
+// of the same expression with k in place of d.
 TEST(Check, WarnsOfJointsThatAreTooStiffForTheStep) {
   const TemporaryFolder folder;
   const auto check = [&](const std::string& dynamics, const std::string& stepping) {

@@ -11,7 +11,7 @@ Id check(Id id, const std::string& what) {
   return id;
 }
 
-/// Closes ids in the order of their destruction.
+/// Closes HDF5 ids in order of destruction.
 struct Id {
   hid_t id;
   herr_t (*close)(hid_t);
@@ -26,7 +26,7 @@ hid_t text_type() {
   return type;
 }
 
-/// Texts that HDF5 allocated, and their memory back to it.
+/// Copies texts that HDF5 allocated, and frees them.
 std::vector<std::string> take(std::vector<char*>& raw) {
   std::vector<std::string> texts;
   for (char* text : raw) {

@@ -11,7 +11,7 @@ namespace skybody::test {
 
 class FlightFile {
  public:
-  /// Throws std::runtime_error if it is no HDF5 file.
+  /// Throws std::runtime_error if the file is not an HDF5 file.
   explicit FlightFile(const std::filesystem::path& path);
   ~FlightFile();
   FlightFile(const FlightFile&) = delete;

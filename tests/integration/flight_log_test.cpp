@@ -1,4 +1,4 @@
-// The flight log by itself: what is written comes back, and failures are told.
+// The flight log: the content reads back as written, and write failures are reported.
 #include "core/io/flight_log.h"
 
 #include <gmock/gmock.h>
@@ -15,13 +15,13 @@ namespace {
 
 using testing::ElementsAre;
 
-/// As the program does it.
+/// As in the program.
 const bool cleanup_skipped = (skip_hdf5_cleanup_at_exit(), true);
 
 FlightLogHeader small_header() {
   FlightLogHeader header;
   header.scenario_name = "small";
-  header.scenario_text = std::string(100000, 'x');  // more than HDF5 keeps in an attribute
+  header.scenario_text = std::string(100000, 'x');  // larger than an HDF5 attribute
   header.seed = 18446744073709551615u;
   header.dt = 0.001;
   header.versions = {{"skybody", "1.2.3"}};
@@ -32,7 +32,7 @@ FlightLogHeader small_header() {
   return header;
 }
 
-/// `rows` rows in which every value can be told apart.
+/// Adds `rows` rows whose values are all distinct.
 void add_rows(FlightLog& log, int rows) {
   for (int i = 0; i < rows; ++i) {
     std::vector<double> bodies(26);

@@ -48,11 +48,11 @@ void count_end(int status, FlipCounts& counts) {
   }
 }
 
-/// Bytes that are not zero and those near them: HDF5 reserves space, which nothing reads.
+/// Indices of non-zero bytes and their neighbours. HDF5 reserves space that no reader uses.
 std::vector<std::size_t> used_bytes(const std::string& bytes) {
   constexpr std::size_t kNear = 16;
   std::vector<std::size_t> used;
-  std::size_t zeros = bytes.size();  // since the last byte that is not zero
+  std::size_t zeros = bytes.size();  // since the last non-zero byte
   for (std::size_t k = 0; k < bytes.size(); ++k) {
     zeros = bytes[k] != 0 ? 0 : zeros + 1;
     if (zeros <= kNear) used.push_back(k);

@@ -1,4 +1,4 @@
-// `skybody hash` over the batch engine: one hash, however the environments are stepped.
+// `skybody hash` over the batch engine: one hash, for every way of stepping the environments.
 #include "core/base/hash.h"
 
 #include <gtest/gtest.h>
@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Short episodes, so that resets are among what is compared.
+// Short episodes, so that the hash covers resets.
 const std::string kHorizon = "stepping.horizon=7";
 const std::vector<std::string> kLonger = {"stepping.horizon=21"};
-/// What happens at a time has to happen within them.
+/// Moves timed events into these short episodes.
 const std::map<std::string, std::vector<std::string>> kInTime = {
     {"arm",
      {"randomization[0].parameters.time=[0,0.05]", "randomization[1].parameters.time=[0,0.05]"}},
-    // Longer than what the tasks remember, and all the same with an end in it.
+    // Longer than the tasks' histories, but short enough to contain an episode's end.
     {"pendulum", kLonger},
     {"pendulum_paper", kLonger},
     {"pendulum_randomized", kLonger},
@@ -114,8 +114,11 @@ TEST(Hash, OfTheMotionDoesNotGoWithARecording) {
   EXPECT_EQ(outcome.err, "error: --motion does not go with --record FILE: give one of them\n");
 }
 
-/// Groups of 32 and 31 on one thread, parts of them in batches of five, octets in order of arrival,
-/// 16 and 15 on four threads: rows, physics and plugins.
+/// Ways of stepping:
+/// - groups of 32 and 31 lanes on one thread
+/// - parts of the groups, in batches of five
+/// - blocks of eight lanes in order of arrival
+/// - groups of 16 and 15 on four threads Each covers rows, physics and plugins.
 TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
   const std::vector<std::vector<std::string>> scenarios = {
       {"hover"},
@@ -145,9 +148,9 @@ TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
   }
 }
 
-/// The C library chooses its mathematical functions by the processor: with FMA they round
-/// otherwise. Lag drawn anew (exponentials), noise (logarithms, sines) and a revolute joint
-/// (sines).
+/// The C library selects its mathematical functions by processor: with FMA they round differently.
+/// The scenario uses a randomized lag (exponentials), noise (logarithms, sines) and a revolute
+/// joint (sines).
 TEST(Hash, IsTheSameWithTheCLibrarysVariantsForThisProcessorSwitchedOff) {
   const std::vector<std::string> arguments = {
       "hash",

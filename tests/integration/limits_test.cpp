@@ -1,5 +1,5 @@
-// Small files that ask for much, through the real program with little memory: each gets one clear
-// error (or flies), and no crash. Memory is bounded by the kernel; time only by ctest.
+// Small files with large demands, run through the real program with little memory. Each must give
+// one clear error or fly, without a crash. The kernel limits memory; only ctest limits time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,13 +16,13 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr int kMegabyte = 1'000'000;
-// For the heap, docs/scenarios.md says at most 500 MB. A sanitizer needs more of its own.
+// docs/scenarios.md promises at most 500 MB for the heap. A sanitizer needs additional memory.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr const char* kMemory = "--data=unlimited";
 #else
 constexpr const char* kMemory = "--data=500000000";
 #endif
-// What may take 2 s on a machine of our own: sanitizers and slow machines take longer.
+// The promise is 2 s on the project's machine; sanitizers and slow machines take longer.
 constexpr const char* kProcessorTime = "--cpu=20";
 
 const std::string kRobot =
@@ -32,7 +32,7 @@ const std::string kInertial =
     "<inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
     "izz=\"1\"/></inertial>";
 
-/// `piece` again and again, a megabyte of it; # stands for a number.
+/// A megabyte of copies of `piece`; # is replaced by the number of the copy.
 std::string megabyte_of(const std::string& piece) {
   std::string text;
   for (int i = 0; text.size() < kMegabyte; ++i) {
@@ -53,7 +53,7 @@ class Limits : public testing::Test {
     std::ofstream(folder_.path() / name) << text;
   }
 
-  /// What `check` says about a file of this text.
+  /// Messages of `check` on a file with this text.
   std::string check(const std::string& text, const std::vector<std::string>& more = {}) const {
     write("x.yaml", text);
     std::vector<std::string> arguments = {kMemory, kProcessorTime, SKYBODY_PROGRAM, "check",

@@ -97,7 +97,7 @@ TEST(Modes, WithoutAScenarioListAllLevelsAndControllers) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::vector<std::string> levels = rows_below(outcome.out, "level ");
   EXPECT_NE(std::find(levels.begin(), levels.end(), "trajectory"), levels.end());
-  EXPECT_THAT(outcome.out, HasSubstr("form: position"));  // the second way of `velocity`
+  EXPECT_THAT(outcome.out, HasSubstr("form: position"));  // the second form of `velocity`
   EXPECT_THAT(outcome.out, HasSubstr("of the controller behind it"));  // `delay`
 }
 

@@ -1,4 +1,5 @@
-// Whose plugins the program runs, and what becomes of those that end the process.
+// Trust in plugins: which folders the program loads plugins from, and the messages about plugins
+// that end the process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ using testing::StartsWith;
 
 constexpr const char* kHostile = SKYBODY_BINARY_DIR "/tests/plugins/hostile";
 
-/// A folder with a scenario whose robot has a controller from elsewhere.
+/// A folder with a scenario whose robot has a controller from an untrusted folder.
 class Stranger : public testing::Test {
  protected:
   explicit Stranger(const std::string& controllers = "[{plugin: leaves_a_mark}, {plugin: ctbt}]") {
@@ -138,7 +139,7 @@ TEST_F(Stranger, InAReplaysPluginPathIsNamedAndNotRun) {
   EXPECT_EQ(run({"replay", "run.h5", "--trust-scenario"}).exit_code, 0);
 }
 
-/// A bare name is the same file as ./name: includes, models and plugins are found from it.
+/// A bare file name equals ./name: includes, models and plugins are found relative to it.
 TEST_F(Stranger, ABareFileNameIsTheFileHere) {
   put("leaves_a_mark", "plugins");
   fs::copy(SKYBODY_SOURCE_DIR "/scenarios/models/qdrone2", place() / "model",
@@ -153,7 +154,7 @@ TEST_F(Stranger, ABareFileNameIsTheFileHere) {
   EXPECT_EQ(bare.out, dotted.out);
 }
 
-/// Each of these ends the process that opens it.
+/// A plugin that ends the process that opens it, and the expected message.
 struct Ending {
   std::string plugin, how;
 };
@@ -163,7 +164,7 @@ class Ends : public Stranger, public testing::WithParamInterface<Ending> {
   Ends() : Stranger("[{plugin: " + GetParam().plugin + "}]") {}
 };
 
-/// Sanitizers report a crash and exit with a status of their own.
+/// Sanitizers report a crash and exit with their own status.
 void expect_how(const std::string& text, const std::string& how) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   (void)how;
@@ -196,7 +197,8 @@ TEST_P(Ends, IsNamedByListsThatGoOn) {
   const Outcome schema = run({"schema", "--plugin-path", "plugins"});
   EXPECT_EQ(schema.exit_code, 0) << schema.err;
   EXPECT_THAT(schema.out, AllOf(StartsWith("{"), EndsWith("}\n"), HasSubstr("leaves_a_mark")));
-  if (GetParam().how.find("configure") != std::string::npos) return;  // nobody configures it here
+  if (GetParam().how.find("configure") != std::string::npos)
+    return;  // these commands do not call configure()
   EXPECT_THAT(listed.out, HasSubstr("cannot be used:"));
   expect_how(listed.out, GetParam().how);
 }
@@ -242,7 +244,7 @@ TEST_F(Terminates, IsNotTakenForTheUser) {
                                      "15, Terminated): mend it"));
 }
 
-/// By each of the functions that end a process.
+/// One test for each function that ends a process.
 class EndsInAStep : public Stranger, public testing::WithParamInterface<const char*> {
  protected:
   EndsInAStep()

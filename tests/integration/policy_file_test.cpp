@@ -1,4 +1,4 @@
-// Which policy files are refused, and how.
+// Invalid policy files and the messages that refuse them.
 #include "core/io/policy_file.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The message of a file that is refused, or an empty text.
+/// The message that refuses the file, or an empty text.
 std::string refusal_of(const fs::path& file) {
   try {
     read_policy(file);
@@ -37,7 +37,8 @@ TEST(PolicyFile, IsRefusedWithAnyBitTurned) {
   const int flips = flips_wanted(2000);
   const FlipCounts counts = flip_bits(file, flips, [&] {
     const PolicyFile policy = read_policy(file);
-    return std::to_string(policy.layers.size());  // every bit is guarded: nothing is read at all
+    return std::to_string(
+        policy.layers.size());  // the seal covers every bit: nothing is read at all
   });
   EXPECT_EQ(counts, FlipCounts{.refused = counts.refused}) << testing::PrintToString(counts);
   std::printf("%s\n", testing::PrintToString(counts).c_str());
@@ -67,11 +68,11 @@ TEST(PolicyFile, IsRefusedCutShortOrLengthenedOrWithoutAGroup) {
 struct BadPolicy {
   const char* name;
   std::function<void(Draft&)> change;
-  const char* message;  ///< behind the file's name
+  const char* message;  ///< after the file's name
 };
 void PrintTo(const BadPolicy& bad, std::ostream* out) { *out << bad.name; }
 
-/// Adds /layers/2/weight of `rows` x 1, stored as `properties` say.
+/// Adds /layers/2/weight of size `rows` x 1 with the storage properties `properties`.
 void add_layer(const Hdf5Writer& writer, hid_t file, hsize_t rows, hid_t properties) {
   const Hdf5Id group = writer.create_group(file, "/layers/2");
   const hsize_t extent[2] = {rows, 1};

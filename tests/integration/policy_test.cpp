@@ -1,4 +1,4 @@
-// `skybody run --policy PATH` and NetworkPolicy: trained networks as Python writes them.
+// `skybody run --policy PATH` and NetworkPolicy: trained networks in the files that Python writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ TEST(NetworkPolicy, ActivatesByExponentialLinearUnits) {
   EXPECT_NEAR(static_cast<double>(act(file, {-1.0f, 0.0f})), std::expm1(-0.5), 6e-8);
 }
 
-/// One unit, whose gates see the first observation with these weights and biases.
+/// One recurrent unit whose gates read the first observation with these weights and biases.
 Draft recurrent_draft() {
   Draft draft;
   draft.layers = {{3,
@@ -89,7 +89,7 @@ Draft recurrent_draft() {
   return draft;
 }
 
-/// The next state of that unit.
+/// The unit's next state.
 double next_state(double h, double x) {
   const auto sigmoid = [](double s) { return 1.0 / (1.0 + std::exp(-s)); };
   const double r = sigmoid(0.5 * x + 0.1 + 0.75 * h - 0.1);
@@ -189,7 +189,7 @@ TEST(NetworkPolicy, RefusesValuesThatNoLearnerMakes) {
             "`scenario_hash` is `0123456789ABCDEF`; needed: 16 hexadecimal digits");
 }
 
-/// Fits the hover scenario: all rotors in the middle of their range.
+/// Fits the hover scenario: every rotor at the middle of its range.
 Draft hover_draft(const Simulation& simulation) {
   Draft draft;
   const auto inputs = static_cast<hsize_t>(simulation.observation_size());

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::chrono::minutes kTimeLimit{4};
 
-/// A file in memory that takes a program's output.
+/// A file in memory that receives a program's output.
 class Capture {
  public:
   Capture() : descriptor_(memfd_create("capture", MFD_CLOEXEC)) {
@@ -54,7 +54,7 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return list;
 }
 
-/// The present environment, where `more` does not replace it.
+/// The present environment variables, with those of `more` added or replaced.
 std::vector<std::string> merged_environment(const std::vector<std::string>& more) {
   std::vector<std::string> merged = more;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -86,7 +86,7 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
   return child;
 }
 
-/// Waits for its end, and interrupts it once when asked to.
+/// Waits for the child's end; sends the interrupt once when it is requested.
 int wait_for(pid_t child, const ProcessOptions& options) {
   const auto deadline = std::chrono::steady_clock::now() + kTimeLimit;
   bool interrupted = !options.interrupt_when;

@@ -1,4 +1,4 @@
-// skybody run --reference and skybody plan: what they fly, write and tell.
+// skybody run --reference and skybody plan: their flights, files and messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ Outcome fly(const fs::path& out, const std::string& reference, std::vector<std::
   return run_skybody(arguments);
 }
 
-/// A number of the first row of the table of references: 0 is the RMS distance [cm], 5 that of the
-/// yaw [degrees].
+/// A number of the first row of the table of references. Column 0 is the RMS distance [cm], column
+/// 5 the RMS error of the yaw [degrees].
 double number_of(const std::string& output, int column) {
   std::istringstream lines(output);
   std::string line;
@@ -57,8 +57,8 @@ std::string text_of(const fs::path& path) {
 }
 
 TEST(Reference, IsFlownByTheChainThatTheScenarioHas) {
-  // Within 2 cm by the law that knows the reference's derivatives. By a position alone the vehicle
-  // comes behind by kd / kp = 0.8 s, 0.8 m at 1 m/s: where the scenario asks for it.
+  // Within 2 cm by the law that uses the reference's derivatives. With a position setpoint only,
+  // the vehicle lags by kd / kp = 0.8 s, 0.8 m at 1 m/s; the last chain requests that.
   const std::vector<std::pair<std::string, double>> chains = {
       {"[{plugin: rotor_speed}]", 2.0},
       {"[{plugin: ctbt}]", 2.0},
@@ -127,7 +127,7 @@ TEST(Reference, IsFlownAtTheFastestScaleThatARefusalTells) {
 
 TEST(Reference, AsksNmpcsNodesOfThePreview) {
   // A node_step that differs from the reference's default spacing: with points 0.05 s apart, the
-  // vehicle flies 24 cm ahead.
+  // vehicle would fly 24 cm ahead.
   const TemporaryFolder folder;
   const Outcome outcome =
       fly(folder.path(), "circle:peak_speed=1,approach=2,ramp=2",
@@ -140,7 +140,7 @@ TEST(Reference, AsksNmpcsNodesOfThePreview) {
 }
 
 TEST(Reference, HoldsTheHeadingThatControllersHold) {
-  // Banked to all sides at 4 m/s, a yaw about fixed axes would be off by degrees.
+  // With banks to all sides at 4 m/s, a yaw about fixed axes would be wrong by degrees.
   const TemporaryFolder folder;
   const Outcome outcome =
       fly(folder.path(), "circle:peak_speed=4,approach=2,ramp=2",
@@ -160,7 +160,7 @@ TEST(Reference, FitsWeakGravity) {
 }
 
 TEST(Reference, FitsTheShippedScenariosWhoseChainsItCanLeadTo) {
-  // All but those without a chain that actions command, and `omav`, which takes poses.
+  // All scenarios except those whose actions command no chain, and `omav`, which takes poses.
   for (const char* scenario :
        {"arm", "boom", "forest", "gates", "hard_landing", "hover", "hover_crazyflie",
         "hover_firefly", "hover_hummingbird", "hover_learn", "low_battery", "payload",
@@ -176,11 +176,11 @@ TEST(Reference, FollowsThePapersFigureByTheShippedChain) {
       folder.path(), "lissajous",
       {"--set", "robots.quad.controllers=[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]",
        "--set", "randomization=[]"});
-  EXPECT_LT(rms_of(outcome.out), 3.0) << outcome.out;  // 69.5 cm by the position alone
+  EXPECT_LT(rms_of(outcome.out), 3.0) << outcome.out;  // 69.5 cm with a position setpoint only
 }
 
 TEST(Reference, TellsWhereALawsOwnLimitsCutIt) {
-  // 10 m/s on 12 m by 6 m takes up to 30 m/s^2 sideways, `position` gives 4 by default.
+  // 10 m/s on 12 m by 6 m needs up to 30 m/s^2 sideways; `position` gives 4 by default.
   const std::string chain =
       "robots.quad.controllers=[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]";
   const TemporaryFolder folder;
@@ -214,8 +214,8 @@ TEST(Plan, FindsAQuickerLineThatIsFlownWithinTenCentimetres) {
   std::istringstream(line) >> count >> first >> best;
   EXPECT_EQ(count, 3000);
   EXPECT_LT(best, 0.95 * first);
-  // A point mass of the same thrust takes 2 sqrt(d / a) for the straight way of 8.2 m at least:
-  // a = sqrt(0.7 (39.41 N / 1.54 kg)^2 - g^2) = 15 m/s^2.
+  // A point mass of the same thrust needs at least 2 sqrt(d / a) for the straight way of 8.2 m: a =
+  // sqrt(0.7 (39.41 N / 1.54 kg)^2 - g^2) = 15 m/s^2.
   EXPECT_GT(best, 1.48);
   EXPECT_LT(best, 4.0);
   const Outcome flown =

@@ -1,4 +1,4 @@
-// Replay files that are damaged, or were made by somebody who means harm.
+// Replay files that are damaged or maliciously crafted.
 #include "core/io/replay_file.h"
 
 #include <gmock/gmock.h>
@@ -38,7 +38,7 @@ void add_column(HashChain& chain, const Hdf5Reader& reader, const char* path, st
   add_burst(chain, rows, values.data(), values.size() * sizeof(T));
 }
 
-/// Gives a recording of one burst the hash of what it holds now, as somebody who means harm can.
+/// Updates the hash of a recording of one burst to match its content, as an attacker can.
 void rehash(const fs::path& file, const ReplayHeader& header) {
   HashChain chain = replay_chain(header);
   {
@@ -168,7 +168,7 @@ TEST(ReplayFile, FollowsNoLinks) {
             "itself");
 }
 
-/// Replaces /overrides by texts stored in another way.
+/// Replaces /overrides by texts in another HDF5 storage type.
 template <class Set>
 void replace_overrides(const fs::path& file, hid_t type, Set&& set) {
   const Hdf5Id opened(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
@@ -205,7 +205,7 @@ TEST(ReplayFile, IsReadUpToItsLastBurstWhereTheNextWasNotConcluded) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "run.h5";
   write_small(file);
-  {  // a kill in the next burst may leave longer columns
+  {  // after a kill during the next burst, columns may be longer
     const Hdf5Id opened(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
     const Hdf5Id set(H5Dopen2(opened, "/transitions/hash", H5P_DEFAULT), H5Dclose);
     const hsize_t rows = 7;

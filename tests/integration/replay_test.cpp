@@ -24,10 +24,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// Short episodes, so that resets are among what is compared.
+// Short episodes, so that the comparison covers resets.
 const std::string kHorizon = "stepping.horizon=7";
 
-/// A Pool that is driven in a few ways, with whatever a recording must hold.
+/// A Pool stepped in several ways, with every kind of event that a recording must contain.
 class Recorded : public testing::Test {
  protected:
   static constexpr int kEnvs = 5;
@@ -138,7 +138,7 @@ TEST_F(Recorded, IsReadableUpToTheLastFlushWhateverHappensAfterwards) {
   fly(*envs, 10);
   recorder->flush();
   fly(*envs, 10);
-  const fs::path copy = folder_.path() / "copy.h5";  // what a crash now would leave
+  const fs::path copy = folder_.path() / "copy.h5";  // the file that a crash now would leave
   fs::copy_file(file_, copy);
   ReplayReader reader(copy);
   const ReplayReport report = play(reader, compiled_, 1);
@@ -147,7 +147,8 @@ TEST_F(Recorded, IsReadableUpToTheLastFlushWhateverHappensAfterwards) {
   stop_recording(*envs, *recorder);
 }
 
-/// Has files of this process grow no further than `bytes` while it lives, as on a full disk.
+/// Limits the size of files that this process writes to `bytes` during its lifetime, as on a full
+/// disk.
 class FileLimit {
  public:
   explicit FileLimit(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -283,7 +284,7 @@ TEST_F(Recorded, TwoRecordingsPartWhereTheirActionsDo) {
   EXPECT_TRUE(compare_replays(a, a).identical());
 }
 
-/// All that a replay's user can see of a file.
+/// All content of a file that a replay's user can see.
 std::string content_of(const fs::path& file) {
   ReplayReader reader(file);
   const ReplayHeader& h = reader.header();
@@ -331,7 +332,7 @@ TEST(Replay, ARecordingThatCtrlCEndedIsReplayed) {
   const ProcessOptions here{.folder = folder.path()};
   ProcessOptions interrupted = here;
   const fs::path file = folder.path() / "run.h5";
-  interrupted.interrupt_when = [&] {  // the first burst beyond the beginning has been written
+  interrupted.interrupt_when = [&] {  // the first burst after the start has been written
     std::error_code error;
     constexpr std::uintmax_t kOneBurst = 1 << 20;
     return fs::exists(file, error) && fs::file_size(file, error) > kOneBurst;

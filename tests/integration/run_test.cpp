@@ -1,4 +1,4 @@
-// skybody run: table, log, picture, and that nothing is lost or half-written.
+// skybody run: table, log and picture; no file is lost or incomplete.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -106,7 +106,7 @@ TEST(Run, TellsWhatEffectsReportAndWhatIsDrawnInFlight) {
   EXPECT_GT(values[last], 0.9);
 }
 
-/// The table stays as narrow as a terminal: 260 letters of one reason made it unreadable.
+/// The table stays as narrow as a terminal: a fault reason of 260 letters made it unreadable.
 TEST(Run, ALongReasonOfAFaultStandsBelowTheTable) {
   const TemporaryFolder folder;
   const Outcome outcome = run_skybody(
@@ -124,7 +124,7 @@ TEST(Run, ALongReasonOfAFaultStandsBelowTheTable) {
   for (int k = 0; k < 5 && std::getline(table, line); ++k) EXPECT_LE(line.size(), 160u) << line;
 }
 
-/// -1 is a mark, no time: it was averaged.
+/// -1 marks an event that did not happen; it must not enter an average of times.
 TEST(Run, ATimeThatDidNotComeIsNever) {
   const TemporaryFolder folder;
   const auto failing = [&](const std::string& chance) {
@@ -151,7 +151,7 @@ TEST(Run, EveryValueOfATargetHasItsUnit) {
   EXPECT_THAT(outcome.out, ContainsRegex("task\\.target\\[3\\] +rad +0 "));
 }
 
-/// The greatest distance of a flight's only body from its goal, from row `first` on [m].
+/// The largest distance of a flight's only body from its goal, from row `first` on [m].
 double worst_distance(const FlightFile& log, std::size_t first) {
   const std::vector<double> bodies = log.values("/episodes/0001/bodies");
   const std::vector<double> goals = log.values("/episodes/0001/goal");
@@ -173,9 +173,9 @@ TEST(Run, HoldHoversWithinAMillimetre) {
 }
 
 TEST(Run, HoldFollowsTheTrajectoryOfATaskByTheLawsThatTakeOne) {
-  // Velocity and acceleration are known, jerk is not: attitudes come some 10 ms late, which the
-  // loops of position make up to centimetres; `nmpc` takes the acceleration for that of a whole
-  // second. By a position alone the vehicle is 0.8 m behind.
+  // Velocity and acceleration are known, jerk is not. Attitudes lag by some 10 ms, which the
+  // position loops reduce to centimetres; `nmpc` assumes the present acceleration for a whole
+  // second. With a position setpoint only, the vehicle is 0.8 m behind.
   const std::vector<std::pair<std::string, double>> chains = {
       {"{plugin: position}, {plugin: attitude}, {plugin: ctbr}", 0.05},
       {"{plugin: geometric}, {plugin: ctbt}", 0.05},
@@ -265,7 +265,7 @@ TEST(Run, LeavesNothingWhenTheScenarioIsWrong) {
 
 TEST(Run, KeepsWhatWasFlownWhenItIsInterrupted) {
   const TemporaryFolder folder;
-  const auto has_flown = [&] {  // into the one file that is there, under a name of its own
+  const auto has_flown = [&] {  // into the temporary file, which has another name
     const std::vector<std::string> names = folder.names();
     std::error_code ignored;
     return !names.empty() && fs::file_size(folder.path() / names[0], ignored) > 100000 && !ignored;

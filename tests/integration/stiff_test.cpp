@@ -1,5 +1,5 @@
-// Stiff scenarios: in joints fixed steps of a millisecond fail and error-controlled integrators do
-// not; in contact any step is gone through in parts.
+// Stiff scenarios. With joints, fixed steps of a millisecond fail and error-controlled integrators
+// succeed; in contact, any step size works, because the step is divided.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ Simulation make(const std::string& scenario, const std::vector<std::string>& ove
                      .seed = 3});
 }
 
-/// Actions of the hold policy for so many seconds, or until the episode ends.
+/// Flies the hold policy's actions for `seconds`, or until the episode ends.
 void fly(Simulation& simulation, double seconds) {
   HoldPolicy hold(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
@@ -29,7 +29,7 @@ void fly(Simulation& simulation, double seconds) {
   }
 }
 
-/// In a fault, or because the vehicle has failed its task.
+/// Ends with a fault, or because the vehicle has failed its task.
 TEST(Boom, FixedStepsOfAMillisecondLoseItWithinASecond) {
   for (const std::string integrator : {"semi_implicit_euler", "midpoint", "rk4"}) {
     for (const std::string dynamics : {"tree", "simbody"}) {
@@ -48,7 +48,7 @@ TEST(Boom, HoldsItsPlaceWithCvode) {
   ASSERT_FALSE(simulation.done());
   const BodyState& base = simulation.bodies().front();
   EXPECT_LT(std::hypot(base.position.x, base.position.y), 0.1);
-  // The position controller has no integral term and does not know the boom's weight.
+  // The position controller has no integral term and does not compensate the boom's weight.
   EXPECT_NEAR(base.position.z, 2.0, 0.2);
   const BodyState& tip = simulation.bodies().back();
   EXPECT_NEAR(base.position.z - tip.position.z, 0.53, 0.01) << "the boom hangs straight";

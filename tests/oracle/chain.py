@@ -1,8 +1,8 @@
-"""The equations of a vehicle with bodies that hang on ball joints, by SciPy.
+"""The equations of a vehicle with bodies on ball joints, by SciPy.
 
-In maximal coordinates: Newton and Euler for each body by itself, with the joints' forces as
-unknowns and the joints' points held together by their accelerations. The engine has the same bodies
-as a tree of joint coordinates, so the two share neither equations nor code.
+Maximal coordinates: Newton and Euler equations for each body, with the joints' forces as unknowns
+and constraints on the joints' accelerations. The engine uses joint coordinates of a tree, so the
+two share neither equations nor code.
 """
 
 from __future__ import annotations
@@ -39,19 +39,19 @@ class Hanging:
     mass: float
     com: Reals  # body axes
     inertia: Reals  # (3, 3) about the centre of mass
-    joint: Reals  # in the frame of the body before it
+    joint: Reals  # in the frame of the preceding body
 
 
 @dataclass(frozen=True)
 class Chain:
-    """A vehicle, and bodies of which each hangs on the one before."""
+    """A vehicle with a chain of bodies, each suspended from the preceding one."""
 
     vehicle: Vehicle
     hanging: list[Hanging]
 
 
 def read_chain(folder: Path, links: dict[str, str]) -> Chain:
-    """Links, in order, by the joint whose origin is the ball joint's place."""
+    """Links, in order, with the joint that places each link's origin."""
     robot = ElementTree.parse(next(folder.glob("*.urdf"))).getroot()
     bodies = {link.get("name", ""): link for link in robot.findall("link")}
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
@@ -79,7 +79,7 @@ def cross_matrix(v: Reals) -> Reals:
 
 
 def start(chain: Chain, y: Reals) -> Reals:
-    """All bodies where the first one's state takes them, the joints at rest and at zero."""
+    """States of all bodies for the first body's state, with joints at rest and at angle zero."""
     states = [y]
     for body in chain.hanging:
         before = states[-1]
@@ -91,7 +91,7 @@ def start(chain: Chain, y: Reals) -> Reals:
 
 
 def rates(chain: Chain, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
-    """dy/dt of all bodies, one after another."""
+    """dy/dt of all bodies, concatenated."""
     states = y.reshape(-1, SIZE)
     axes = [axes_of(s[3:7]) for s in states]
     spins = [s[10:] for s in states]
@@ -103,7 +103,7 @@ def rates(chain: Chain, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
     matrix, right = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
     force, moment = rotor_load(vehicle, axes[0].T @ states[0, 7:10], spins[0], speed, acceleration)
     for i, (mass, com, inertia) in enumerate(bodies):
-        # Unknown: acceleration of the centre of mass (W), angular acceleration (body axes).
+        # Unknowns: acceleration of the centre of mass (W), angular acceleration (body axes).
         at = 6 * i
         matrix[at : at + 3, at : at + 3] = mass * np.eye(3)
         right[at : at + 3] = mass * GRAVITY
@@ -113,7 +113,7 @@ def rates(chain: Chain, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
             right[:3] += axes[0] @ force
             right[3:6] += moment - np.cross(com, force)
     for k, body in enumerate(chain.hanging):
-        # The joint's force (W) acts on the body that hangs, and its opposite on the one before.
+        # The joint's force (W) acts on the suspended body, and its opposite on the preceding one.
         unknown = 6 * count + 3 * k
         ends = ((k, 1.0, body.joint - bodies[k][1]), (k + 1, -1.0, -bodies[k + 1][1]))
         for i, sign, arm in ends:  # arms from the centres of mass, body axes
@@ -121,7 +121,7 @@ def rates(chain: Chain, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
             matrix[at : at + 3, unknown : unknown + 3] += sign * np.eye(3)
             turn = cross_matrix(arm) @ axes[i].T
             matrix[at + 3 : at + 6, unknown : unknown + 3] += sign * turn
-            # Both ends have one acceleration: a + R (alpha x arm + w x (w x arm)).
+            # Both ends have the same acceleration: a + R (alpha x arm + w x (w x arm)).
             matrix[unknown : unknown + 3, at : at + 3] += sign * np.eye(3)
             matrix[unknown : unknown + 3, at + 3 : at + 6] -= sign * axes[i] @ cross_matrix(arm)
             centripetal = axes[i] @ np.cross(spins[i], np.cross(spins[i], arm))

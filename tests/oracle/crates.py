@@ -1,5 +1,6 @@
-"""Boxes without rotors: as models for Skybody, and the law of docs/contact.md between their points
-and a plane, by SciPy and without friction."""
+"""Boxes without rotors as Skybody models, and the frictionless contact law of docs/contact.md
+between their points and a plane, by SciPy.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ izz="{INERTIA[2, 2]}"/></inertial><collision><geometry>
 
 @dataclass(frozen=True)
 class State:
-    """Of one crate: position and velocity in W, quaternion w x y z, spin in its own axes."""
+    """State of one crate: position and velocity in W, quaternion w x y z, spin in its own axes."""
 
     position: Reals
     rotation: Rotation
@@ -49,7 +50,7 @@ def of_body(body: skybody.BodyState) -> State:
 
 
 def simulation(folder: Path, names: Sequence[str], extra: str = "") -> skybody.Simulation:
-    """Crates, and what `extra` adds to the scenario."""
+    """A scenario of crates, with the YAML text `extra` appended."""
     (folder / "crate.urdf").write_text(URDF)
     robots = "".join(f"  - {{name: {name}, model: crate.urdf}}\n" for name in names)
     task = f"task: {{plugin: watch, parameters: {{robot: {names[0]}, link: base}}}}\n"
@@ -80,7 +81,7 @@ class Moving:
         self.turning = self.axes @ self.spin  # W
 
     def velocities(self, arms: Reals) -> Reals:
-        """Of points, `arms` (W, by rows) from the centre."""
+        """Velocities of points at `arms` (W, by rows) from the centre."""
         return self.y[7:10] + np.cross(self.turning, arms)
 
     def rates(self, arms: Reals, forces: Reals, gravity: float) -> Reals:
@@ -93,7 +94,7 @@ class Moving:
 
 
 def fall(state: State, level: float, seconds: float) -> State:
-    """Onto a level plane."""
+    """The state after a fall onto a level plane."""
     up = np.array([0.0, 0.0, 1.0])
 
     def slope(_: float, y: Reals) -> Reals:
@@ -109,9 +110,9 @@ def fall(state: State, level: float, seconds: float) -> State:
 def collide(
     first: State, second: State, side: Reals, seconds: float, dissipation: float
 ) -> tuple[State, State]:
-    """Corners of the first against one face of the second, whose normal is `side` in its axes.
+    """Corners of the first crate against one face of the second with normal `side` in its axes.
 
-    Their springs lie one behind the other: two alike are 2^1.5 times as soft.
+    The two contact springs act in series: two equal ones are softer by a factor of 2^1.5.
     """
     stiffness = STIFFNESS / 2.0**1.5
     reach = 0.5 * float(np.abs(side) @ SIZE)
@@ -131,7 +132,7 @@ def collide(
 
 
 def solve(slope, y: Reals, seconds: float) -> Reals:  # type: ignore[no-untyped-def]
-    """DOP853 by steps that see every contact."""
+    """DOP853 with steps small enough to resolve every contact."""
     solved = solve_ivp(
         slope, (0.0, seconds), y, method="DOP853", rtol=1e-9, atol=1e-10, max_step=2e-3
     )
@@ -139,6 +140,6 @@ def solve(slope, y: Reals, seconds: float) -> Reals:  # type: ignore[no-untyped-
 
 
 def apart(a: State, b: State) -> tuple[float, float]:
-    """How far two states are from each other [m], [rad]."""
+    """Distance [m] and angle [rad] between two states."""
     angle = (a.rotation.inv() * b.rotation).magnitude()
     return float(np.linalg.norm(a.position - b.position)), float(angle)

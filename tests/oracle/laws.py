@@ -1,8 +1,9 @@
-"""Laws of flight once more, by rotation matrices, SciPy's rotations and differences in time.
+"""Second implementation of the flight control laws: rotation matrices, SciPy's rotations,
+differences.
 
-Written from the papers that the controllers' READMEs name. Attitudes are matrices, the wished one's
-rates are differences of it along the reference, gains of the regulator are SciPy's: nothing is
-shared with the plugins, which work on quaternions and closed forms.
+Written from the papers that the controllers' READMEs cite. Attitudes are matrices, rates of the
+attitude setpoint are differences in time along the reference, regulator gains are SciPy's. Nothing
+is shared with the plugins, which use quaternions and closed forms.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ STEP = 1e-3  # of differences in time [s]
 
 @dataclass(frozen=True)
 class Motion:
-    """Of the vehicle. SI units."""
+    """Motion of the vehicle. SI units."""
 
     position: Reals  # W
     rotation: Rotation  # W from B
@@ -32,7 +33,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Point:
-    """Of a trajectory, W axes."""
+    """Point of a trajectory, W axes."""
 
     position: Reals
     velocity: Reals
@@ -52,7 +53,7 @@ def vee(skew: Reals) -> Reals:
 
 
 def pointing(thrust: Reals, yaw: float) -> Rotation:
-    """Heading first, then the shortest turn of z to the thrust, as an axis and an angle."""
+    """Heading first, then the shortest rotation of z onto the thrust, as an axis and an angle."""
     up = thrust / np.linalg.norm(thrust)
     axis = np.cross(UP, up)
     size = np.linalg.norm(axis)
@@ -62,7 +63,7 @@ def pointing(thrust: Reals, yaw: float) -> Rotation:
 
 @dataclass(frozen=True)
 class Wished:
-    """Attitude, with rates and their derivative in its own axes."""
+    """Attitude setpoint, with rates and their derivative in its own axes."""
 
     rotation: Rotation
     rates: Reals
@@ -74,7 +75,7 @@ def wished(thrust: Reals, point: Point) -> Wished:
         u = thrust + point.jerk * t + 0.5 * point.snap * t * t
         return pointing(u, point.yaw + point.yaw_rate * t)
 
-    def rates(t: float) -> Reals:  # of fourth order
+    def rates(t: float) -> Reals:  # fourth-order differences
         near = (at(t - STEP).inv() * at(t + STEP)).as_rotvec() / (2.0 * STEP)
         far = (at(t - 2.0 * STEP).inv() * at(t + 2.0 * STEP)).as_rotvec() / (4.0 * STEP)
         out: Reals = (4.0 * near - far) / 3.0
@@ -100,8 +101,8 @@ def turn_error(body: Rotation, wish: Rotation) -> Reals:
 
 
 def tilt_error(body: Rotation, wish: Rotation) -> Reals:
-    """First the turn of our z axis to the wished one, then the one about it."""
-    z = body.inv().apply(wish.apply(UP))  # in our axes
+    """Rotates the body's z axis onto the setpoint's first, then about it."""
+    z = body.inv().apply(wish.apply(UP))  # in body axes
     tilt = pointing(z, 0.0)
     about = (tilt.inv() * (body.inv() * wish)).as_rotvec()
     angle = float(np.arccos(np.clip(z[2], -1.0, 1.0)))
@@ -117,7 +118,7 @@ ERRORS: dict[str, Callable[[Rotation, Rotation], Reals]] = {
 
 
 def hover_drag(vehicle: Vehicle) -> float:
-    """Of all rotors across their axes, per mass and velocity [1/s]."""
+    """Lateral drag of all rotors, per mass and velocity [1/s]."""
     share = vehicle.mass * G / len(vehicle.directions)
     speeds = np.sqrt(share / vehicle.constants["thrust_constant"])
     return float(np.sum(vehicle.constants["drag_constant"] * speeds)) / vehicle.mass
@@ -130,7 +131,7 @@ def drag_forward(vehicle: Vehicle, motion: Motion, point: Point) -> Reals:
 
 
 def drag_moment(vehicle: Vehicle, motion: Motion, point: Point) -> Reals:
-    """What holds the drag at the hubs, which lie above the centre of mass."""
+    """Moment that balances the drag at the hubs, which lie above the centre of mass."""
     height = float(np.mean(vehicle.hubs[:, 2])) - float(vehicle.com[2])
     force = -vehicle.mass * hover_drag(vehicle) * motion.rotation.inv().apply(point.velocity)
     out: Reals = -np.cross(height * UP, force)

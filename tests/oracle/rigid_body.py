@@ -1,9 +1,9 @@
-"""The equations of flight once more, by SciPy: one rigid body with rotors.
+"""Second implementation of the flight equations, by SciPy: one rigid body with rotors.
 
-Written from the documents and the sources that they name, sharing no code with the engine: eq. 1
-and 2 of the paper, rotors as RotorS has them (`core/physics/forces/rotor_force.h` names the
-sections), Newton and Euler about the centre of mass. Models are read from URDF and rotors.yaml
-by readers of XML and YAML.
+Written from the documents and the sources that they cite, with no code shared with the engine: eq.
+1 and 2 of the paper, rotors as in RotorS (`core/physics/forces/rotor_force.h` names the sections),
+Newton and Euler about the centre of mass. Readers of XML and YAML read the models from URDF and
+rotors.yaml.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ CONSTANTS = (
 
 @dataclass(frozen=True)
 class Vehicle:
-    """One rigid body with rotors whose axes are the body's z. SI units, body axes."""
+    """One rigid body with rotors whose axes are parallel to the body's z. SI units, body axes."""
 
     mass: float
     com: Reals  # from the origin
@@ -51,7 +51,7 @@ def numbers(element: ElementTree.Element | None, attribute: str, default: str) -
 
 
 def read_vehicle(folder: Path) -> Vehicle:
-    """The links of a URDF that hang on the first one by fixed joints without rotation."""
+    """The links of a URDF on fixed joints without rotation from the first link."""
     robot = ElementTree.parse(next(folder.glob("*.urdf"))).getroot()
     places: dict[str, Reals] = {robot.findall("link")[0].get("name", ""): np.zeros(3)}
     for joint in robot.findall("joint"):
@@ -81,7 +81,7 @@ def read_vehicle(folder: Path) -> Vehicle:
     com = sum(m * c for m, c in zip(masses, centres, strict=True)) / mass
     inertia = np.zeros((3, 3))
     for m, c, own_inertia in zip(masses, centres, inertias, strict=True):
-        arm = c - com  # the theorem of parallel axes
+        arm = c - com  # parallel axis theorem
         inertia += own_inertia + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return Vehicle(mass, com, inertia, *read_rotors(folder / "rotors.yaml", places))
 
@@ -112,7 +112,7 @@ def rotor_accelerations(vehicle: Vehicle, start: Reals, command: Reals, time: fl
 def rotor_load(
     vehicle: Vehicle, velocity: Reals, w: Reals, speed: Reals, acceleration: Reals
 ) -> tuple[Reals, Reals]:
-    """Force and moment about the origin, body axes, as the velocity of the origin and the spin."""
+    """Force and moment about the origin, body axes; arguments: velocity of the origin and spin."""
     k, s = vehicle.constants, vehicle.directions
     across = velocity + np.cross(w, vehicle.hubs)
     across[:, 2] = 0.0
@@ -139,7 +139,7 @@ def quaternion_rates(q: Reals, w: Reals) -> Reals:
 
 
 def axes_of(q: Reals) -> Reals:
-    """Columns: the axes of a body in W; q (w x y z) of any norm."""
+    """Columns: the axes of a body in W; q (w x y z) may have any norm."""
     w, x, y, z = q / np.sqrt(q @ q)
     return np.array(
         [
@@ -164,7 +164,8 @@ def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Real
 
 
 def fly(vehicle: Vehicle, y: Reals, speed: Reals, commands: Reals, hold: float) -> Reals:
-    """The state after all commands, each held for `hold` [s]; DOP853 at rounding's tolerance.
+    """The state after all commands, each held for `hold` [s]; DOP853 with tolerances near
+    round-off.
 
     (E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 1993.)
     """
@@ -183,6 +184,6 @@ def fly(vehicle: Vehicle, y: Reals, speed: Reals, commands: Reals, hold: float) 
 
 
 def angle_between(a: Reals, b: Reals) -> float:
-    """Between two attitudes (w x y z) [rad]."""
+    """Angle between two attitudes (w x y z) [rad]."""
     one, two = (Rotation.from_quat(q[[1, 2, 3, 0]]) for q in (a, b))
     return float((one.inv() * two).magnitude())

@@ -1,8 +1,8 @@
-"""Pairs of shapes in shallow overlap: where MuJoCo and Skybody say that they touch.
+"""Pairs of shapes in shallow overlap: contacts by MuJoCo and by Skybody.
 
-MuJoCo gives the signed distance of two geoms and the points that are nearest (mj_geomDistance: GJK
-and EPA on convex shapes). Skybody gives contacts by the places of docs/contact.md. Nothing is
-shared but sizes and poses.
+MuJoCo gives the signed distance of two geoms and their nearest points (mj_geomDistance: GJK and EPA
+on convex shapes). Skybody gives contacts by the rules of docs/contact.md. The two share only sizes
+and poses.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rigid_body import Reals
 from scipy.spatial.transform import Rotation
 
 KINDS = ("box", "cylinder", "capsule", "sphere")
-# Numbers: edges; radius and length (of a capsule without its caps); radius.
+# Number of sizes: edges; radius and length (of a capsule without its caps); radius.
 SIZES = {"box": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
 GEOMS = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
@@ -25,12 +25,12 @@ GEOMS = {
     "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
 }
-SMALL = 1e-3  # a component of a unit normal that counts as none
+SMALL = 1e-3  # components of a unit normal below this count as zero
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A shape in the world."""
+    """A shape with a pose in the world."""
 
     kind: str
     size: Reals
@@ -41,7 +41,7 @@ class Solid:
         return Solid(self.kind, self.size, self.position + way, self.rotation)
 
     def feature(self, normal: Reals) -> str:
-        """With what it touches something that lies along `normal` (W, unit, either sense)."""
+        """The feature that touches a neighbour along `normal` (W, unit, either sign)."""
         n = np.abs(self.rotation.inv().apply(normal))
         if self.kind == "sphere":
             return "ball"
@@ -54,15 +54,15 @@ class Solid:
 
 @dataclass(frozen=True)
 class Touch:
-    """The deepest place of the first solid in the second."""
+    """The deepest contact of the first shape in the second."""
 
     depth: float  # [m]; negative: apart
-    normal: Reals  # the way in which the first is pushed off, unit, W
-    point: Reals  # in the middle of what overlaps, W
+    normal: Reals  # direction that separates the first shape, unit, W
+    point: Reals  # in the middle of the overlap, W
 
 
 class Mujoco:
-    """Two geoms whose shapes and poses are set before each question."""
+    """Two geoms whose shapes and poses are set before each query."""
 
     def __init__(self) -> None:
         geoms = '<geom type="sphere" size="1"/><body><geom type="sphere" size="1"/></body>'
@@ -81,7 +81,7 @@ class Mujoco:
             size[1] *= 0.5
         self._model.geom_type[index] = GEOMS[solid.kind]
         self._model.geom_size[index] = size
-        self._model.geom_rbound[index] = size.sum()  # no less than it reaches
+        self._model.geom_rbound[index] = size.sum()  # an upper bound of its extent
         self._data.geom_xpos[index] = solid.position
         self._data.geom_xmat[index] = solid.rotation.as_matrix().ravel()
 
@@ -90,11 +90,11 @@ class Mujoco:
         self._set(1, second)
         ends = np.zeros(6)
         distance = mujoco.mj_geomDistance(self._model, self._data, 0, 1, 10.0, ends)
-        way = (ends[:3] - ends[3:]) / distance  # apart: from the second to the first
+        way = (ends[:3] - ends[3:]) / distance  # separating direction: from the second to the first
         return Touch(-distance, way / np.linalg.norm(way), 0.5 * (ends[:3] + ends[3:]))
 
     def overlapping(self, first: Solid, second: Solid, way: Reals, depth: float) -> Solid:
-        """`first`, moved from afar against `way` until it is so deep in the second."""
+        """`first`, moved from afar against `way` until the overlap has this depth."""
         far, near = 3.0, 0.0
         for _ in range(60):
             middle = 0.5 * (far + near)
@@ -106,7 +106,7 @@ class Mujoco:
 
 
 def draw(random: np.random.Generator, kind: str, size: Reals | None = None) -> Solid:
-    """At the origin, turned."""
+    """A shape at the origin with a random attitude."""
     if size is None:
         size = random.uniform(0.05, 0.4, SIZES[kind])
         size[0] *= 0.5 if kind != "box" else 1.0
@@ -135,7 +135,7 @@ def element(kind: str, size: Reals) -> str:
 
 
 class Pair:
-    """Two solids in Skybody: robots both, or a robot and an obstacle. Sizes are fixed."""
+    """Two shapes in Skybody: on two robots, or on a robot and an obstacle. Sizes are fixed."""
 
     def __init__(self, folder: Path, first: Solid, second: Solid, is_obstacle: bool) -> None:
         for name, solid in (("first", first), ("second", second)):

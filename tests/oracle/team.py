@@ -1,8 +1,9 @@
-"""The equations of bodies that hang together by rods, ropes and points, by SciPy.
+"""The equations of bodies coupled by rods, ropes and points, by SciPy.
 
-In maximal coordinates: Newton and Euler for each body by itself, with the couplings' forces as
-unknowns and their ends held together by accelerations (docs/couplings.md, "Equations"). The engine
-finds the same forces from unit forces on trees, so the two share neither equations nor code.
+Maximal coordinates: Newton and Euler equations for each body, with the coupling forces as unknowns
+and constraints on the accelerations of the couplings' ends (docs/couplings.md, "Equations"). The
+engine computes the same forces from unit forces on trees, so the two share neither equations nor
+code.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ SIZE = 13  # position and velocity (W) of the origin, quaternion, spin (body axe
 
 @dataclass(frozen=True)
 class Member:
-    """A free body, with rotors or without. SI units, body axes."""
+    """A free body, with or without rotors. SI units, body axes."""
 
     mass: float
     com: Reals  # from the origin
@@ -37,7 +38,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Rod:
-    """Holds two points at their distance; `None` is the world."""
+    """Holds two points at constant distance; `None` is the world."""
 
     bodies: tuple[int | None, int | None]
     points: tuple[Reals, Reals]  # body axes, or W
@@ -45,13 +46,13 @@ class Rod:
 
 @dataclass(frozen=True)
 class Team:
-    """Bodies and what holds them together."""
+    """Bodies and the rods between them."""
 
     members: list[Member]
     rods: list[Rod]
 
     def rates(self, y: Reals, speeds: list[Reals], accelerations: list[Reals]) -> Reals:
-        """dy/dt of all bodies, one after another; rotors' values per body."""
+        """dy/dt of all bodies, concatenated; rotor values are given per body."""
         states = y.reshape(-1, SIZE)
         axes = [axes_of(s[3:7]) for s in states]
         count = len(self.members)
@@ -91,7 +92,7 @@ class Team:
         matrix: Reals,
         right: Reals,
     ) -> None:
-        """The rod's force, and its equation: its ends do not part."""
+        """Adds the rod's force and its equation: the distance of the ends is constant."""
         places, velocities = [], []
         for body, point in zip(rod.bodies, rod.points, strict=True):
             if body is None:
@@ -108,7 +109,7 @@ class Team:
         for sign, body, point in zip((1.0, -1.0), rod.bodies, rod.points, strict=True):
             if body is None:
                 continue
-            # Unknown are accelerations of the centre of mass (W) and angular ones (body axes).
+            # Unknowns: acceleration of the centre of mass (W), angular acceleration (body axes).
             at, w, arm = 6 * body, states[body, 10:], point - self.members[body].com
             turn = np.cross(arm, axes[body].T @ along)
             matrix[at : at + 3, row] -= sign * along

@@ -1,9 +1,9 @@
-"""Worlds in which effects of the air make the flight: how the end depends on the step.
+"""Convergence with the step size in worlds where aerodynamic effects dominate the flight.
 
-Effects are held from the beginning of each step, so forces that follow places (near the ground,
-below a ceiling, in a jet) are known to first order in dt: the difference from the finest step
-halves with dt. Drag and the air at the hubs are in the derivative: it falls to a quarter.
-Ends in closed form: a body that falls against quadratic drag.
+Effects are held from the beginning of each step, so forces that depend on position (near the
+ground, below a ceiling, in a jet) are first-order accurate in dt: the difference from the finest
+step halves with dt. Drag and the air at the hubs enter the derivative: their difference falls to a
+quarter. A fall against quadratic drag is compared with its closed form.
 """
 
 from __future__ import annotations
@@ -55,11 +55,11 @@ def simulation(folder: Path, effect: dict[str, Any], robots: list[Any], dt: floa
 
 
 class World:
-    """An effect, robots with constant rotor speeds, and their velocities at the start."""
+    """An effect, robots with constant rotor speeds, and their initial velocities."""
 
     def __init__(self, effect: str, parameters: dict[str, Any], *flying: Any) -> None:
         self.effect = {"plugin": effect, "parameters": parameters}
-        self.flying = flying  # name, place, velocity, rotor speed
+        self.flying = flying  # name, position, velocity, rotor speed
 
     def end(self, folder: Path, dt: float) -> NDArray[np.float64]:
         """Position and velocity of the last robot."""
@@ -103,7 +103,7 @@ OF_VELOCITIES = {
 
 
 def differences(world: World, folder: Path) -> list[float]:
-    """From the finest step's end, of each of STEPS [m and m/s together]."""
+    """Difference from the finest step's end state, for each of STEPS [m and m/s together]."""
     finest = world.end(folder, FINEST)
     return [float(np.linalg.norm(world.end(folder, dt) - finest)) for dt in STEPS]
 
@@ -112,7 +112,7 @@ def differences(world: World, folder: Path) -> list[float]:
 def test_what_is_held_over_a_step_is_of_first_order(tmp_path: Path, name: str) -> None:
     found = differences(OF_PLACES[name], tmp_path)
     for coarse, fine in itertools.pairwise(found):
-        # 2 but for the finest step's own error (2.06 at the end) and terms of second order.
+        # 2, except for the finest step's own error (2.06 at the end) and second-order terms.
         assert coarse / fine == pytest.approx(2.05, abs=0.15), found
 
 

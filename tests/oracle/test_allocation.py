@@ -31,7 +31,7 @@ COM = np.array([0.01, -0.02, 0.005])
 
 
 def hubs(arms: int, layers: int) -> tuple[Reals, Reals]:
-    """Places, and senses of rotation +1 and -1 in turn, the lower layer against the upper one."""
+    """Rotor positions, and alternating directions +1 and -1; the lower layer has opposite ones."""
     angle = 2.0 * np.pi * (np.arange(arms) + 0.5) / arms
     ring = np.column_stack([0.25 * np.cos(angle), 0.25 * np.sin(angle), np.zeros(arms)])
     sense = np.where(np.arange(arms) % 2 == 0, 1.0, -1.0)
@@ -101,6 +101,6 @@ def test_thrusts_are_those_of_bounded_least_squares(
         sim.command(wish)
         assert sim.advance(1)
         speeds = np.array(sim.state("robots.quad.rotors.command"))
-        # Both solve equations whose condition is 1e8 at most.
+        # Both solve equations with a condition number of at most 1e8.
         np.testing.assert_allclose(THRUST_CONSTANT * speeds**2, best.x * full, atol=1e-6 * full)
     assert beyond > COMMANDS // 2

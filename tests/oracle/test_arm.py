@@ -1,8 +1,8 @@
-"""An arm pushes back at the vehicle as mechanics says: momentum, and the equations by SciPy.
+"""Reaction of a vehicle to its moving arm: conservation of momentum, and the equations by SciPy.
 
-The equations are in maximal coordinates: Newton and Euler for each body by itself, the hinges'
-forces and moments as unknowns, and both ends of a hinge held together by their accelerations. The
-engine has the same bodies as a tree of joint coordinates.
+Maximal coordinates: Newton and Euler equations for each body, with the hinges' forces and moments
+as unknowns and constraints on the accelerations of both ends of a hinge. The engine uses joint
+coordinates of a tree.
 """
 
 from __future__ import annotations
@@ -19,29 +19,33 @@ from rigid_body import GRAVITY, Reals, angle_between, axes_of, numbers, quaterni
 from scipy.integrate import solve_ivp
 
 MODEL = Path(__file__).resolve().parents[2] / "scenarios/models/firefly_arm/firefly_arm.urdf"
-LINKS = ("base_link", "upper_arm", "forearm")  # each but the first begins at its hinge, about y
+LINKS = (
+    "base_link",
+    "upper_arm",
+    "forearm",
+)  # each link but the first begins at its hinge, about y
 HINGES = ("shoulder", "elbow")
 SIZE = 13  # of a body's state: position and velocity (W) of its origin, quaternion, spin (body)
 STIFFNESS, DAMPING, EFFORT = 20.0, 0.8, 1.0
 START = (-0.5, 1.0)  # of the hinges [rad]
-HOLD = 0.05  # of a command [s]
+HOLD = 0.05  # duration of a command [s]
 COMMANDS = np.array([[-1.2, 2.0], [0.9, 0.4], [0.2, 2.2], [-0.8, 0.6], [1.1, 1.5], [-0.3, 0.9]])
 AXIS = np.array([0.0, 1.0, 0.0])
-ACROSS = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # what a hinge does not let turn
+ACROSS = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # axes about which a hinge does not rotate
 
 
 @dataclass(frozen=True)
 class Part:
-    """One rigid body: a link of the arm or the vehicle, with what is fixed to it. SI units."""
+    """One rigid body: the vehicle or a link of the arm, with the parts fixed to it. SI units."""
 
     mass: float
     com: Reals
     inertia: Reals  # (3, 3) about the centre of mass
-    hinge: Reals  # in the frame of the body before it
+    hinge: Reals  # in the frame of the preceding body
 
 
 def read_parts() -> list[Part]:
-    """All fixed joints of the model are without rotation."""
+    """No fixed joint of the model has a rotation."""
     robot = ElementTree.parse(MODEL).getroot()
     owner = {LINKS[0]: (0, np.zeros(3))}
     hinges = [np.zeros(3)]
@@ -73,7 +77,7 @@ def together(pieces: list[tuple[float, Reals, Reals]], hinge: Reals) -> Part:
     com = sum((m * c for m, c, _ in pieces), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for m, c, own in pieces:
-        arm = c - com  # the theorem of parallel axes
+        arm = c - com  # parallel axis theorem
         inertia += own + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return Part(mass, com, inertia, hinge)
 
@@ -82,7 +86,7 @@ PARTS = read_parts()
 
 
 def simulation(*overrides: str, dt: float = 1e-3) -> skybody.Simulation:
-    """The vehicle with rotors that stand still, off the ground; commands are joints' positions."""
+    """The vehicle off the ground with stopped rotors; commands are joint positions."""
     servos = (
         f"[{{plugin: joint, parameters: {{joints: [{', '.join(HINGES)}], mode: position, "
         f"stiffness: {STIFFNESS}, damping: {DAMPING}, effort_limit: {EFFORT}}}}}]"
@@ -130,7 +134,7 @@ def momentum(now: Reals) -> tuple[Reals, Reals, Reals]:
 
 
 def momentum_error(dynamics: str, dt: float) -> tuple[float, float]:
-    """Greatest momentum [N s] of a swing that begins at rest, and the greatest turn [rad]."""
+    """Largest momentum [N s] of a swing that begins at rest, and the largest rotation [rad]."""
     sim = simulation(
         "gravity=[0,0,0]", f"stepping.dynamics={dynamics}", "stepping.integrator=rk4", dt=dt
     )
@@ -141,7 +145,8 @@ def momentum_error(dynamics: str, dt: float) -> tuple[float, float]:
         assert sim.advance(round(HOLD / dt))
         now = states(sim)
         centre, linear, angular = momentum(now)
-        # Of one size in their units: N s, N m s, and m that the centre of mass has moved.
+        # Of similar magnitude in their units: N s, N m s, and m of displacement of the centre of
+        # mass.
         error = max(error, *(float(np.linalg.norm(x)) for x in (linear, angular, centre - begin)))
         turned = max(turned, angle_between(now[0, 3:7], np.array([1.0, 0.0, 0.0, 0.0])))
     return error, turned
@@ -151,11 +156,12 @@ def momentum_error(dynamics: str, dt: float) -> tuple[float, float]:
 def test_without_gravity_a_swinging_arm_changes_no_momentum(dynamics: str) -> None:
     coarse, _ = momentum_error(dynamics, 1e-3)
     fine, turned = momentum_error(dynamics, 2.5e-4)
-    # The vehicle gets 0.21 N s from the arm, and takes it back. The integrator is of fourth order:
-    # quartered steps divide its error by 256, and more where a drive leaves its limit.
+    # The arm transfers 0.21 N s to the vehicle and takes it back. The integrator is of fourth
+    # order: a quarter of the step divides its error by 256, or by more when a drive leaves its
+    # limit.
     assert fine < 1e-8
     assert coarse / fine > 128.0
-    assert turned > math.radians(5.0)  # the vehicle has turned against the arm
+    assert turned > math.radians(5.0)  # the vehicle has rotated against the arm
 
 
 # --- the equations ------------------------------------------------------------------------------
@@ -166,7 +172,7 @@ def skew(v: Reals) -> Reals:
 
 
 def efforts(now: Reals, command: Reals) -> Reals:
-    """Of both drives [N m], from the angles about y between neighbours."""
+    """Torques of both drives [N m], from the angles about y between neighbours."""
     out = []
     for k, wanted in enumerate(command):
         turn = axes_of(now[k, 3:7]).T @ axes_of(now[k + 1, 3:7])
@@ -177,7 +183,7 @@ def efforts(now: Reals, command: Reals) -> Reals:
 
 
 def rates(y: Reals, command: Reals) -> Reals:
-    """dy/dt: unknown are each body's accelerations, and five forces and moments of each hinge."""
+    """dy/dt. Unknowns: each body's accelerations, and five forces and moments of each hinge."""
     now = y.reshape(-1, SIZE)
     axes = [axes_of(s[3:7]) for s in now]
     driven = efforts(now, command)
@@ -203,7 +209,7 @@ def rates(y: Reals, command: Reals) -> Reals:
             matrix[column : column + 3, at : at + 3] += sign * np.eye(3)
             matrix[column : column + 3, at + 3 : at + 6] -= sign * axes[i] @ skew(arm)
             right[column : column + 3] -= sign * axes[i] @ np.cross(spin, np.cross(spin, arm))
-            # Spins differ by a turn about the common axis, which turns with the body before.
+            # Spins differ by a rotation about the common axis, which turns with the preceding body.
             matrix[column + 3 : column + 5, at + 3 : at + 6] += sign * turning @ axes[i]
         relative = axes[k] @ (AXIS * (now[k + 1, 11] - now[k, 11]))
         right[column + 3 : column + 5] -= turning @ np.cross(axes[k] @ now[k, 10:], relative)
@@ -228,7 +234,7 @@ def fly(begin: Reals) -> Reals:
             method="DOP853",
             rtol=1e-10,
             atol=1e-11,
-            max_step=1e-3,  # clamps of drives have corners
+            max_step=1e-3,  # the clamps of drives have corners
         ).y[:, -1]
     return y.reshape(-1, SIZE)
 
@@ -257,15 +263,15 @@ def expected() -> Reals:
 
 def test_rk4_agrees_with_the_oracle_to_micrometres(expected: Reals) -> None:
     position, angle = largest_error(flown("rk4", 1e-3)[1], expected)
-    # Some steps hold the corner of a drive's limit, and there lose the fourth order: 0.9 um and
-    # 10 urad in this swing, 0.14 um and 2 urad with a quarter of the step.
+    # Some steps cross the corner of a drive's limit, which reduces the order below four: the error
+    # is 0.9 um and 10 urad in this swing, and 0.14 um and 2 urad with a quarter of the step.
     assert position < 5e-6
     assert angle < 5e-5
 
 
 def test_midpoint_is_of_second_order(expected: Reals) -> None:
     coarse, fine = (largest_error(flown("midpoint", dt)[1], expected) for dt in (1e-3, 5e-4))
-    # 0.07 mm and 0.4 mrad with half a millisecond. Halved steps divide the error by 4, but for
+    # 0.07 mm and 0.4 mrad with half a millisecond. Half the step divides the error by 4, except for
     # terms of higher order.
     assert fine[0] < 1e-4
     assert coarse[0] / fine[0] == pytest.approx(4.0, rel=0.3)

@@ -1,7 +1,7 @@
-"""Drops of a QDrone2 onto the ground and flights into a wall without friction against SciPy.
+"""Drops of a QDrone2 onto the ground and frictionless flights into a wall, against SciPy.
 
-The law and the places where things touch are those of docs/contact.md; no code is shared. Drops
-onto a table are in test_crates.py: feet of 1 cm that fall on an obstacle are stopped plastically.
+The contact law and the contact points are those of docs/contact.md; no code is shared. Drops onto a
+table are in test_crates.py, because feet of 1 cm that fall on an obstacle are stopped plastically.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def vehicle() -> Vehicle:
 
 
 def begin(turn: Reals) -> Reals:
-    """Turned, its lowest point 0.3 m above the ground, at rest."""
+    """Rotated, its lowest point 0.3 m above the ground, at rest."""
     rotation = Rotation.from_rotvec(turn)
     heights = np.concatenate([rotation.apply(CORNERS)[:, 2], rotation.apply(FEET)[:, 2] - FOOT])
     y = np.zeros(13)
@@ -58,7 +58,7 @@ def begin(turn: Reals) -> Reals:
 
 
 def fall(vehicle: Vehicle, y: Reals, direction: Reals, level: float) -> Reals:
-    """What FALL makes of it. `direction`: out of the plane; `level`: how far along it that is."""
+    """End state of FALL. `direction`: normal of the plane; `level`: its position on the normal."""
     stiffness = vehicle.mass * 9.81 / (len(FEET) * PENETRATION**1.5)
 
     def rates(_: float, y: Reals) -> Reals:
@@ -117,7 +117,7 @@ def test_a_drop_onto_the_ground_ends_where_the_oracle_does(
 
 @pytest.mark.parametrize("speed", [0.5, 1.0])
 def test_a_bounce_off_a_wall_is_the_laws(vehicle: Vehicle, speed: float) -> None:
-    """The face of a wall as wide as the world, slower than what is stopped plastically."""
+    """The face of a very wide wall, at speeds below the limit for plastic stops."""
     y = begin(np.array([0.0, 0.0, 0.4]))
     y[0], y[2], y[7] = -0.5, 3.0, speed
     wall = "obstacles=[{name: wall, box: [10, 100, 100], position: [5, 0, 0]}]"

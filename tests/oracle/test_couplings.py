@@ -13,11 +13,11 @@ from scipy.integrate import solve_ivp
 from team import SIZE, Member, Rod, Team
 
 ROOT = Path(__file__).resolve().parents[2]
-HOLD = 0.02  # of a command [s]
+HOLD = 0.02  # duration of a command [s]
 NAMES = ("alpha", "bravo", "charlie", "load")
 PLACES = ((0.55, 0.0, 2.5), (-0.275, 0.476, 2.5), (-0.275, -0.476, 2.5), (0.0, 0.0, 1.4))
 EARS = ((0.38, 0.0, 0.05), (-0.19, 0.33, 0.05), (-0.19, -0.33, 0.05))
-HOVER = 1400.0  # [rad/s], about
+HOVER = 1400.0  # [rad/s], approximately
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def by_skybody(commands: Reals, dt: float, dynamics: str = "tree") -> list[skybo
 
 
 def errors(flown: list[skybody.BodyState], end: Reals) -> tuple[float, float]:
-    """The largest of all bodies' positions [m] and attitudes [rad]."""
+    """The largest errors of all bodies' positions [m] and attitudes [rad]."""
     states = end.reshape(-1, SIZE)
     pairs = list(zip(flown, states, strict=True))
     position = max(float(np.linalg.norm(body.position - s[:3])) for body, s in pairs)
@@ -70,7 +70,7 @@ def test_wild_commands_end_where_the_oracle_does(team: Team, seed: int) -> None:
     end = team.fly(start(), [np.full(4, HOVER)] * 3 + [np.zeros(0)], commands, HOLD)
     position, angle = errors(by_skybody(commands, 1e-3), end)
     assert position < 1e-4 and angle < math.radians(0.05)
-    # Of second order: half the step, a quarter of the error, as far as the oracle tells.
+    # Second order: half the step gives a quarter of the error, within the oracle's accuracy.
     coarse, _ = errors(by_skybody(commands, 2e-3), end)
     assert 2.5 < coarse / position < 6.0
 
@@ -84,7 +84,7 @@ def test_simbodys_constraints_end_there_too(team: Team) -> None:
 
 
 def test_a_four_bar_linkage_turns_as_its_one_degree_of_freedom_says() -> None:
-    """Lagrange's equation for the crank's angle alone, masses reduced by finite differences."""
+    """Lagrange's equation for the crank's angle only; reduced masses by finite differences."""
     masses, moments = (0.2, 0.5, 0.4), (7e-4, 0.0105, 0.0054)
 
     def places(crank: float) -> Reals:

@@ -1,4 +1,4 @@
-"""Free flight against SciPy: wild commands, and a body that spins by itself."""
+"""Free flight against SciPy: wild commands, and a body spinning without torque."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import skybody
 from rigid_body import Reals, Vehicle, angle_between, fly, read_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]
-HOLD = 0.02  # of a command [s]
+HOLD = 0.02  # duration of a command [s]
 DRAWS = 100  # commands: two seconds
 
 
@@ -22,7 +22,7 @@ def qdrone2() -> Vehicle:
 
 
 class Wild:
-    """A start and commands drawn from a seed, and where the oracle ends."""
+    """A random start and random commands from a seed, and the oracle's end state."""
 
     def __init__(self, vehicle: Vehicle, seed: int) -> None:
         random = np.random.default_rng(seed)
@@ -37,7 +37,7 @@ class Wild:
         self.end = fly(vehicle, self.y, np.full(4, self.speed), self.commands, HOLD)
 
     def error(self, integrator: str, dt: float) -> tuple[float, float]:
-        """Of position [m] and attitude [rad] at the end."""
+        """Errors of position [m] and attitude [rad] at the end."""
         end = self.by_skybody(integrator, dt)
         return float(np.linalg.norm(end[:3] - self.end[:3])), angle_between(end[3:7], self.end[3:7])
 
@@ -67,18 +67,19 @@ def wild(qdrone2: Vehicle, request: pytest.FixtureRequest) -> Wild:
 
 def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
     position, angle = wild.error("midpoint", 1e-3)
-    # These four are 0.074 mm and 0.001 degrees off at most; the bar leaves room for flights that
-    # tumble more.
+    # These four differ by at most 0.074 mm and 0.001 degrees; the limit leaves room for flights
+    # that tumble more.
     assert position < 0.3e-3
     assert angle < math.radians(0.02)
 
 
 def test_midpoint_is_of_second_order(wild: Wild) -> None:
-    # At these steps hardly any of the flights spins fast (core/physics/step/step_rules.h): where
-    # the rule takes torque-free motion instead, its error has another size, of the same order.
+    # At these steps hardly any of the flights spins fast (core/physics/step/step_rules.h). Where
+    # the rule applies torque-free motion instead, its error differs in size but is of the same
+    # order.
     errors = [wild.error("midpoint", dt) for dt in (1e-3, 5e-4, 2.5e-4)]
     for coarse, fine in itertools.pairwise(errors):
-        # Halved steps divide the error by 4, but for terms of higher order.
+        # Half the step divides the error by 4, except for terms of higher order.
         assert coarse[0] / fine[0] == pytest.approx(4.0, rel=0.25)
         assert coarse[1] / fine[1] == pytest.approx(4.0, rel=0.25)
 

@@ -1,9 +1,9 @@
-"""Controller indi against its law in the form of the papers, by NumPy and SciPy.
+"""Controller indi against its law as written in the papers, by NumPy and SciPy.
 
 E. Smeur, Q. Chu, G. de Croon, JGCD 39(3), 2016, and E. Tal, S. Karaman, IEEE TCST 29(3), 2021,
-filter what was measured and what the rotors gave one by one and command increments; the plugin
-filters their difference. Rates and angular accelerations of the wished attitude are differences
-here, the allocation is NumPy's pseudo-inverse, rotations and filters are SciPy's.
+filter the measurements and the rotors' contribution separately and command increments; the plugin
+filters their difference. Here the rates and angular accelerations of the attitude setpoint are
+differences, the allocation is NumPy's pseudo-inverse, and rotations and filters are SciPy's.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ AIR = (
 
 @dataclass(frozen=True)
 class Flight:
-    """What was there at each evaluation, and what was commanded then. Rows: evaluations."""
+    """States and commands at each evaluation. Rows: evaluations."""
 
     time: Reals
     position: Reals
@@ -76,7 +76,7 @@ def fly(parameters: str, command, seconds: float) -> Flight:
 
 
 def filtered(values: Reals) -> Reals:
-    """Nothing is known of the time before the first row."""
+    """Low-pass filtered values; zero before the first row."""
     numerator, denominator = butter(2, CUTOFF, fs=1.0 / INTERVAL)
     return lfilter(numerator, denominator, values, axis=0)
 
@@ -98,7 +98,7 @@ def mean_square(flight: Flight) -> Reals:
 
 
 def torques(vehicle: Vehicle, flight: Flight, wish: Reals) -> Reals:
-    """Commanded torques: those of the rotors, and the increment of the inertia's."""
+    """Commanded torques: the rotors' torques plus the increment of inertia times acceleration."""
     before = np.vstack([flight.spin[:1], flight.spin[:-1]])
     growth = np.diff(flight.speed, axis=0, prepend=flight.speed[:1]) / INTERVAL
     inertia = vehicle.inertia
@@ -107,7 +107,7 @@ def torques(vehicle: Vehicle, flight: Flight, wish: Reals) -> Reals:
     given = (vehicle.constants["thrust_constant"] * mean_square(flight)) @ effectiveness(vehicle).T
     torque = given[:, 1:].copy()
     torque[:, 2] -= growth @ (vehicle.directions * vehicle.constants["inertia"])
-    moved[0] = torque[0] = 0.0  # nothing was measured yet
+    moved[0] = torque[0] = 0.0  # no measurement yet
     return filtered(torque) - filtered(moved) + wish @ inertia + gyroscopic
 
 
@@ -125,7 +125,7 @@ def speeds(vehicle: Vehicle, thrust: Reals, torque: Reals) -> Reals:
 
 
 def attitude(push: Reals, yaw: float) -> Rotation:
-    """Heading first, then the shortest turn of z to the push."""
+    """Heading first, then the shortest rotation of z onto the push."""
     up = push / np.linalg.norm(push)
     axis = np.cross([0.0, 0.0, 1.0], up)
     angle = np.arctan2(np.linalg.norm(axis), up[2])
@@ -214,11 +214,11 @@ def test_a_flight_goes_on_as_it_was_saved() -> None:
 
 
 def eight(time: float) -> list[Reals]:
-    """A figure of eight of 16 m by 8 m at up to 10 m/s, begun from rest within 4 s; derivatives."""
+    """Figure of eight of 16 m by 8 m at up to 10 m/s, from rest within 4 s, with derivatives."""
     peak, size, ramp = 10.0 / np.sqrt(2.0), np.array([8.0, 4.0, 0.0]), 4.0
     rate = peak / 8.0 * np.array([1.0, 2.0, 1.0])
     x = min(time / ramp, 1.0)
-    # Phase s(t), whose rate grows from 0 to 1 by 10 x^3 - 15 x^4 + 6 x^5.
+    # Phase s(t); its rate grows from 0 to 1 by 10 x^3 - 15 x^4 + 6 x^5.
     s = ramp * (2.5 * x**4 - 3 * x**5 + x**6) + max(time - ramp, 0.0)
     s1 = 10 * x**3 - 15 * x**4 + 6 * x**5
     s2 = (30 * x**2 - 60 * x**3 + 30 * x**4) / ramp
@@ -256,7 +256,7 @@ def error_of(path, parameters: str, overrides: list[str]) -> float:
     return float(np.sqrt(np.mean(squares)))
 
 
-# Densities and biases of a consumer grade sensor, such as the ICM-20948 or the BMI088.
+# Densities and biases of a consumer-grade sensor, such as the ICM-20948 or the BMI088.
 IMU = (
     "sensors=[{plugin: imu, parameters: {robot: quad, accelerometer_noise: 0.0025, "
     "gyroscope_noise: 2.6e-4, accelerometer_walk: 1e-4, gyroscope_walk: 1e-5, "

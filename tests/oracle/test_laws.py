@@ -1,7 +1,7 @@
-"""Laws of flight against another formulation of each (laws.py), in random states and references.
+"""Flight control laws against second implementations (laws.py), in random states and references.
 
-A chain gets one point of a trajectory and is evaluated once; thrust and torque are read off the
-commands of its rotors.
+A chain receives one point of a trajectory and is evaluated once; its rotor commands give thrust and
+torque.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ KP, KD = np.array([6.0, 6.0, 9.0]), np.array([4.0, 4.0, 5.4])
 ATTITUDE, RATE = np.array([9.0, 9.0, 3.0]), np.array([22.0, 22.0, 9.0])
 RATES = "{plugin: ctbr, parameters: {kd: [0, 0, 0]}}"
 RATE_LOOP = np.array([20.0, 20.0, 8.0])  # kp of ctbr
-# What differences in time leave: 1e-12 of STEP^4, and rounding over STEP^2 in what is
+# Error of differences in time: 1e-12 of STEP^4, and round-off divided by STEP^2 in values that are
 # differentiated twice, times an inertia of 0.03.
 TOLERANCE = 1e-7
 
@@ -46,7 +46,7 @@ def qdrone2() -> Vehicle:
 
 
 def draw(random: np.random.Generator) -> tuple[Motion, Point]:
-    """A state and a reference that ask for no more than the rotors can do."""
+    """A state and a reference that require no more than the rotors can give."""
     position = random.uniform(-1.0, 1.0, 3) + 3.0 * UP
     velocity = random.uniform(-1.0, 1.0, 3)
     yaw = random.uniform(-3.0, 3.0)
@@ -70,7 +70,7 @@ def draw(random: np.random.Generator) -> tuple[Motion, Point]:
 
 
 class Rig:
-    """A chain of controllers, and what its rotors are told in one state."""
+    """A chain of controllers, and its rotor commands in one state."""
 
     def __init__(self, vehicle: Vehicle, chain: str) -> None:
         self.vehicle = vehicle
@@ -98,7 +98,7 @@ class Rig:
         return np.array([pushes.sum(), *torque])
 
     def rates(self, motion: Motion, point: Point) -> Reals:
-        """Thrust, and the rates that `ctbr` was asked for."""
+        """Thrust, and the rates commanded to `ctbr`."""
         thrust, *torque = self.thrust_and_torque(motion, point)
         j, w = self.vehicle.inertia, motion.rates
         change = np.linalg.solve(j, np.array(torque) - np.cross(w, j @ w))
@@ -234,7 +234,7 @@ def test_lqr_is_the_linear_law_to_first_order_about_hover(qdrone2: Vehicle) -> N
     small = 1e-5
     zero = np.zeros(3)
     still = Point(3.0 * UP, zero, zero, zero, zero, 0.0, 0.0)
-    # Errors of place, velocity, pitch and pitch rate, one after the other.
+    # Errors of position, velocity, pitch and pitch rate, one after the other.
     at_goal = Motion(3.0 * UP, Rotation.identity(), np.zeros(3), np.zeros(3))
     front, pitch = np.array([small, 0.0, 0.0]), np.array([0.0, small, 0.0])
     errors = [
@@ -246,5 +246,5 @@ def test_lqr_is_the_linear_law_to_first_order_about_hover(qdrone2: Vehicle) -> N
     for motion, gain in zip(errors, x, strict=True):
         torque = rig.thrust_and_torque(motion, still)[1:]
         change = np.linalg.solve(qdrone2.inertia, torque)
-        # Rotors' commands are squares of speeds: 1e-16 of 15 N over arms of 0.1 m and the inertia.
+        # Rotor commands are squares of speeds: 1e-16 of 15 N over arms of 0.1 m and the inertia.
         assert change[1] / small == pytest.approx(-gain, rel=1e-5)

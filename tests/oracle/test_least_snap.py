@@ -1,8 +1,8 @@
-"""Paths of least snap against the quadratic program that they solve, by NumPy.
+"""Paths of least snap against the quadratic program that defines them, by NumPy.
 
 The oracle minimises the integral of squared snap over the coefficients of all pieces, in powers of
-time, with places, ends at rest and continuity up to jerk as linear constraints: one dense system of
-Karush, Kuhn and Tucker. It knows nothing of derivatives at the knots, by which Skybody solves it.
+time, with positions, ends at rest and continuity up to jerk as linear constraints: one dense
+Karush-Kuhn-Tucker system. It does not use derivatives at the knots, from which Skybody solves it.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def snap_cost(h: float) -> np.ndarray:
 
 
 def least_snap(times: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Coefficients, a row a piece, of the path of least snap from rest to rest, by one axis."""
+    """Coefficients of the least-snap path from rest to rest along one axis, one row per piece."""
     pieces, n = len(times) - 1, ORDER + 1
     cost = np.zeros((pieces * n, pieces * n))
     rows, right = [], []

@@ -44,7 +44,7 @@ def flat(layers: Any) -> np.ndarray:
 
 
 def error(ours: np.ndarray, theirs: np.ndarray) -> float:
-    """The greatest difference, as a share of the greatest value."""
+    """The largest difference, relative to the largest value."""
     return float(np.abs(ours - theirs).max() / np.abs(theirs).max())
 
 

@@ -1,10 +1,10 @@
 """The first inputs of `nmpc` against SciPy's minimum of the same cost.
 
-The engine does one real-time iteration a call. Held at one state by a tiny physics step, these end
-at the minimum. SciPy minimises the cost over the inputs with bounds by a quasi-Newton method
-(L-BFGS-B) from differences of the cost alone: no derivatives, no condensing, no active set. The
-prediction is written here in NumPy from the README: rotation matrices in place of quaternions,
-SciPy's rotations for exponential and logarithm.
+The engine runs one real-time iteration per call. With the state held by a tiny physics step, the
+iterations converge to the minimum. SciPy minimises the cost over the bounded inputs by a
+quasi-Newton method (L-BFGS-B) from differences of the cost only: no derivatives, no condensing, no
+active set. The prediction is implemented here in NumPy from the README, with rotation matrices in
+place of quaternions and SciPy's rotations for exponential and logarithm.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class State:
 
 
 class Model:
-    """What the README predicts with, of a vehicle whose rotors all point along z."""
+    """The prediction model of the README, for a vehicle whose rotors all point along z."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         c = {name: values[0] for name, values in vehicle.constants.items()}  # all rotors alike
@@ -67,7 +67,7 @@ class Model:
         middle = x.rates + h / 2 * (self.spin @ second - self.gyro(x.rates))
         half = x.attitude @ Rotation.from_rotvec(h / 4 * (x.rates + middle)).as_matrix()
         push = np.array([0.0, 0.0, self.lift * share.sum()])
-        # v_m holds its own drag: (1 + h/2 D) R_m^T v_m = R_m^T (v + h/2 g) + h/2 push.
+        # v_m contains its own drag: (1 + h/2 D) R_m^T v_m = R_m^T (v + h/2 g) + h/2 push.
         air = (half.T @ (x.velocity + h / 2 * GRAVITY) + h / 2 * push) / (1 + h / 2 * self.drag)
         velocity = x.velocity + h * (GRAVITY + half @ (push - self.drag * air))
         return State(
@@ -79,7 +79,10 @@ class Model:
         )
 
     def cost(self, start: State, inputs: Reals, share: float) -> float:
-        """@param share  of the weights of position and velocity that counts (README: the cosine)"""
+        """Cost of the inputs.
+
+        @param share  factor on the weights of position and velocity (README: the cosine)
+        """
         total, x = 0.0, start
         weights = WEIGHTS * np.repeat([share, share, 1.0, 1.0], 3)
         for k, u in enumerate(inputs.reshape(NODES, 4)):
@@ -160,6 +163,6 @@ def test_first_inputs_are_those_of_the_least_cost(name: str) -> None:
     found = by_skybody(vehicle, start)
     at_limits = int(np.sum((expected < 1e-6) | (expected > 1.0 - 1e-6)))
     assert (at_limits > 0) == (name != "gentle"), "the case tests what its name says"
-    # Gauss-Newton leaves out the dynamics' second derivatives in the Hessian alone, so that its
-    # fixed point is the minimum. SciPy stops where the cost's differences end: 1e-4 of full thrust.
+    # Gauss-Newton omits the dynamics' second derivatives only in the Hessian, so its fixed point is
+    # the minimum. SciPy stops at the resolution of the cost's differences: 1e-4 of full thrust.
     np.testing.assert_allclose(found, expected, atol=1e-3)

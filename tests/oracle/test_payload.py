@@ -12,7 +12,7 @@ from chain import SIZE, Chain, fly, read_chain, start
 from rigid_body import Reals, angle_between
 
 ROOT = Path(__file__).resolve().parents[2]
-HOLD = 0.02  # of a command [s]
+HOLD = 0.02  # duration of a command [s]
 DRAWS = 100  # commands: two seconds
 LINKS = {"rod": "rod_joint_x", "bob": "bob_joint_x"}
 
@@ -23,7 +23,7 @@ def payload() -> Chain:
 
 
 class Wild:
-    """A start and commands drawn from a seed, and where the oracle ends."""
+    """A random start and random commands from a seed, and the oracle's end state."""
 
     def __init__(self, chain: Chain, seed: int) -> None:
         random = np.random.default_rng(seed)
@@ -40,7 +40,7 @@ class Wild:
         self.end = end.reshape(-1, SIZE)
 
     def error(self, integrator: str, dt: float) -> tuple[float, float]:
-        """The largest of the vehicle's and the bob's position [m] and attitude [rad]."""
+        """The largest errors of the vehicle's and the bob's position [m] and attitude [rad]."""
         flown = self.by_skybody(integrator, dt)
         position = max(
             float(np.linalg.norm(flown[k][:3] - self.end[body][:3])) for k, body in ((0, 0), (1, 2))
@@ -78,7 +78,7 @@ def wild(payload: Chain, request: pytest.FixtureRequest) -> Wild:
 
 def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
     position, angle = wild.error("midpoint", 1e-3)
-    # These three are 0.14 mm and 0.044 degrees off at most; the bar is the project's.
+    # These three differ by at most 0.14 mm and 0.044 degrees; the limit is the project's.
     assert position < 1e-3
     assert angle < math.radians(0.1)
 
@@ -90,7 +90,7 @@ def test_rk4_agrees_with_the_oracle_to_a_micrometre(wild: Wild) -> None:
 
 
 def test_midpoint_is_of_second_order(wild: Wild) -> None:
-    # At these steps none of the bobs spins fast (test_free_flight.py).
+    # At these steps no bob spins fast (test_free_flight.py).
     coarse, fine = (wild.error("midpoint", dt) for dt in (5e-4, 2.5e-4))
-    # Halved steps divide the error by 4, but for terms of higher order.
+    # Half the step divides the error by 4, except for terms of higher order.
     assert coarse[0] / fine[0] == pytest.approx(4.0, rel=0.3)

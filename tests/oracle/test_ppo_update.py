@@ -1,4 +1,4 @@
-"""A whole update of fast-ppo against PyTorch: loss, gradient, norm and Adam, step after step."""
+"""A whole update of fast-ppo against PyTorch: loss, gradient, norm and Adam, step by step."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TOTAL = 100_000
 
 @dataclass
 class Step:
-    """What slices were told before a gradient step."""
+    """Arguments that slices received before a gradient step."""
 
     policy: np.ndarray
     value: np.ndarray
@@ -35,7 +35,7 @@ class Step:
 
 
 class Watched:
-    """All slices in this process; keeps what they are told, and what they learn from."""
+    """All slices in this process; records their arguments and training data."""
 
     def __init__(self, compiled: CompiledScenario, hyper: Any) -> None:
         self.held = PpoSlices(compiled, vars(hyper), 1, TOTAL, 0, 8)
@@ -125,7 +125,7 @@ class Oracle:
         return self.hyper.value_weight * errors.square().mean()
 
     def check(self, step: Step) -> None:
-        """Float parameters that took some dozen steps of 1e-3 each differ by their rounding."""
+        """Float parameters after some dozen steps of 1e-3 each differ by round-off."""
         at = self.count(self.natives[0])
         for native, ours, theirs in (
             (self.natives[0], step.policy[:at], self.policy),
@@ -149,7 +149,8 @@ class Oracle:
 )
 def test_an_update_is_that_of_pytorch(settings: list[str]) -> None:
     compiled = CompiledScenario("hover_learn", ["stepping.horizon=30"])
-    # The learning rate stays, and the noise is learned freely: nothing moves between the steps.
+    # Constant learning rate and a learned noise without a schedule: no hyper-parameter changes
+    # between the steps.
     common = ["envs=20", "rollout_steps=16", "minibatch=64", "hidden=24,16"]
     common += ["final_learning_rate=1", "final_log_std=0", "normalize_rewards=true"]
     hyper = with_settings(preset("hover_learn", "fast-ppo").hyper, [*common, *settings])

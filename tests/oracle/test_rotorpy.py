@@ -1,7 +1,7 @@
-"""Accelerations in moving air against RotorPy's own, with its Crazyflie and its Hummingbird.
+"""Accelerations in moving air against RotorPy's, for its Crazyflie and its Hummingbird.
 
-How its vehicles are written as models of ours: experiments/rotorpy_vehicle.py. Rotors reach their
-command within a step.
+experiments/rotorpy_vehicle.py converts its vehicles into Skybody models. Rotors reach their command
+within a step.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def vehicles_of_rotorpy() -> ModuleType:
-    """What experiments share."""
+    """The modules shared by the experiments."""
     sys.path.insert(0, str(ROOT / "experiments"))
     try:
         return importlib.import_module("rotorpy_vehicle")
@@ -66,7 +66,7 @@ def direction(random: np.random.Generator) -> Reals:
 
 
 class Ours:
-    """The vehicle here."""
+    """The vehicle in Skybody."""
 
     def __init__(self, folder: Path, k: Constants) -> None:
         self.sim = Simulation(str(vehicles.write_scenario(folder, k, lag=0.0)))
@@ -76,7 +76,7 @@ class Ours:
         self.wind = paths
 
     def accelerations(self, at: Flight) -> Reals:
-        """One step brings rotors to their speeds and holds the wind; then the base is put there."""
+        """One step sets rotor speeds and holds the wind; then the base is teleported."""
         for path, value in zip(self.wind, at.wind, strict=True):
             self.sim.set_param(path, value)
         self.sim.command(at.speeds)
@@ -100,8 +100,8 @@ def by_rotorpy(vehicle: Any, at: Flight) -> Reals:
     return np.concatenate([found["vdot"], found["wdot"]])
 
 
-# RotorPy's files leave flapping out, and of the Crazyflie translational lift and parasitic drag:
-# the last case has all terms and an inertia that is not diagonal.
+# RotorPy's files omit flapping, and for the Crazyflie also translational lift and parasitic drag.
+# The last case has all terms and an inertia that is not diagonal.
 EVERYTHING = {
     "k_flap": 2e-5,
     "k_h": 3e-3,
@@ -127,5 +127,6 @@ def test_accelerations_are_rotorpys(tmp_path: Path, name: str, changes: Constant
     for _ in range(STATES):
         at = Flight.draw(random, k)
         worst = max(worst, float(np.abs(ours.accelerations(at) - by_rotorpy(vehicle, at)).max()))
-    # Both round differently, and accelerations are up to 1e3 rad/s^2: the worst is 2.5e-12.
+    # Both round differently, and accelerations reach 1e3 rad/s^2: the largest difference is
+    # 2.5e-12.
     assert worst < 1e-9

@@ -1,8 +1,9 @@
-"""Contacts of drawn pairs of shapes against MuJoCo's signed distances, in shallow overlap.
+"""Contacts of random pairs of shapes against MuJoCo's signed distances, in shallow overlap.
 
-Compared is the deepest contact, where it is well defined: the overlap is far from the next feature
-of either shape, so that there is one shortest way apart. A cylinder is turned about its axis until
-one of its eight rim points is the deepest one: between them docs/contact.md promises less.
+The test compares the deepest contact where it is well defined: the overlap is far from the next
+feature of either shape, so the shortest way apart is unique. A cylinder is turned about its axis
+until one of its eight rim points is the deepest one; between rim points docs/contact.md promises
+less.
 """
 
 from __future__ import annotations
@@ -16,14 +17,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shape_pairs import KINDS, Mujoco, Pair, Solid, Touch, draw
 
-SIZES, POSES = 6, 25  # drawn sizes of each ordered pair of shapes; poses of each
-# MuJoCo's EPA stops at 1e-6 m, and on curved surfaces ends on a facet that is up to a degree off. A
-# rim point that is turned half a degree aside for that is 0.2 m (1 - cos 0.5 deg) = 8 um higher.
+SIZES, POSES = 6, 25  # random sizes of each ordered pair of shapes; poses of each
+# MuJoCo's EPA stops at 1e-6 m, and on curved surfaces ends on a facet that is off by up to a
+# degree. A rim point turned aside by half a degree for that is 0.2 m (1 - cos 0.5 deg) = 8 um
+# higher.
 DEPTH, SHARE, ANGLE = 1e-5, 0.02, math.radians(1.5)
-# What two shapes share is wider than deep: the deepest place lies anywhere in it.
+# The overlap of two shapes is wider than deep; the deepest point may lie anywhere in it.
 WIDTH = 8.0  # in depths
 MARGIN = 5.0  # from the next feature, in depths
-# Two rims: no place of ours is there. Two sides near an end: the end has less (docs/contact.md).
+# Lower limit of the compared share. Between two rims Skybody has no contact point. Two sides near
+# an end are not compared, because the end has less depth (docs/contact.md).
 LEAST_COMPARED = {("cylinder", "cylinder"): 0.25}
 
 
@@ -33,7 +36,7 @@ def mujoco() -> Mujoco:
 
 
 def margin(solid: Solid, feature: str, point: np.ndarray) -> float:
-    """How far a point of a feature is from where the next feature begins [m]."""
+    """Distance of a point of a feature from the next feature [m]."""
     p = np.abs(solid.rotation.inv().apply(point - solid.position))
     if solid.kind == "box":
         ways = np.sort(np.abs(0.5 * solid.size - p))
@@ -46,7 +49,7 @@ def margin(solid: Solid, feature: str, point: np.ndarray) -> float:
 
 
 def turned_to(solid: Solid, normal: np.ndarray) -> Solid:
-    """A cylinder, turned about its axis until its x axis looks along a direction."""
+    """A cylinder, rotated about its axis until its x axis faces a direction."""
     if solid.kind != "cylinder":
         return solid
     n = solid.rotation.inv().apply(normal)
@@ -55,7 +58,9 @@ def turned_to(solid: Solid, normal: np.ndarray) -> Solid:
 
 
 def ends_are_apart(first: Solid, second: Solid) -> bool:
-    """Whether the ends of the first's axis are farther from the second's axis than both radii."""
+    """Tests if the ends of the first's axis are farther from the second's axis than the sum of both
+    radii.
+    """
     axis = second.rotation.apply([0.0, 0.0, 1.0])
     for side in (-0.5, 0.5):
         end = first.position + first.rotation.apply([0.0, 0.0, side * first.size[1]])
@@ -72,7 +77,7 @@ def is_well_defined(first: Solid, second: Solid, exact: Touch) -> bool:
     if least < MARGIN * exact.depth:
         return False
     kinds = {feature for _, feature in pairs}
-    if "cylinder" in (first.kind, second.kind) and kinds == {"side"}:  # they cross as rods do
+    if "cylinder" in (first.kind, second.kind) and kinds == {"side"}:  # they cross like rods
         return ends_are_apart(first, second)
     if first.kind == second.kind == "cylinder":
         return kinds != {"rim"}
@@ -87,12 +92,12 @@ def expect_agreement(
     depth = deepest.depth
     shares = features == {"edge", "side"} or (features == {"side"} and "capsule" in kinds)
     if shares:
-        # An edge or a side leaves its ends what they are in: together they are as deep.
+        # The ends of an edge or a side have contacts of their own; the sum of the depths counts.
         deepest = min(found, key=lambda touch: float(np.linalg.norm(touch.point - exact.point)))
         depth = sum(touch.depth for touch in found)
         if "capsule" in kinds and kinds != {"capsule"}:
-            # A cap there is a place of its own, as deep as all of it, and so is a corner in the
-            # capsule (docs/contact.md).
+            # There a cap has its own contact, as deep as the whole overlap, and so has a corner in
+            # the capsule (docs/contact.md).
             depth = min(deepest.depth, depth, key=lambda d: abs(d - exact.depth))
     assert depth == pytest.approx(exact.depth, rel=SHARE, abs=DEPTH), words
     angle = math.acos(min(1.0, float(deepest.normal @ exact.normal)))
@@ -134,14 +139,14 @@ def test_the_deepest_contact_is_mujocos(
 
 @pytest.mark.parametrize("kind", ["box", "cylinder"])
 def test_crossed_rods_touch_where_they_cross(mujoco: Mujoco, tmp_path: Path, kind: str) -> None:
-    """Rods of 1 m and 2 cm, edge on edge or side on side, at any angle between them."""
+    """Rods of 1 m and 2 cm, edge on edge or side on side, crossing at any angle."""
     size = np.array([0.02, 0.02, 1.0]) if kind == "box" else np.array([0.01, 1.0])
     random = np.random.default_rng(5)
     lying = Rotation.from_euler("x", 90.0, degrees=True)
     pair = Pair(tmp_path, draw(random, kind, size), draw(random, kind, size), False)
     for _ in range(40):
         crossing = Rotation.from_euler("z", random.uniform(20.0, 160.0), degrees=True)
-        edge = Rotation.from_euler("z", 45.0, degrees=True)  # an edge up, one down
+        edge = Rotation.from_euler("z", 45.0, degrees=True)  # one edge up, one edge down
         tilt = Rotation.from_rotvec(random.normal(0.0, 0.05, 3))
         first = Solid(kind, size, np.zeros(3), tilt * crossing * lying * edge)
         second = Solid(kind, size, random.uniform(-0.2, 0.2, 3) * [1, 1, 0], lying * edge)

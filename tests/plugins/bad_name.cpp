@@ -1,4 +1,4 @@
-// Has a name that no scenario could write.
+// Has a name that no scenario can contain.
 #include "tests/plugins/broken.h"
 
 SKYBODY_BROKEN_PLUGIN("Bad-Name", );

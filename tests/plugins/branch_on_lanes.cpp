@@ -1,4 +1,5 @@
-// Does not compile, and says why: a plain `if` in lane code (ctest branch_on_lanes_is_refused).
+// Does not compile, with a clear message: a plain `if` in lane code (ctest
+// branch_on_lanes_is_refused).
 #include <skybody/plugin.h>
 
 namespace {

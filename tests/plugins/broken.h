@@ -1,5 +1,4 @@
-// A sound plugin library with one thing changed: what the libraries that must be refused are made
-// of.
+// A valid plugin library with one change. The libraries that must be refused are built from it.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -8,7 +7,7 @@
 
 namespace {
 
-/// The least that a controller needs.
+/// The smallest valid controller.
 class Idle : public skybody::Controller {
  public:
   void configure(const skybody::Setup&) override {}

@@ -1,12 +1,12 @@
-// A stateful sensor with a buffer, noise, and a helper that must be inlined: height, `delay` calls
-// late.
+// A stateful sensor with a buffer, noise, and a helper that must be inlined. Output: the height
+// `delay` calls earlier.
 #include <skybody/plugin.h>
 
 namespace {
 
 using namespace skybody;
 
-/// A helper outside the class, large enough that g++ would rather call it.
+/// A helper outside the class, so large that g++ would rather call than inline it.
 template <class Real>
 Real curve(const Real& x, const Vec3<Real>& v) {
   Real sum = x;

@@ -1,4 +1,4 @@
-// Ends the process, as if all were well, as soon as it is loaded.
+// Ends the process with status 0 as soon as it is loaded.
 #include <stdlib.h>
 
 #include "tests/plugins/broken.h"

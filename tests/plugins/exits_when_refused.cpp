@@ -1,4 +1,4 @@
-// Is refused for its API version, and ends the process when it is unloaded for that.
+// Is refused for its API version, and ends the process when it is unloaded for that reason.
 #include <stdlib.h>
 
 #include "tests/plugins/broken.h"

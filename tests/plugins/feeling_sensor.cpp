@@ -1,4 +1,4 @@
-// What the base feels: all that touches it, the ground alone, and the joint of the second body.
+// Forces on the base: all contacts, the ground only, and the joint of the second body.
 #include <skybody/plugin.h>
 
 namespace skybody {

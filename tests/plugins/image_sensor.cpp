@@ -1,5 +1,5 @@
-// A sensor of images: grey levels, depths and ranges that follow from height and physics step, and
-// a vector between them.
+// A sensor of images: grey levels, depths and ranges computed from height and physics step, and a
+// vector between them.
 #include <skybody/plugin.h>
 
 #include <cmath>
@@ -19,7 +19,8 @@ class ImageSensor : public Sensor {
     setup.period(static_cast<int>(period_.value()));
     grey_ = setup.image<std::uint8_t>("grey", {36, 40, 1}, robot);
     setup.channel("height", "m", 1, -kInfinity, kInfinity, robot);
-    depth_ = setup.image<std::uint16_t>("depth", {3, 5}, robot);  // 30 bytes: the next has a gap
+    depth_ = setup.image<std::uint16_t>("depth", {3, 5},
+                                        robot);  // 30 bytes: padding precedes the next image
     range_ = setup.image<float>("range", {2, 2}, robot, 0.0, 100.0);
   }
 

@@ -1,4 +1,4 @@
-// A lane controller with state, parameters (one randomizable) and a reset: what an author writes.
+// A lane controller with state, parameters (one randomizable) and a reset: a typical plugin source.
 #include <skybody/plugin.h>
 
 namespace {

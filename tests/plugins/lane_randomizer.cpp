@@ -1,4 +1,4 @@
-// Draws a parameter and a start; counts resets in a state that survives them.
+// Draws a parameter and an initial state; counts resets in a state that persists across them.
 #include <skybody/plugin.h>
 
 namespace {

@@ -1,4 +1,4 @@
-// Hovering at a drawn height: observation, reward, both kinds of ends, its own scaling, a goal.
+// Hovering at a random height: observation, reward, both kinds of ends, its own scaling, a goal.
 #include <skybody/plugin.h>
 
 namespace {

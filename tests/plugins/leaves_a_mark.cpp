@@ -1,5 +1,5 @@
-// A sound plugin that makes the file that SKYBODY_TEST_MARK names as soon as it is loaded: the test
-// sees whether it was.
+// A valid plugin that creates the file named by SKYBODY_TEST_MARK when it is loaded, so that a test
+// can detect whether it was loaded.
 #include <skybody/plugin.h>
 
 #include <cstdio>

@@ -1,4 +1,5 @@
-// A shared library that is no plugin. It must not be run to find out: it would abort.
+// A shared library that is not a plugin. It must be rejected without running its code, which
+// aborts.
 #include <cstdlib>
 
 namespace {

@@ -1,5 +1,6 @@
-# Writes a plugin project for each kind, builds and tests it against the build tree as its README says, then flies one
-# scenario with all four. cmake -D SKYBODY=program -D SKYBODY_DIR=build tree -D FOLDER=where -P this file
+# Writes a plugin project for each kind, builds and tests it against the build tree by its README's
+# steps, then flies one scenario with all four. cmake -D SKYBODY=program -D SKYBODY_DIR=build tree
+# -D FOLDER=where -P this file
 function(run folder)
   execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${folder}" RESULT_VARIABLE result
     OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -15,8 +16,9 @@ set(path "")
 foreach(kind controller sensor effect randomizer task)
   set(project "${FOLDER}/my_${kind}")
   run("${FOLDER}" "${SKYBODY}" new ${kind} my_${kind})
+  # -O1 compiles faster than the default and gives the same bits.
   run("${project}" "${CMAKE_COMMAND}" -B build "-DSkybody_DIR=${SKYBODY_DIR}"
-    -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG")  # compiled sooner than by default, the same bits
+    -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG")
   run("${project}" "${CMAKE_COMMAND}" --build build)
   run("${project}" "${CMAKE_CTEST_COMMAND}" --test-dir build --output-on-failure --no-tests=error)
   string(APPEND path "${project}/build/plugins:")
@@ -51,7 +53,8 @@ if(NOT first STREQUAL output)
   message(FATAL_ERROR "two hashes: ${first} and ${output}")
 endif()
 
-# A library of another name than its plugin's is found by the list beside it, which goes with the option.
+# A library whose name differs from its plugin's is found through the list file beside it. Without
+# the option PLUGINS the list file disappears.
 set(project "${FOLDER}/my_controller")
 set(library "${project}/build/plugins/laws.so")
 file(READ "${project}/CMakeLists.txt" original)

@@ -1,4 +1,4 @@
-// Does not compile, and says why: control() is not const.
+// Does not compile, with a clear message: control() is not const.
 #include <skybody/plugin.h>
 
 namespace {

@@ -1,11 +1,11 @@
-// Uses up the stack in configure().
+// Overflows the stack in configure().
 #include <skybody/plugin.h>
 
 namespace {
 
 using namespace skybody;
 
-/// Never ends: `depth` does not reach what no count reaches.
+/// Unbounded recursion: `depth` never reaches the limit.
 int fill_stack(volatile int* depth) {
   volatile int page[1024] = {};
   page[0] = *depth + 1;

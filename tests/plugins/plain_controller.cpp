@@ -1,4 +1,4 @@
-// The controller of lane_controller.cpp for plain double, with a plain `if`: runs lane after lane.
+// The controller of lane_controller.cpp for plain double, with a plain `if`; it runs lane by lane.
 #include <skybody/plugin.h>
 
 namespace {

@@ -1,4 +1,4 @@
-// Does not compile, and says why: a State with something that is no 64-bit word.
+// Does not compile, with a clear message: a State member is not a 64-bit word.
 #include <skybody/plugin.h>
 
 namespace {

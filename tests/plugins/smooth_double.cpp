@@ -1,4 +1,4 @@
-// Does not compile, and says why: a smooth controller whose step method is written for double.
+// Does not compile, with a clear message: a smooth controller whose step method takes double.
 #include <skybody/plugin.h>
 
 namespace {

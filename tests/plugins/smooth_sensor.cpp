@@ -1,4 +1,4 @@
-// Does not compile, and says why: sensors have no functions on dual numbers.
+// Does not compile, with a clear message: sensors have no functions on dual numbers.
 #include <skybody/plugin.h>
 
 namespace {

@@ -1,5 +1,5 @@
-// Passes a trajectory on, whose value `value` is no number in one environment from a step on: for
-// tests of what laws make of it.
+// Passes a trajectory on, but from a given step sets its value `value` to NaN in one environment.
+// Tests the response of control laws.
 #include <skybody/plugin.h>
 
 namespace {

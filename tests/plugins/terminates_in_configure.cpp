@@ -1,4 +1,4 @@
-// Sends itself SIGTERM, as a user would, in configure().
+// Sends itself SIGTERM, as a user could, in configure().
 #include <signal.h>
 #include <skybody/plugin.h>
 #include <unistd.h>

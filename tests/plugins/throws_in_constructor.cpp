@@ -1,4 +1,4 @@
-// Throws before it can describe itself, while the library is being loaded.
+// Throws in its constructor, while the library is being loaded.
 #include <skybody/plugin.h>
 
 #include <stdexcept>

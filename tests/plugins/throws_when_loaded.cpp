@@ -1,4 +1,4 @@
-// Lets an exception out of its start-up code.
+// Throws an exception from its start-up code.
 #include <stdexcept>
 
 #include "tests/plugins/broken.h"

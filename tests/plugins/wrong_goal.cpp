@@ -1,4 +1,4 @@
-// Does not compile, and says why: goal() is not const.
+// Does not compile, with a clear message: goal() is not const.
 #include <skybody/plugin.h>
 
 namespace {

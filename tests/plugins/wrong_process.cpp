@@ -1,4 +1,4 @@
-// Does not compile, and says why: process() is written for double, evaluate() for any Real.
+// Does not compile, with a clear message: process() takes double, evaluate() takes any Real.
 #include <skybody/plugin.h>
 
 namespace {

@@ -1,4 +1,4 @@
-// Does not compile, and says why: reset() lacks the state.
+// Does not compile, with a clear message: reset() lacks the state.
 #include <skybody/plugin.h>
 
 namespace {

@@ -1,4 +1,4 @@
-// Was compiled when SkybodyLanes had two pointers fewer.
+// Was compiled when SkybodyLanes had two fewer pointers.
 #include "tests/plugins/broken.h"
 
 SKYBODY_BROKEN_PLUGIN("wrong_size", library.lanes_size -= 16);

@@ -1,4 +1,4 @@
-// Says that it was built for plugin API 8.
+// Declares that it was built for plugin API 8.
 #include "tests/plugins/broken.h"
 
 SKYBODY_BROKEN_PLUGIN("wrong_version", library.abi_version = 8);

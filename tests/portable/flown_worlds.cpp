@@ -17,7 +17,7 @@ std::unique_ptr<const World> new_world(Scenario scenario,
   return std::unique_ptr<const World>(new World(make_world(std::move(scenario), prepare)));
 }
 
-/// Any tree, and now and then two wrenches on its base.
+/// Any tree, sometimes with two wrenches on its base.
 std::unique_ptr<const World> make_tree_world(Random<double>& random, int k) {
   return new_world(make_scenario(busy(random_tree(random), random), integrator_of(k)),
                    [k](WorldPlan& plan) {
@@ -26,7 +26,7 @@ std::unique_ptr<const World> make_tree_world(Random<double>& random, int k) {
                    });
 }
 
-/// Trees and free robots under what effects hold: everything, or one input alone.
+/// Trees and free robots with held effect inputs: all of them, or a single one.
 std::unique_ptr<const World> make_held_world(Random<double>& random, int k) {
   const RobotModel model = k % 2 == 0 ? make_vehicle(qdrone2()) : random_tree(random);
   return new_world(make_scenario(busy(model, random), integrator_of(k)), [k](WorldPlan& plan) {
@@ -44,7 +44,7 @@ std::unique_ptr<const World> make_joint_drive_world(Random<double>& random, int 
   return std::make_unique<const World>(topology, std::move(plan));
 }
 
-/// The free base of a tree moves as it is told.
+/// The free base of a tree moves by commanded motion.
 std::unique_ptr<const World> make_base_drive_world(Random<double>& random, int k) {
   RobotModel model = random_tree(random);
   Joint& joint = model.bodies[0].joint;
@@ -56,14 +56,14 @@ std::unique_ptr<const World> make_base_drive_world(Random<double>& random, int k
                    });
 }
 
-/// One free body with four or six level rotors, which have code of their own.
+/// One free body with four or six level rotors, which have separate code.
 std::unique_ptr<const World> make_level_world(Random<double>&, int k) {
   const VehicleData vehicles[] = {qdrone2(), crazyflie(), hummingbird(), firefly()};
   return new_world(make_scenario(make_vehicle(vehicles[k % 4]), integrator_of(k)));
 }
 
-/// One free body with rotors of any kind on top of the level ones; every second one is flat, with a
-/// moment of inertia a rounding above the sum of the others, which checked_mass.h corrects.
+/// One free body with rotors of any kind added to the level ones. Every second body is flat: one
+/// moment of inertia exceeds the sum of the other two by round-off, which checked_mass.h corrects.
 std::unique_ptr<const World> make_free_world(Random<double>& random, int k) {
   RobotModel model = make_vehicle(qdrone2());
   if (k % 2 == 1) {
@@ -73,11 +73,11 @@ std::unique_ptr<const World> make_free_world(Random<double>& random, int k) {
   return new_world(make_scenario(busy(std::move(model), random), integrator_of(k)));
 }
 
-/// Between robots [m]: none comes near another one.
+/// Distance between robots [m]: no robot comes near another.
 constexpr double kFarApart = 1000.0;
 
-/// Two or three robots, now and then with an obstacle: free robots on the ground, or a tree among
-/// them and no ground, on which its joints could fly to pieces.
+/// Two or three robots, sometimes with an obstacle: free robots on the ground, or a tree among them
+/// without ground, because contact with it could break its joints.
 std::unique_ptr<const World> make_several_world(Random<double>& random, int k) {
   Scenario scenario = several(random, integrator_of(k));
   if (k % 2 == 0) scenario.robots[0].model = make_vehicle(firefly());
@@ -86,7 +86,7 @@ std::unique_ptr<const World> make_several_world(Random<double>& random, int k) {
   return new_world(std::move(scenario));
 }
 
-/// Targets of drives, a little aside of where the bases are, and velocities.
+/// Targets of drives, slightly away from the bases' positions, and velocities.
 void draw_drives(Random<double>& random, const World& world, LaneState& state) {
   double* drive = state.drive.data();
   for (std::size_t r = 0; r < world.drives.size(); ++r) {

@@ -1,4 +1,4 @@
-// The random worlds that tree_flights flies: each part of the tree engine is in some of them.
+// The random worlds that tree_flights flies; together they cover every part of the tree engine.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace skybody::test {
 
-/// A world, and the values that the lanes of a group begin with.
+/// A world, and the initial values of a group's lanes.
 struct FlownWorld {
   std::string name;
   std::unique_ptr<const World> world;

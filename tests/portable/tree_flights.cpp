@@ -1,11 +1,12 @@
-// Flies random worlds on the tree engine and says which bits come out. The same must come out on
-// every instruction set and processor: tests/golden/trees.txt pins them.
+// Flies random worlds on the tree engine and prints a hash of the result. Every instruction set and
+// processor must give the same bits; tests/golden/trees.txt pins them.
 //
-//   tree_flights                 one line a world: its name, a hash of the motion of all lanes
+//   tree_flights                 one line per world: its name, a hash of the motion of all lanes
 //   tree_flights --compare FILE  compares these lines with the file's, on every instruction set
 //
-// SKYBODY_ISA restricts the second to one set; the first takes that one, or the highest. Each world
-// is flown in packs and lane by lane. Exit status 0: as pinned, 1: some moved, 2: anything else.
+// SKYBODY_ISA restricts the second command to one set; the first command uses that set, or the
+// highest. Each world is flown in packs and lane by lane. Exit status 0: as pinned, 1: some hashes
+// differ, 2: any other error.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -28,7 +29,8 @@ constexpr int kSteps = 20;
 
 void add(HashChain& chain, double value) { chain.update(canonical_nan(bit_cast_word(value))); }
 
-// What a step changes (kStateBlocks) and the bodies, lane by lane: the same words in both forms.
+// Adds the state that a step changes (kStateBlocks) and the bodies, lane by lane: the same words in
+// both forms.
 void add_lanes(HashChain& chain, PackGroup& packs) {
   const auto add_lane = [&](const AlignedArray<double>& values, int lane) {
     for (auto k = static_cast<std::size_t>(lane); k < values.size(); k += kGroupLanes) {
@@ -51,7 +53,7 @@ void add_lanes(HashChain& chain, Alone& alone) {
 }
 
 /// @param group  PackGroup, or Alone
-/// @returns a hash over all steps; now and then only some lanes step
+/// @returns a hash over all steps; in some steps only a part of the lanes steps
 template <class Group>
 std::string fly(Group& group, const FlownWorld& flown) {
   for (int lane = 0; lane < kGroupLanes; ++lane) {
@@ -62,7 +64,7 @@ std::string fly(Group& group, const FlownWorld& flown) {
   std::uint32_t lanes = kAllLanes;
   for (int step = 0; step < kSteps; ++step) {
     const std::uint32_t some = step % 5 == 4 ? lanes & kSomeLanes : lanes;
-    lanes &= ~(some & ~group.advance(some));  // those that failed stay as they are
+    lanes &= ~(some & ~group.advance(some));  // failed lanes keep their state
     chain.update(lanes);
     add_lanes(chain, group);
   }
@@ -103,7 +105,7 @@ std::map<std::string, std::string> read_pinned(const std::string& file) {
   return pinned;
 }
 
-/// @returns whether everything is as pinned; prints what is not
+/// @returns true if every hash is as pinned; prints the differences
 bool compare(Isa isa, std::map<std::string, std::string> pinned) {
   setenv("SKYBODY_ISA", name(isa), 1);
   int moved = 0, flown = 0;
@@ -125,7 +127,7 @@ bool compare(Isa isa, std::map<std::string, std::string> pinned) {
   return moved == 0;
 }
 
-/// On the set that SKYBODY_ISA names, or on all that the machine has.
+/// Compares on the set that SKYBODY_ISA names, or on all sets that the machine has.
 bool compare_all(const std::string& file) {
   const auto pinned = read_pinned(file);
   const char* wanted = std::getenv("SKYBODY_ISA");

@@ -1,4 +1,4 @@
-// Stands in for Simbody and SUNDIALS where the tree engine is compiled without them.
+// Replaces Simbody and SUNDIALS where the tree engine is compiled without them.
 #include "core/base/error.h"
 #include "core/physics/simbody/dynamics.h"
 #include "core/physics/step/integrator.h"

@@ -1,4 +1,4 @@
-"""What the tests of the native module share."""
+"""Fixtures and helpers shared by the tests of the native module."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from skybody._native import CompiledScenario, Pool
 
 Finished = subprocess.CompletedProcess[str]
 
-# A background job starts with Ctrl-C switched off; tests of it want it.
+# A background job starts with SIGINT ignored; tests of Ctrl-C need the default handler.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
 def hover() -> CompiledScenario:
-    """Hover, shared: an environment never changes."""
+    """Compiled hover, shared by tests: a compiled scenario is immutable."""
     return CompiledScenario("hover")
 
 
@@ -42,7 +42,7 @@ def python() -> Callable[[str], Finished]:
 
 
 def begin(pool: Pool) -> NDArray[np.float32]:
-    """Resets all environments of a pool that waits for all; gives an action row for each."""
+    """Resets all environments of a pool that waits for all; returns one action row for each."""
     pool.send_reset()
     pool.recv()
     return np.zeros((pool.num_envs, pool.compiled.action_size), np.float32)

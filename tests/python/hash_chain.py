@@ -1,4 +1,4 @@
-"""The hash of policy.h5 and of replays, as docs/policies.md and docs/replay.md describe it."""
+"""The hash of policy.h5 and of replays, as described in docs/policies.md and docs/replay.md."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def hash_of(content: bytes) -> int:
 
 
 def rehash(path: Path) -> None:
-    """Gives a recording the hashes of what it holds now, as somebody who means harm can."""
+    """Updates a recording's hashes to match its content, as an attacker can."""
     with h5py.File(path, "r+") as file:
         chain = header_chain(file)
         rows = [0] * len(COLUMNS)
@@ -59,7 +59,7 @@ def rehash(path: Path) -> None:
 
 
 def header_chain(file: h5py.File) -> Chain:
-    """Over all that a recording's header says."""
+    """Hash over all fields of a recording's header."""
     texts = ("skybody_version", "scenario", "scenario_file", "scenario_text", "autoreset")
     chain = Chain().add(hash_of(bytes(file.attrs[name])) for name in texts)
     chain.add([int(file.attrs["scenario_hash"], 16)])

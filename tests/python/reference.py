@@ -1,4 +1,4 @@
-"""What the environments must do, written out by hand over `Simulation`, one world at a time."""
+"""Expected behaviour of environments, written by hand over `Simulation`, one world at a time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STEPS = 120
 
 
 def short_hover(*more: str) -> CompiledScenario:
-    """Hover with episodes of at most 40 steps, of which many end earlier, by tilting."""
+    """Hover with episodes of at most 40 steps, many of which end earlier, by tilting."""
     overrides = [
         "stepping.action_repeat=10",
         "stepping.horizon=40",
@@ -24,7 +24,7 @@ def short_hover(*more: str) -> CompiledScenario:
 
 
 def actions(step: int, num_envs: int, size: int = 4) -> NDArray[np.float32]:
-    """About hover thrust; a function of step and environment alone. The odd ones tilt soon."""
+    """Actions about hover thrust; they depend on step and environment only. Odd ones tilt soon."""
     env, k = np.mgrid[0:num_envs, 0:size]
     steady = 0.21 + 0.03 * (env % 2) * ((k % 2) * 2 - 1) * (k < 2)
     return (steady + 0.01 * np.sin(0.7 * step + env + 2 * k)).astype(np.float32)
@@ -32,7 +32,7 @@ def actions(step: int, num_envs: int, size: int = 4) -> NDArray[np.float32]:
 
 @dataclass
 class Row:
-    """One transition, and the reset after it where the episode ended."""
+    """One transition, and the reset after it if the episode ended."""
 
     observation: NDArray[np.float32]
     reward: float

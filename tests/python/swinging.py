@@ -1,4 +1,4 @@
-"""For oracles of tasks about a vehicle and a bob: quaternions, wild starts, flights to compare."""
+"""Helpers for oracles of tasks with a vehicle and a bob: quaternions, wild starts, test flights."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import skybody
 
 Reals = npt.NDArray[np.float64]
 ENVS = 100
-STEPS = 101  # and as many resets as episodes end: more than 10^4 states
+STEPS = 101  # and as many resets as episode ends: more than 10^4 states
 # Observations are float32 (6e-8 of a value) of sums of terms up to about 10.
 TOLERANCE: dict[str, Any] = {"rtol": 1e-6, "atol": 2e-6}
 
 
 def rotate(q: Reals, v: Reals) -> Reals:
-    """v by the rotation matrix of q (w x y z), row by row."""
+    """Rotates v by the rotation matrix of q (w x y z), row by row."""
     w, x, y, z = q.T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -40,7 +40,7 @@ def yaw(q: Reals) -> Reals:
 
 
 def count_equal(expected: dict[str, Reals], seen: dict[str, Any], mask: Any) -> int:
-    """Compares an observation's parts where `mask` holds; how many environments that are."""
+    """Compares an observation's parts where `mask` holds; returns the number of environments."""
     assert set(seen) == set(expected)
     for name, values in expected.items():
         got = np.asarray(seen[name]).reshape(len(mask), -1)
@@ -70,10 +70,11 @@ def fly(
     at_reset: Callable[[Any, Observed, dict[str, Any], npt.NDArray[np.bool_]], None],
     at_step: Callable[..., None],
 ) -> dict[str, int]:
-    """Random episodes; calls back with (envs, observation, infos, mask) after resets and with
-    (envs, observation, infos, action, reward, terminated) after steps.
+    """Flies random episodes and calls back.
 
-    Returns how often each info of a failure, and success, was 1.
+    Arguments of the callback: (envs, observation, infos, mask) after resets, and (envs,
+    observation, infos, action, reward, terminated) after steps. Returns how often each failure
+    info, and success, was 1.
     """
     options = {"overrides": list(overrides), "dict_observations": True, "autoreset": "disabled"}
     envs = skybody.make_vec(scenario, ENVS, seed=3, num_threads=1, **options)

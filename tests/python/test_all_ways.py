@@ -1,4 +1,4 @@
-"""Vehicles whose rotors do not all push upwards: in all directions, backwards, on a servo."""
+"""Vehicles with rotors that do not all push upwards: in all directions, reversed, on a servo."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ def test_full_pose_flies_reversible_rotors_to_any_attitude(tmp_path: Path) -> No
     sim.command([0.5, -0.4, 2.2, np.cos(roll / 2), np.sin(roll / 2), 0, 0])
     assert sim.advance(10_000)
     base = sim.base("cube")
-    # Nothing disturbs it: what is left of the step after 20 time constants.
+    # There is no disturbance: only the residual after 20 time constants remains.
     np.testing.assert_allclose(base.position, [0.5, -0.4, 2.2], atol=1e-4)
     np.testing.assert_allclose(
         np.abs(base.rotation), [np.cos(roll / 2), np.sin(roll / 2), 0, 0], atol=1e-4
     )
-    assert np.min(sim.rotor_speeds) < -100.0  # some turn backwards
+    assert np.min(sim.rotor_speeds) < -100.0  # some turn in reverse
 
 
 def test_rotors_that_turn_one_way_are_refused_where_they_would_have_to_pull(
@@ -107,7 +107,7 @@ def test_a_tricopter_hovers_and_turns() -> None:
 
 
 def hinged(folder: Path, chain: str) -> Path:
-    """Four rotors, each on a hinge that is rolled by 60 degrees, with upright axes all the same."""
+    """Four rotors, each on a hinge rolled by 60 degrees; the rotor axes are upright anyway."""
     roll = np.pi / 3
     links, rotors = "", []
     for i, (x, y) in enumerate([(0.2, 0.2), (0.2, -0.2), (-0.2, 0.2), (-0.2, -0.2)]):

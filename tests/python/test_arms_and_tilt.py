@@ -1,4 +1,4 @@
-"""An omav moves level and holds tilted poses; an arm brings its gripper to a place under indi."""
+"""An omav moves level and holds tilted poses; an arm moves its gripper to a position under indi."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def omav() -> Simulation:
 
 
 def tilt(sim: Simulation) -> float:
-    """Of the base [rad]."""
+    """Tilt of the base [rad]."""
     _, x, y, _ = sim.base().rotation
     return math.acos(min(1.0, 1.0 - 2.0 * (x * x + y * y)))
 
@@ -39,7 +39,7 @@ def test_an_omav_hovers_and_moves_without_leaning() -> None:
         steepest = max(steepest, tilt(sim))
         quickest = max(quickest, float(np.linalg.norm(sim.base().velocity)))
     assert quickest > 0.5
-    assert steepest < math.radians(2.0)  # arms and rotors lag behind what the wrench asks for
+    assert steepest < math.radians(2.0)  # arms and rotors lag behind the commanded wrench
     assert off(sim, place) < 1e-3
     angles = [sim.state(f"robots.omav.joints.{name}_tilt.position") for name in ("left", "right")]
     assert np.abs(angles).max() < 0.01
@@ -97,7 +97,7 @@ def command(sim: Simulation, place: list[float], tool: list[float]) -> None:
 
 
 def gripper(sim: Simulation) -> np.ndarray:
-    """Its place: 0.2 m below the elbow along the forearm, whose body it is part of."""
+    """Gripper position: 0.2 m below the elbow along the forearm, whose body contains it."""
     forearm = sim.body("gripper")
     w, x, y, z = forearm.rotation
     down = -np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
@@ -127,5 +127,5 @@ def test_gains_of_drawn_arms_follow_their_constants_where_the_scenario_says_so()
         command(sim, [0.0, 0.0, 2.0], [0.1, 0.0, 2.0 - 0.38])
         assert sim.advance(6000)
         places[constants] = np.linalg.norm(gripper(sim) - [0.1, 0.0, 2.0 - 0.38])
-    assert places["own"] < 1e-3  # it bears the weight that is there
+    assert places["own"] < 1e-3  # compensates the actual weight
     assert places["nominal"] > 3 * places["own"]

@@ -23,7 +23,7 @@ def test_at_first_it_is_the_mean_of_all_and_later_reaches_back_the_window() -> N
     for value in (1.0, 2.0, 6.0):
         average.add(policy(value), steps=10)
     assert weight(average) == 3.0
-    average.add(policy(7.0), steps=10)  # 1 / 4 = 10 / 40: from here on the share stays
+    average.add(policy(7.0), steps=10)  # 1 / 4 = 10 / 40: the share is constant from here on
     average.add(policy(8.0), steps=10)
     assert weight(average) == 5.0
 

@@ -29,7 +29,7 @@ WILD = [
 
 
 class Oracle:
-    """What the chase should have said of a team whose last robot is the evader."""
+    """Expected outputs of the chase for a team whose last robot is the evader."""
 
     def __init__(self, agents: tuple[str, ...]) -> None:
         self.agents = agents

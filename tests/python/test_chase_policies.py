@@ -1,4 +1,4 @@
-"""The shipped policies of forests and chases fly as well as their pages say."""
+"""The shipped policies of forests and chases fly as well as their pages state."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ def successes(scenario: str, folder: Path) -> float:
     policy = ROOT / f"scenarios/policies/{scenario}.h5"
     command += ["--policy", str(policy), "--episodes", str(EPISODES), "--out", str(folder)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    assert "warning" not in done.stderr  # it was trained in this very scenario
+    assert "warning" not in done.stderr  # it was trained in exactly this scenario
     with h5py.File(folder / "flight.h5") as log:
         episodes = list(log["episodes"].values())
         column = list(episodes[0]["info"].attrs["columns"]).index("success")
         return float(np.mean([episode["info"][-1, column] for episode in episodes]))
 
 
-# Of 100 episodes 98, 97 and 100 succeed: 50 of them less by 3 deviations of the binomial at most.
+# Of 100 episodes 98, 97 and 100 succeed; 50 episodes may fall short by 3 binomial deviations.
 @pytest.mark.parametrize(
     ("scenario", "least"),
     [("obstacles", 0.92), ("obstacles_rays", 0.88), ("chase", 0.98), ("chase_agents", 0.86)],

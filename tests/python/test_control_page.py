@@ -1,4 +1,4 @@
-"""docs/control-modes.md: its tables and its figure say what the built plugins declare."""
+"""docs/control-modes.md: its tables and its figure match the declarations of the built plugins."""
 
 from __future__ import annotations
 

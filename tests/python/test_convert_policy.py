@@ -1,4 +1,4 @@
-"""Policies of format 1, which have no checksum over all that they hold, become format 2."""
+"""Conversion of policies of format 1, which have no checksum over all content, to format 2."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skybody.train.policy_file import read_policy
 
 
 def write_old(path: Path) -> Path:
-    """A policy as Skybody wrote it before."""
+    """A policy in the format of earlier Skybody versions."""
     with h5py.File(path, "w") as file:
         file.attrs.update(
             {

@@ -1,6 +1,6 @@
-"""Observation, rewards and ends of a common load against NumPy and SciPy, over 10^4 random states.
+"""Observation, rewards and ends of a shared load against NumPy and SciPy, over 10^4 random states.
 
-The rods are taken away, so that load and robots can be anywhere and turn about any axis.
+The rods are removed, so that load and robots can have any positions and rotations.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ OVERRIDES = [
     "task.parameters.target_min=[-1, -1, 1.2]",
     *(f"task.parameters.{name}={value}" for name, value in {**LIMITS, **WEIGHTS}.items()),
 ]
-# Where the scenario places robots about the load, and the points that the rods hold.
+# The scenario's robot positions around the load, and the rods' attachment points.
 PLACES = np.array([(0.55, 0, 1.1), (-0.275, 0.476, 1.1), (-0.275, -0.476, 1.1)])
 ATTACHMENTS = np.array([(0.38, 0, 0.05), (-0.19, 0.33, 0.05), (-0.19, -0.33, 0.05)])
 
@@ -59,7 +59,7 @@ def near(x: Reals, weight: float) -> Reals:
 
 
 class Moment:
-    """Robots and load now."""
+    """Present state of robots and load."""
 
     def __init__(self, envs: Any) -> None:
         q = envs.state("bodies.rotation")
@@ -116,7 +116,7 @@ class Moment:
         }
 
     def rewards(self) -> Reals:
-        """Of each robot, (n, 3)."""
+        """For each robot, (n, 3)."""
         far = np.linalg.norm(self.load_error, axis=1)
         load = near(far**2 + self.yaw_error**2, 2.56)
         load = load + WEIGHTS["load_precision_reward"] * near(far, 5.0)

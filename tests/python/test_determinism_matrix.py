@@ -1,4 +1,4 @@
-"""The experiment on determinism, in small; and that it sees a flight that differs."""
+"""The experiment on determinism, in small; it must detect a flight that differs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A full disk: one message, exit code 2, nothing half-written; training goes on later."""
+"""A full disk: one message, exit code 2, no incomplete file; training continues later."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 # A path that a page names in backticks, as in `docs/python.md`. Only whole files of these folders.
 NAMED = re.compile(r"`((?:docs|experiments|examples|scripts|bench|scenarios)/[\w./-]+\.\w+)`")
 HEADING = re.compile(r"^#+\s+(.*)$", re.MULTILINE)
-# What scripts/update_docs.sh puts before the pages that it makes, in docs/.
+# Heads that scripts/update_docs.sh puts before the pages that it generates in docs/.
 HEAD = "_head.md"
 
 
@@ -28,19 +28,19 @@ def pages() -> list[Path]:
 
 
 def without_code(text: str) -> str:
-    """The text without fenced blocks, in which brackets are no links."""
+    """The text without fenced blocks, because brackets in them are not links."""
     return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
 
 
 def anchors(page: Path) -> set[str]:
-    """Those of its headings, as GitHub makes them."""
+    """Anchors of the page's headings, as GitHub generates them."""
     headings = HEADING.findall(without_code(page.read_text()))
     plain = [re.sub(r"[^\w\- ]", "", heading.strip().lower()) for heading in headings]
     return {heading.replace(" ", "-") for heading in plain}
 
 
 def problem(page: Path, link: str) -> str | None:
-    """Why a link of `page` leads nowhere, or None."""
+    """The reason why a link of `page` is broken, or None."""
     target, _, anchor = link.partition("#")
     file = (page.parent / target).resolve() if target else page
     if not file.exists():

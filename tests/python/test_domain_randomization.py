@@ -1,4 +1,4 @@
-"""What the domain randomization experiment compares, and how."""
+"""The domain randomization experiment: compared variants and their evaluation."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""What randomizers and requests draw, seen from outside: distributions, correlations, no drift.
+"""Distributions of draws by randomizers and requests, measured from outside: shape, correlation,
+drift.
 
-Every run is keyed, so a test gives the same figures each time: a probability of 1e-3 under the
-hypothesis is not met by chance later.
+Every run is keyed, so a test gives the same values each time: a probability of 1e-3 under the
+hypothesis cannot cause a failure in a later run.
 """
 
 from __future__ import annotations
@@ -21,13 +22,14 @@ from scipy import stats
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bin/skybody"
 ENVS, RESETS = 500, 20  # 10^4 draws
-LEAST = 1e-3  # probability of what is found
+LEAST = 1e-3  # significance level
 MASS = "robots.quad.links.base_link.mass"
 INERTIA = "robots.quad.links.base_link.inertia"
 HEIGHT = "robots.quad.start.position[2]"
 TURN = "robots.quad.start.turn[2]"
 ROTORS = "robots.quad.rotors"
-# What is drawn: the value in the schema's words, and SciPy's distribution of it over the nominal.
+# Draws: the value in the schema's terms, and SciPy's distribution of its ratio to the nominal
+# value.
 NORMAL = {"distribution": "normal", "mean": 1.0, "deviation": 0.1, "range": [0.85, 1.3]}
 DISTRIBUTIONS: dict[str, tuple[dict[str, Any], Any]] = {
     MASS: ({"range": [0.8, 1.3], "form": "scale"}, stats.uniform(0.8, 0.5)),
@@ -62,12 +64,12 @@ def made(randomizers: list[str], envs: int = ENVS, **options: Any) -> Any:
 
 
 def values(envs: Any, paths: list[str]) -> NDArray[np.float64]:
-    """(paths, environments)"""
+    """Drawn values as an array of shape (paths, environments)."""
     return np.stack([np.asarray(envs.state(path)).copy() for path in paths])
 
 
 def over_resets(envs: Any, paths: list[str], resets: int = RESETS) -> NDArray[np.float64]:
-    """(paths, draws)"""
+    """Drawn values as an array of shape (paths, draws)."""
     found = []
     for _ in range(resets):
         envs.reset()
@@ -182,7 +184,7 @@ def test_drawn_inertias_are_always_physical(way: str) -> None:
     xx, yy, zz, xy, xz, yz = found
     matrices = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
     moments = np.linalg.eigvalsh(matrices)
-    # Rounding of the eigenvalues, 1e-17 kg m^2 beside 0.03.
+    # Round-off of the eigenvalues: 1e-17 kg m^2 compared with 0.03.
     assert (moments[:, 0] + moments[:, 1] >= moments[:, 2] - 1e-15).all()
     assert (moments > 0.0).all()
     assert (redraws.max() > 0) == (way == "axis by axis")
@@ -220,7 +222,8 @@ def test_draws_in_time_are_uniform_in_their_window() -> None:
                 now = np.asarray(vector.state(MASS)).copy()
                 counts[step] += np.count_nonzero(now != before)
                 before = now
-    # Drawn before physics step k, seen after it as step k + 1: from 10 ms to 29 ms, 20 steps alike.
+    # Drawn before physics step k, visible after it as step k + 1: from 10 ms to 29 ms, 20 equally
+    # likely steps.
     assert counts.sum() == 5 * envs
     window = counts[11:31]
     assert window.sum() == 5 * envs

@@ -88,7 +88,7 @@ def test_wind_carries_a_vehicle_along(tmp_path: Path) -> None:
         sim.advance(1000)
         ways.append(sim.body("base_link").position[0])
     assert abs(ways[0]) < 1e-9
-    assert ways[1] > 0.05  # rotor drag, 5 m/s, 1.54 kg, a second
+    assert ways[1] > 0.05  # rotor drag, 5 m/s, 1.54 kg, one second
 
 
 def test_wind_is_in_state_and_hash(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_a_position_drive_holds_the_arm(tmp_path: Path) -> None:
     sim.reset()
     sim.command([16.0, 0.0, 0.0, 0.0, -0.4])
     sim.advance(1500)
-    assert shoulder(sim) == pytest.approx(-0.4, abs=0.05)  # less what gravity bends
+    assert shoulder(sim) == pytest.approx(-0.4, abs=0.05)  # minus the sag by gravity
 
 
 @pytest.mark.parametrize(
@@ -204,7 +204,7 @@ def test_a_hexacopter_with_tilted_rotors_hovers(tmp_path: Path) -> None:
     for i, line in enumerate(rotors):
         if "direction:" not in line:
             continue
-        tilt = 0.17 if count % 2 == 0 else -0.17  # 10 degrees, in turn
+        tilt = 0.17 if count % 2 == 0 else -0.17  # 10 degrees, alternating
         angle = math.pi / 6 + count * math.pi / 3
         axis = f"axis: [{-tilt * math.sin(angle)}, {tilt * math.cos(angle)}, 1], "
         rotors[i] = line.replace("direction:", axis + "direction:")

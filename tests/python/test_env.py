@@ -19,7 +19,7 @@ from skybody.registration import SCENARIOS, gymnasium_id
 @pytest.mark.filterwarnings("ignore:.*infinity. This is probably too")
 @pytest.mark.parametrize("scenario", ["hover", "payload", "formation"])
 def test_passes_gymnasiums_check(scenario: str):
-    """Positions have no bounds, so the warning about infinite ones is as it should be."""
+    """Positions have no bounds, so the warning about infinite bounds is expected."""
     with pytest.warns() as record:
         check_env(gymnasium.make(gymnasium_id(scenario)).unwrapped)
     others = [str(w.message) for w in record if "infinity" not in str(w.message)]

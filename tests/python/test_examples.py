@@ -1,4 +1,4 @@
-"""Programs in examples/ run as their first lines say; the README's steps run as they stand."""
+"""Programs in examples/ run as their first lines describe; the README's steps run unchanged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The hash of a scenario follows what is in the files that it names, not where they lie."""
+"""The hash of a scenario depends on the content of the files it names, not on their location."""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Observation, rewards and ends of a formation among obstacles against NumPy and SciPy, over 10^4
-random states."""
+"""Observation, rewards and ends of a formation among obstacles against NumPy and SciPy.
+
+Covers over 10^4 random states.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ WEIGHTS = {
     "tilt_cost": 0.3,
     "failure_reward": -6.0,
 }
-# A box that is turned, a capsule that lies, a sphere, and cylinders; one is often not there.
+# A rotated box, a lying capsule, a sphere, and cylinders; one of the cylinders is often absent.
 OBSTACLES = (
     "obstacles=[{name: box, box: [0.8, 0.4, 0.5], position: [0.2, 0.9, 1.6], rpy: [0.4, -0.3, 0.8]}"
     ", {name: capsule, capsule: [0.2, 1.1], position: [-0.9, -0.6, 1.5], rpy: [1.5, 0.2, 0]},"
@@ -52,7 +54,7 @@ def near(x: Reals, weight: float) -> Reals:
 
 
 def nearest_point(name: str, size: Reals, p: Reals) -> Reals:
-    """Of a solid about the origin, (n, 3); by projecting onto it."""
+    """Offsets of a shape centred at the origin, (n, 3); by projection onto it."""
     found = p.copy()
     if name == "box":
         return np.clip(p, -size / 2, size / 2)
@@ -77,7 +79,7 @@ def vector(envs: Any, path: str, size: int) -> Reals:
 
 
 class Moment:
-    """Robots and obstacles now."""
+    """Present state of robots and obstacles."""
 
     def __init__(self, envs: Any) -> None:
         q = envs.state("bodies.rotation")
@@ -97,7 +99,7 @@ class Moment:
         self.clear = np.nan_to_num(np.linalg.norm(self.ways, axis=-1), nan=np.inf)
 
     def ways_of(self, envs: Any, i: int) -> Reals:
-        """To every obstacle, the nearest first; nan where there is none."""
+        """Offsets to all obstacles, the nearest first; nan for absent ones."""
         ways = []
         for name in ("box", "capsule", "ball", "post", "stump"):
             place = vector(envs, f"obstacles.{name}.position", 3)
@@ -138,7 +140,7 @@ class Moment:
         return seen
 
     def own_failures(self) -> dict[str, Bools]:
-        """Of each robot, (n, 3)."""
+        """For each robot, (n, 3)."""
         away = np.linalg.norm(self.p - self.target[:, None], axis=2)
         return {
             "tilt": self.tilt > LIMITS["tilt_max"],

@@ -1,4 +1,4 @@
-"""Every shipped scenario flies as it was pinned, on each dynamics, integrator, instruction set."""
+"""Every shipped scenario matches its pinned hash on each dynamics, integrator, instruction set."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def golden(script: Path, *options: str) -> subprocess.CompletedProcess[str]:
 
 
 def copy_script(project: Path) -> Path:
-    """The script with the list that it reads, in another project; the folder of its hashes."""
+    """The script with its list in another project; returns the folder of its hashes."""
     for file in (SCRIPT, FOLDER.parents[1] / "core/base/isa_sets.h"):
         place = project / file.relative_to(FOLDER.parents[1])
         place.parent.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""Hyper-parameters: ranges that all learners share, and the page that lists them."""
+"""Hyper-parameters: ranges shared by all learners, and the page that lists them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Images of sensors in the observation: dictionaries, dtypes, what keeps them, a replay."""
+"""Images of sensors in the observation: dictionaries, dtypes, lifetimes, a replay."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def heights(observation: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
 
 
 def check_pixels(observation: dict[str, NDArray[Any]], steps: int) -> None:
-    """The images are those of the sensor after so many physics steps."""
+    """Tests that the images are those of the sensor after this number of physics steps."""
     grey = np.arange(36 * 40, dtype=np.uint8).reshape(36, 40, 1) + np.uint8(steps % 256)
     np.testing.assert_array_equal(observation["eye_grey"], np.broadcast_to(grey, (N, 36, 40, 1)))
     height = heights(observation).astype(np.float64)

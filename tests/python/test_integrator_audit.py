@@ -48,21 +48,21 @@ def test_a_flight_flown_again_ends_where_the_reference_does(audit):
     results = audit.audit(flight, (1000,), trials=1)
     error = {result.integrator: result.position for result in results}
     assert len(error) == 7 and not any(result.fault for result in results)
-    assert error["rk4"] < 1e-6  # of fourth order; the reference's own error is some 1e-8 m
-    assert error["rk4"] < error["midpoint"] < 1e-4  # of second order, at 1 ms
-    assert error["midpoint"] < error["semi_implicit_euler"] < 5e-3  # of first order
+    assert error["rk4"] < 1e-6  # fourth order; the reference's own error is some 1e-8 m
+    assert error["rk4"] < error["midpoint"] < 1e-4  # second order, at 1 ms
+    assert error["midpoint"] < error["semi_implicit_euler"] < 5e-3  # first order
 
 
 def test_the_robots_of_the_collision_touch_within_the_audited_second(audit):
     flight = audit.baseline("collision")
-    assert flight.start[0, 7] - flight.start[1, 7] > 2.0  # they close in [m/s]
+    assert flight.start[0, 7] - flight.start[1, 7] > 2.0  # closing speed [m/s]
     assert 0.1 < audit.first_touch(flight) < 0.6
     replay = audit.Replay(flight, 1e-3, audit.fixed("midpoint").overrides)
     replay.fly()
     assert not replay.world.fault
     ends = audit.motion(replay.world)
     exact, _ = audit.end_of(flight, audit.references(flight)[0])
-    # 0.7 s after a hit at 5 m/s, tumbling with the rotors on: 50 mm, whatever the integrator.
+    # 0.7 s after a collision at 5 m/s, tumbling with the rotors on: 50 mm with every integrator.
     assert 1e-4 < np.linalg.norm(ends[:, :3] - exact[:, :3], axis=1).max() < 0.1
 
 
@@ -109,7 +109,7 @@ def test_skybody_check_warns_beyond_what_the_audit_found(audit):
     special = {"boom"}  # stiff
     special |= {f["scenario"] for f in found["flights"] if f.get("first_touch") is not None}
     mild = [row for row in found["results"] if row["scenario"] not in special]
-    # What core/io/scenario_reader.cpp says of the largest steps that it does not warn of.
+    # Largest steps for which core/io/scenario_reader.cpp states these errors and gives no warning.
     for name, dt, position, angle in (
         ("semi_implicit_euler", 1e-3, 8e-3, 0.5),
         ("midpoint", 4e-3, 1e-3, 0.1),

@@ -15,7 +15,8 @@ Bools = npt.NDArray[np.bool_]
 
 ENVS, STEPS = 300, 40
 STEP_TIME = 0.02  # s
-# Limits that wild starts about the deck pass often; touching is loose, so that contact is rare.
+# Limits that wild starts about the deck often exceed; touchdown limits are loose and contact is
+# rare.
 LIMITS = {
     "touch_height": 0.15,
     "rest_speed": 0.9,
@@ -59,7 +60,7 @@ def matrices(q: Reals) -> Reals:
 
 
 class Moment:
-    """Robot and deck now, in deck axes where nothing else is said."""
+    """Present state of robot and deck, in deck axes unless stated otherwise."""
 
     def __init__(self, envs: Any) -> None:
         q = envs.state("bodies.rotation")
@@ -97,7 +98,7 @@ class Moment:
 
 
 def failures(now: Moment, before: Moment, time: Reals) -> tuple[dict[str, Bools], Bools]:
-    """By their names, and where it has landed."""
+    """End conditions by name, including a landing."""
     world = now.world
     touches = (now.height < LIMITS["touch_height"]) & now.over_deck(0.0)
     hard = (before.speed > LIMITS["crash_speed"]) | (now.tilt > LIMITS["crash_tilt"])

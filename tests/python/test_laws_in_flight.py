@@ -1,4 +1,4 @@
-"""Laws of flight in the engine: forks in mid-flight, references that break in one environment."""
+"""Control laws in the engine: forks in mid-flight, references that break in one environment."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_reference_that_is_no_number_ends_that_environment_alone(law: str):
         chain = f"[{{plugin: spoilt_reference, parameters: {{env: {env}}}}}, {FOLLOWERS[law]}]"
         pool = SimulationPool("hover", 12, chain, overrides=PLAIN, plugin_path=PLUGINS)
         pool.reset(seed=1)
-        pool.command(2.0 * np.eye(17)[2])  # up a metre
+        pool.command(2.0 * np.eye(17)[2])  # up by one metre
         pool.advance(100)
         return pool
 

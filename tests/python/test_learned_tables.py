@@ -1,4 +1,4 @@
-"""Tables of what was learned in the READMEs of tasks are those of the page on learning."""
+"""The result tables in the READMEs of tasks match those of the page on learning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the learners learn from: faults, statistics of observations, noise."""
+"""Data that learners train on: faults, statistics of observations, noise."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def compiled() -> CompiledScenario:
 
 
 class Poisoned:
-    """A pool to which environment 5's actions come as NaN."""
+    """A pool that replaces environment 5's actions by NaN."""
 
     def __init__(self, pool: Any) -> None:
         self._pool = pool
@@ -69,8 +69,8 @@ def test_a_rollout_of_ppo_is_that_of_stable_baselines3(
         patch.setattr(QuickPolicy, "forward", ActorCriticPolicy.forward)
         theirs = second_rollout()
     for name, values in theirs.items():
-        # Two rollouts and an update in single precision: some hundred roundings of 1e-7, of
-        # values up to 10, and what flight makes of them.
+        # Two rollouts and an update in single precision: some hundred roundings of 1e-7 of values
+        # up to 10, amplified by the flight.
         np.testing.assert_allclose(ours[name], values, rtol=1e-4, atol=2e-4, err_msg=name)
 
 
@@ -94,7 +94,7 @@ def test_exploration_noise_falls_along_its_line(algorithm: str, compiled: Compil
     with learner_of(algorithm, compiled, total_steps=64, **small) as learner:  # two rollouts
         for line in (-1.0, -2.0):
             deviation = learner.iterate().losses["action_std"]
-            # One update after the rollout's start moves it by some learning rates (1e-3).
+            # One update after the start of the rollout changes it by a few learning rates (1e-3).
             assert abs(math.log(deviation) - line) < 0.1
 
 
@@ -110,7 +110,7 @@ def test_a_refused_checkpoint_leaves_the_learner_as_it_was(
         learner.iterate()
         wanted = [parameter_hash(learner.parameters()), learner.save().environments, learner.steps]
         if part == "state":
-            del state[list(state)[-1]]  # what is put back last
+            del state[list(state)[-1]]  # the entry that is restored last
         else:
             environments = environments[:-16] + bytes(16)
         with pytest.raises((Error, KeyError, ValueError)):
@@ -124,6 +124,6 @@ def test_a_refused_checkpoint_leaves_the_learner_as_it_was(
         learner.iterate()
         other.restore(
             saved.state, saved.environments
-        )  # with PyTorch's generator, which all learners of a process share
+        )  # with PyTorch's generator, shared by all learners of a process
         other.iterate()
         assert parameter_hash(learner.parameters()) == parameter_hash(other.parameters())

@@ -1,4 +1,4 @@
-"""The page on learning: its runs begin as they did, and its table says what was flown."""
+"""The page on learning: its runs start with the same bits, and its table matches the flights."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PAGE = (ROOT / "docs/results/learning.md").read_text()
 
 
 def flights(succeeded: list[bool], failed: list[bool], error: list[float]) -> Any:
-    """Flights with an info `error`, at the end and in the last second alike."""
+    """Flights with an info `error`, equal at the end and in the last second."""
     infos = {"error": np.array(error)}
     return learning_flight.Flights(np.array(succeeded), np.array(failed), infos, infos)
 
@@ -77,7 +77,7 @@ def test_every_policy_that_is_shipped_is_one_of_the_page() -> None:
             assert row["learned"], row["scenario"]
 
 
-# --- what counts --------------------------------------------------------------------------------
+# --- the criteria --------------------------------------------------------------------------------
 
 
 def test_a_share_counts_flights_that_are_near_and_have_not_failed() -> None:

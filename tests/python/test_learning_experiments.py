@@ -1,4 +1,4 @@
-"""The scripts behind the pages on learning: counts, extrapolation, what is read and refused."""
+"""The scripts behind the pages on learning: counts, extrapolation, accepted and refused files."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ training_runs = pytest.importorskip("training_runs")
 algorithms = importlib.import_module("skybody.train.algorithms")
 ALGORITHMS, algorithm_of = algorithms.ALGORITHMS, algorithms.algorithm_of
 yardstick = importlib.import_module("yardstick.command")
-# The yardstick makes itself a learner; for tests of other files there is none.
+# The yardstick registers itself as a learner; tests of other files must not see it.
 YARDSTICK = ALGORITHMS.pop(yardstick.NAME)
 
 
 @pytest.fixture(autouse=True)
 def with_yardstick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Here it is a learner."""
+    """Registers the yardstick as a learner for the tests of this file."""
     monkeypatch.setitem(ALGORITHMS, yardstick.NAME, YARDSTICK)
 
 
@@ -132,7 +132,7 @@ def test_one_seed_that_does_not_arrive_leaves_the_learner_without_a_time() -> No
 def test_a_cut_run_is_extrapolated_at_the_slowest_rate_between_its_checkpoints(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    # Two runs; the first checkpoint has start-up in it, which the rate must not.
+    # Two runs; the first checkpoint includes start-up time, which the rate must exclude.
     metas: dict[str, dict[str, Any]] = {
         "a1": {"steps": 1_000_000, "wall_clock": 110.0, "parameter_hash": "x"},
         "a2": {"steps": 2_000_000, "wall_clock": 210.0, "parameter_hash": "x"},
@@ -215,7 +215,7 @@ def test_a_protocol_without_curves_has_no_section_on_learning() -> None:
 
 
 def arrivals(form: str, steps: list[float | None]) -> list[dict[str, Any]]:
-    """Records of `payload`, a seed each."""
+    """Records of `payload`, one for each seed."""
     base = {"task": "payload", "form": form, "total_steps": 100.0}
     return [{**base, "steps": {"1": one}} for one in steps]
 
@@ -266,7 +266,7 @@ def test_both_forms_are_trained_alike(task: str) -> None:
 
 
 def seeds(near: list[int], medians: list[float]) -> list[dict[str, Any]]:
-    """Rows of a kind of policy, 100 flights each."""
+    """Rows of one kind of policy, 100 flights each."""
     pairs = zip(near, medians, strict=True)
     return [{"near": n, "episodes": 100, "median_error": error} for n, error in pairs]
 

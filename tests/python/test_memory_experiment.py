@@ -1,4 +1,4 @@
-"""The experiment on memory, in small; and that it sees growth."""
+"""The experiment on memory, in small; it must detect growth."""
 
 from __future__ import annotations
 

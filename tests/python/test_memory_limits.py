@@ -1,4 +1,4 @@
-"""Little memory (`ulimit -v`): one message of ours and exit code 2, none of a library's."""
+"""Little memory (`ulimit -v`): one message of Skybody and exit code 2, none of a library's."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def tuning(folder: Path) -> list[str]:
 def test_what_is_enough_works_and_what_is_not_is_one_message(
     words: Callable[[Path], list[str]], tmp_path: Path
 ) -> None:
-    """Wherever on the way memory ends: it depends on the machine's libraries."""
+    """The point at which memory runs out does not matter: it depends on the machine's libraries."""
     status = {}
     for megabytes in range(256, 768, 32):
         done = run([str(PROGRAM), *words(tmp_path / str(megabytes))], megabytes)
@@ -76,4 +76,4 @@ def test_a_program_whose_memory_ends_says_so(tmp_path: Path) -> None:
     done = run([sys.executable, str(script)], 2048)
     assert (done.returncode, done.stderr) == (2, "error: out of memory\n")
     curve = run(module_command("skybody.train.curve", str(tmp_path)), 2048)
-    assert "has no rows" in curve.stderr  # enough is enough
+    assert "has no rows" in curve.stderr  # this limit suffices

@@ -1,4 +1,4 @@
-"""Arrays of a batch are the engine's memory: no copies, valid as long as promised."""
+"""Arrays of a batch are the engine's memory: no copies, valid for the documented time."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_every_view_of_a_column_is_the_same_memory(hover: CompiledScenario) -> N
 
 
 def test_batches_come_from_few_buffers_in_turn(hover: CompiledScenario) -> None:
-    # A copy would lie elsewhere each time: three buffers in turn show that there is none.
+    # A copy would have a new address each time; three buffers in rotation show that there is none.
     pool = Pool(hover, 4)
     actions = begin(pool)
     addresses = [address(step(pool, actions).observation) for _ in range(9)]
@@ -48,7 +48,9 @@ def test_rows_keep_their_values_until_the_second_next_recv(hover: CompiledScenar
     actions = begin(pool)
     batch = step(pool, actions)
     where, values = address(batch.observation), batch.observation.copy()
-    view = np.lib.stride_tricks.as_strided(batch.observation)  # holds the memory by the view alone
+    view = np.lib.stride_tricks.as_strided(
+        batch.observation
+    )  # only the view keeps the memory alive
     del batch
     step(pool, actions)
     assert address(view) == where
@@ -74,7 +76,7 @@ def test_a_view_outlives_batch_and_pool(hover: CompiledScenario) -> None:
     pool.close()
     del pool
     gc.collect()
-    others = [np.full_like(values, 7.0) for _ in range(8)]  # would take freed memory
+    others = [np.full_like(values, 7.0) for _ in range(8)]  # would reuse freed memory
     np.testing.assert_array_equal(view, values)
     assert len(others) == 8
 
@@ -101,7 +103,7 @@ def test_debug_mode_goes_on_once_the_buffer_is_free(hover: CompiledScenario) -> 
     del held
     batch = pool.recv() if pool.in_flight else step(pool, actions)
     assert len(batch) == 4
-    assert batch.episode_step.tolist() == [4, 4, 4, 4]  # nothing was lost, nothing done twice
+    assert batch.episode_step.tolist() == [4, 4, 4, 4]  # no step was lost or done twice
 
 
 def test_debug_mode_fills_reused_buffers_with_nan(hover: CompiledScenario) -> None:
@@ -109,7 +111,7 @@ def test_debug_mode_fills_reused_buffers_with_nan(hover: CompiledScenario) -> No
     actions = begin(pool)
     batch = step(pool, actions)
     where = address(batch.observation)
-    # Against the rules on purpose: a pointer to the memory that does not hold it.
+    # Breaks the rules on purpose: a pointer to the memory that does not keep it alive.
     stale = np.ctypeslib.as_array(
         (np.ctypeslib.ctypes.c_float * batch.observation.size).from_address(where)
     )

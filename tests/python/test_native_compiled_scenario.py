@@ -1,4 +1,4 @@
-"""A loaded scenario says what it is, and why it cannot be loaded."""
+"""Properties of a loaded scenario, and the reasons why loading fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Learners in C++, from Python: slices that Python objects hold, and the trainer's view of them."""
+"""C++ learners from Python: slices held by Python objects, and the trainer's view of them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ TOTAL = 100_000
 
 
 class HeldHere:
-    """All slices in this process, in parts; its `dies_at`-th call finds a part dead."""
+    """All slices in this process, in parts; call number `dies_at` simulates a dead part."""
 
     def __init__(self, compiled: CompiledScenario, parts: list[int], hyper: Any, dies_at: int = -1):
         self.compiled, self.hyper, self.dies_at = compiled, hyper, dies_at

@@ -1,4 +1,4 @@
-"""send, recv, reset and state of a pool, and what it says to wrong arguments."""
+"""send, recv, reset and state of a pool, and its errors on wrong arguments."""
 
 from __future__ import annotations
 

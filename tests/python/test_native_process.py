@@ -1,4 +1,4 @@
-"""Pools among threads, signals, forks and exits: an exception or a result, never a hang."""
+"""Pools with threads, signals, forks and exits: an exception or a result, never a hang."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ import skybody
 from conftest import Finished, begin
 from skybody._native import CompiledScenario, Pool
 
-# So long a step that what a test does while it runs is surely done before it ends: half a
-# millisecond for each environment on a fast machine, so seconds for some thousands of them.
+# A step long enough that a test's actions during it finish before it ends: half a millisecond for
+# each environment on a fast machine, so seconds for some thousands of them.
 SLOW = ("hover", ["stepping.action_repeat=10000"])
 
 
@@ -204,7 +204,7 @@ def test_pools_of_different_scenarios_and_plugin_paths_are_built_at_once(tmp_pat
     plugins = Path(__file__).parents[2] / "build" / "release" / "tests" / "plugins" / "good"
     if not plugins.is_dir():
         pytest.skip("the tests' plugins are not built: ./dev build")
-    # Each scenario needs a plugin that lies in its own folder and nowhere else.
+    # Each scenario needs a plugin from its own folder that exists nowhere else.
     needs = {
         "lane_task": ["task={plugin: lane_task}", "randomization=[]"],
         "delay_sensor": ["sensors=[{plugin: delay_sensor}]"],
@@ -226,7 +226,7 @@ def test_pools_of_different_scenarios_and_plugin_paths_are_built_at_once(tmp_pat
             hashes[name].add(pool.hash())
 
     with ThreadPoolExecutor(2) as threads:
-        list(threads.map(work, needs))  # raises what a thread met
+        list(threads.map(work, needs))  # raises the exception of a thread
     assert all(len(each) == 1 for each in hashes.values())  # the same every time
     assert hashes["lane_task"] != hashes["delay_sensor"]
 
@@ -247,9 +247,9 @@ def test_a_thousand_pools_leave_memory_handles_and_threads_flat(hover: CompiledS
                 pool.send(actions)
                 pool.recv()
 
-    cycle(100)  # the allocator's arenas and thread stacks are there afterwards
+    cycle(100)  # the allocator's arenas and thread stacks exist afterwards
     before, handles = resident_bytes(), len(os.listdir("/proc/self/fd"))
     cycle(1000)
-    # A pool of two hover environments takes far more than 100 KB; a leak of 4 KB each would show.
+    # A pool of two hover environments uses far more than 100 KB; a leak of 4 KB each would show.
     assert resident_bytes() - before < 4_000_000
     assert len(os.listdir("/proc/self/fd")) == handles

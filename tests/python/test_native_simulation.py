@@ -23,7 +23,7 @@ def test_time_and_steps_count(simulation: Simulation) -> None:
         simulation.step(ACTION)
     assert simulation.episode == 1
     assert simulation.steps == 5
-    assert simulation.time == pytest.approx(0.005, rel=1e-12)  # five sums of 1 ms round a little
+    assert simulation.time == pytest.approx(0.005, rel=1e-12)  # five sums of 1 ms round slightly
     assert not (simulation.terminated or simulation.truncated or simulation.fault)
 
 
@@ -48,7 +48,7 @@ def test_bodies_have_unit_quaternions_and_the_position_of_the_link(simulation: S
     body = simulation.body("base_link")
     assert np.linalg.norm(body.rotation) == pytest.approx(
         1.0, abs=1e-12
-    )  # rounding of a square sum
+    )  # rounding of a sum of squares
     np.testing.assert_array_equal(body.position, simulation.bodies[0].position)
     assert body.velocity.shape == body.angular_velocity.shape == (3,)
     with pytest.raises(ValueError, match="base_link"):

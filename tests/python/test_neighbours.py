@@ -1,4 +1,4 @@
-"""Other people's libraries on our environments: copies, wrappers, learners."""
+"""Third-party libraries on our environments: copies, wrappers, learners."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_specifications_say_when_episodes_end() -> None:
     assert ends == [False] * 29 + [True]
     envs = gymnasium.make_vec("skybody/Hover-v0", num_envs=2, overrides=short)
     assert envs.spec.max_episode_steps == 30
-    # A task without an end has none.
+    # A task without an end has no time limit.
     endless = gymnasium.make("skybody/Hover-v0", overrides=["stepping.horizon=0"])
     assert endless.spec.max_episode_steps is None
     assert gymnasium.make("skybody/Hover-v0", max_episode_steps=7).spec.max_episode_steps == 7

@@ -1,4 +1,4 @@
-"""`nmpc` in the engine: its memory is in the state words, and its bits depend on no processor."""
+"""`nmpc` in the engine: state words hold all its memory; every processor gives its bits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 import skybody
 
 CONTROL = "[{plugin: nmpc}, {plugin: srt}]"
-# A reference whose steps saturate rotors, and air that moves.
+# A reference whose steps saturate rotors, and moving air.
 OVERRIDES = [
     "effects=[{plugin: dryden, parameters: {airspeed: 5}}, "
     "{plugin: body_drag, parameters: {linear: [0.2, 0.2, 0.2]}}]"
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.skipif(not has_nmpc(), reason="built without DAQP")
 
 
 def fly(sim: skybody.Simulation, first: int, last: int) -> None:
-    """Tenths of a second `first` to `last`, a place each."""
+    """Positions from tenth of a second `first` to `last`."""
     for k in range(first, last):
         place = [np.sin(1.7 * k), np.cos(2.3 * k), 1.5 + 0.5 * np.sin(k)]
         sim.command(np.concatenate([place, np.zeros(14)]))
@@ -74,7 +74,7 @@ def test_bits_are_the_same_on_every_instruction_set() -> None:
             check=False,
         )
         if done.returncode != 0 and "SKYBODY_ISA" in done.stderr:
-            continue  # this machine lacks it
+            continue  # not available on this machine
         assert done.returncode == 0, done.stderr
         hashes.add(done.stdout)
     assert len(hashes) == 1

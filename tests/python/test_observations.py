@@ -181,7 +181,7 @@ def test_observations_come_back_after_a_restore() -> None:
 def test_gymnasiums_checker_is_content(as_dict: bool) -> None:
     env = SkybodyEnv("hover", seed=1, overrides=CRITIC, dict_observations=as_dict)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of infinite bounds
+        warnings.simplefilter("ignore")  # about infinite bounds
         check_env(env, skip_render_check=True)
     _, info = env.reset()
     assert info["privileged"].shape == (3,)

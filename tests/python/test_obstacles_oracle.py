@@ -1,7 +1,7 @@
 """Observation, reward and ends of the forest, and ranges of rays, against NumPy.
 
-Places, sizes and presence of a box, a cylinder, a sphere and a capsule are drawn anew in every
-episode. Nearest points are found by clipping, rays by marching: neither is how the task does it.
+Every episode has random positions, sizes and presence of a box, a cylinder, a sphere and a capsule.
+The oracle finds nearest points by clipping and ranges by marching; the task uses neither.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ WILD = [
 
 
 class Solids:
-    """The obstacles of all environments: places, turns, sizes."""
+    """The obstacles of all environments: positions, rotations, sizes."""
 
     def __init__(self, envs: Any) -> None:
         def values(path: str, counts: tuple[int, ...]) -> Reals:
@@ -64,11 +64,11 @@ class Solids:
         self.there = np.column_stack(there) > 0.5
 
     def local(self, p: Reals, k: int) -> Reals:
-        """Places (n, m, 3) of W in the frame of solid k."""
+        """Positions (n, m, 3) in W, transformed to the frame of shape k."""
         return np.einsum("nji,nmj->nmi", self.turn[:, k], p - self.place[:, None, k])
 
     def nearest(self, p: Reals, k: int) -> tuple[Reals, Reals]:
-        """Signed distance (n, m) of the surface of solid k, and the way there in W."""
+        """Signed distance (n, m) to the surface of shape k, and the offset to it in W."""
         x, size = self.local(p, k), self.size[:, None, k]
         way, inside = clip(NAMES[k], x, size)
         length = np.linalg.norm(way, axis=2)
@@ -76,7 +76,7 @@ class Solids:
         return np.where(inside, -length, length), world
 
     def gaps(self, p: Reals) -> Reals:
-        """Distance (n, m) of the nearest surface."""
+        """Distance (n, m) to the nearest surface."""
         every = [
             np.where(self.there[:, None, k], self.nearest(p, k)[0], np.inf)
             for k in range(len(NAMES))
@@ -85,7 +85,7 @@ class Solids:
 
 
 def clip(name: str, x: Reals, size: Reals) -> tuple[Reals, Reals]:
-    """The way from x to the surface in the solid's frame, and whether x lies inside."""
+    """The offset from x to the surface in the shape's frame, and a flag: x lies inside."""
     if name == "box":
         half = 0.5 * size
         outside = np.clip(x, -half, half) - x
@@ -115,7 +115,7 @@ def clip(name: str, x: Reals, size: Reals) -> tuple[Reals, Reals]:
 
 
 class Oracle:
-    """What the task and the sensor should have said."""
+    """Expected outputs of the task and the sensor."""
 
     def __init__(self) -> None:
         self.distance = np.zeros(ENVS)
@@ -158,7 +158,7 @@ class Oracle:
         self.compare_rays(np.asarray(seen["rays_range"], np.float64))
 
     def compare_rays(self, ranges: Reals) -> None:
-        """Along each ray nothing is met before its range, and a surface there."""
+        """Tests that each ray is free up to its range and meets a surface there."""
         rays = [
             (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
             for e in (-0.3, 0.2)

@@ -1,4 +1,4 @@
-"""The keywords of what makes environments: one list, one meaning, one default each."""
+"""The keywords of all constructors of environments: one list, one meaning, one default each."""
 
 from __future__ import annotations
 

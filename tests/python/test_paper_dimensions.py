@@ -1,7 +1,7 @@
 """Scenarios of the paper's tasks have the paper's dimensions and rates.
 
-paper_dimensions.csv is their one table: of each robot values observed, values for a critic alone
-and actions, then physics steps of 1 ms an action, and actions an episode.
+paper_dimensions.csv is their only table. Columns for each robot: observed values, values for the
+critic only, actions, physics steps of 1 ms per action, actions per episode.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The paper's throughput tables: what is computed from measurements, not the measurements."""
+"""The paper's throughput tables: the calculations from measurements, not the measurements."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def load(monkeypatch: pytest.MonkeyPatch):
 
 
 def scalability_content(throughput: ModuleType) -> dict[str, Any]:
-    """As scalability.py gathers it, with rates that are easy to check."""
+    """Data in the format of scalability.py, with rates that are easy to check."""
 
     def mean(rate: float) -> dict[str, float]:
         return {"rate": rate, "interval": 100.0, "cpu_use": 0.5, "receives": 10.0, "steps": 320.0}
@@ -57,7 +57,7 @@ def scalability_content(throughput: ModuleType) -> dict[str, Any]:
 
 
 def multi_agent_content(throughput: ModuleType, cost_of_20: float) -> dict[str, Any]:
-    """As multi_agent.py gathers it: 12 million steps a second for one robot, 12 / N for N."""
+    """Data as in multi_agent.py: 12 million steps a second for one robot, 12 / N for N."""
     counts = (1, 2, 5, 10, 20)
 
     def result(robots: int, batch: int, action: str) -> dict[str, Any]:
@@ -156,7 +156,7 @@ def test_the_page_on_scalability_has_all_tables(load, tmp_path: Path):
     assert "1,000 and 10,000 receives, or 1 s of measurement" in " ".join(page.split())
     sizes = report.rate_rows(content["pool"])
     assert sizes[-1][:4] == ["1,024", "1,024", "2", "20,480 ± 0"]
-    assert sizes[-1][7:] == [""] * 4  # nothing on Simbody
+    assert sizes[-1][7:] == [""] * 4  # no values for Simbody
     assert report.measured_rows(content["pool"])[1][:4] == ["4", "1", "0.0", "0.3"]
     report.draw(content, tmp_path / "picture.png")
     assert (tmp_path / "picture.png").stat().st_size > 10_000

@@ -1,4 +1,4 @@
-"""Files in the making: nobody finds them by name, and a link in their place is not followed."""
+"""Partial files: not found under their final name, and a link in their place is not followed."""
 
 from __future__ import annotations
 

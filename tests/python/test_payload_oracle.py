@@ -21,7 +21,7 @@ WILD = [
 
 
 class Oracle:
-    """What a payload task should have said."""
+    """Expected outputs of a payload task."""
 
     def __init__(self) -> None:
         self.states = 0

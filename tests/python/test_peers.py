@@ -20,7 +20,7 @@ MODULES = ("environments", "goals", "measure", "peers", "picture", "report", "re
 
 @pytest.fixture
 def bench() -> Iterator[dict[str, ModuleType]]:
-    """The runner's modules; their plain names are put back afterwards."""
+    """The runner's modules; their plain names are restored afterwards."""
     before = {name: sys.modules.pop(name) for name in MODULES if name in sys.modules}
     sys.path.insert(0, str(FOLDER))
     try:
@@ -158,7 +158,7 @@ def test_a_line_that_is_no_row_is_skipped(bench: dict[str, ModuleType], printed:
 
 
 def test_a_late_script_ends_with_all_that_it_started(bench: dict[str, ModuleType]) -> None:
-    # The child holds the pipe open: output would not end before it.
+    # The child keeps the pipe open, so the output would not end before the child.
     command = ["sh", "-c", "echo begun; sleep 60 & wait"]
     done, late = bench["peers"].run_group(command, 0.2)
     assert late
@@ -238,7 +238,7 @@ def test_the_vehicle_is_the_shipped_one(bench: dict[str, ModuleType]) -> None:
 
 
 def test_the_programs_vehicle_is_the_same(bench: dict[str, ModuleType]) -> None:
-    """The C++ programs hold its numbers as text, about its centre of mass."""
+    """The C++ programs contain the model's numbers as text, about its centre of mass."""
     text = (FOLDER / "step_bench.h").read_text()
     struct = text[text.index("struct Quadrotor {") : text.index("inline constexpr Quadrotor")]
 

@@ -9,7 +9,7 @@ import pytest
 from swinging import ENVS, TOLERANCE, Motion, Observed, Reals, fly, tilt, yaw
 
 TARGET = np.array([0.3, -0.2, 2.4])
-DT = 1e-3  # an action is one physics step, so that the state before is the one that was seen last
+DT = 1e-3  # an action is one physics step, so the state before it is the last one seen
 HISTORY = 10
 CENTER = (0.0, 0.0, 1.07)  # of the bob in the rod's frame [m]
 WILD = [
@@ -27,7 +27,7 @@ WILD = [
 
 
 class Oracle:
-    """What a pendulum task should have said."""
+    """Expected outputs of a pendulum task."""
 
     def __init__(self) -> None:
         self.past: dict[str, Reals] = {}

@@ -1,4 +1,4 @@
-"""The picture of a flight: what is read from a log, and where vehicles and obstacles stand."""
+"""The picture of a flight: data read from a log, and positions of vehicles and obstacles."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def test_a_reference_is_a_goal_that_moves_and_a_place_is_none(
     log = episode_of(flown(tmp_path / "a", "hover", "--reference", along))
     (track,) = data.read_tracks(log["episodes/0001"])
     assert track.follows()
-    assert track.goal[0, :3] == pytest.approx([1.5, 0, 1.5])  # where the shipped circle begins
+    assert track.goal[0, :3] == pytest.approx([1.5, 0, 1.5])  # start of the shipped circle
     assert np.hypot(track.goal[:, 0], track.goal[:, 1]) == pytest.approx(1.5, abs=1e-6)
     (hovers,) = data.read_tracks(episode_of(flown(tmp_path / "b", "hover"))["episodes/0001"])
     assert not hovers.follows()
@@ -198,7 +198,7 @@ def test_the_goals_heading_turns_on_as_the_bodys_does(data: ModuleType) -> None:
     turned = np.linspace(3.0, 3.0 + 4.0 * np.pi, 200)  # two turns
     angles = np.degrees(np.stack([0 * turned, 0 * turned, turned], axis=1))
     goal = np.zeros((200, 4))
-    goal[:, 3] = (turned + 0.1 + np.pi) % (2.0 * np.pi) - np.pi  # as tasks give it
+    goal[:, 3] = (turned + 0.1 + np.pi) % (2.0 * np.pi) - np.pi  # wrapped, as in tasks
     track = data.Track("quad.base_link", "C0", np.zeros((200, 3)), angles, goal)
     assert track.goal_yaw() - angles[:, 2] == pytest.approx(np.degrees(0.1), abs=1e-9)
 
@@ -208,7 +208,9 @@ def test_what_touches_is_shaded_and_what_passes_at_a_distance_is_not(
 ) -> None:
     spans = data.touching_spans(np.array([0, 0, 1, 1, 0, 1]), np.arange(6.0))
     assert spans == [(1.0, 3.0), (4.0, 5.0)]
-    log = episode_of(flown(tmp_path, "pendulum"))  # whose rod is as long as it is high
+    log = episode_of(
+        flown(tmp_path, "pendulum")
+    )  # its rod is as long as the robot is high above the ground
     assert data.read_flight(log, "0001").touching == []
 
 
@@ -224,7 +226,9 @@ def test_the_title_says_the_reference_in_place_of_a_policy_that_commands_nothing
 
 
 def test_yaw_is_that_of_the_table(data: ModuleType, tmp_path: Path) -> None:
-    """Heading first, then the shortest turn that tilts: a tilt about any axis leaves it alone."""
+    """Heading first, then the shortest rotation that tilts: a tilt about any axis keeps the
+    heading.
+    """
     heading, tilt, axis = 0.7, 0.9, 1.1
     turn = np.array([np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)])
     lean = np.array(
@@ -242,9 +246,9 @@ def test_yaw_is_that_of_the_table(data: ModuleType, tmp_path: Path) -> None:
     (track,) = data.read_tracks(episode_of(tmp_path / "flight.h5")["episodes/0001"])
     error = (track.angles[:, 2] - track.goal_yaw() + 180.0) % 360.0 - 180.0
     rows = done.stdout[done.stdout.index("reference of") :].splitlines()
-    said = float(rows[2].split()[7])  # yaw RMS, behind errors in position
-    assert np.ptp(track.angles[:, :2]) > 20.0  # it does tilt
-    begin = 10  # steps, of approach and ramp
+    said = float(rows[2].split()[7])  # yaw RMS, after errors in position
+    assert np.ptp(track.angles[:, :2]) > 20.0  # the body does tilt
+    begin = 10  # steps of approach and ramp
     found = float(np.sqrt(np.mean(error[begin:] ** 2)))
     assert found == pytest.approx(said, abs=0.006)  # the table has two decimals
 

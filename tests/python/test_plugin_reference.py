@@ -1,4 +1,4 @@
-"""docs/plugin_reference.md: current, whole, and read rightly from the headers."""
+"""docs/plugin_reference.md is up to date, complete, and correctly generated from the headers."""
 
 from __future__ import annotations
 

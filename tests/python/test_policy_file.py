@@ -26,7 +26,7 @@ def written(folder: Path) -> Path:
 
 
 def seal(path: Path) -> None:
-    """Gives a changed file a good seal."""
+    """Writes a valid seal into a changed file."""
     content = path.read_bytes()[512:]
     path.write_bytes(policy_seal(content) + content)
 

@@ -1,4 +1,4 @@
-"""The asynchronous pool: which rows come back, when, and what they hold."""
+"""The asynchronous pool: rows returned, their order, and their content."""
 
 from __future__ import annotations
 

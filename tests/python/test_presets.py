@@ -1,4 +1,4 @@
-"""Presets: a YAML file beside the scenario, shipped or one's own."""
+"""Presets: a YAML file beside a shipped or a user's scenario."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How programs end: their status, and one line after Ctrl-C."""
+"""Ends of programs: exit status, and one line after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAIN = 'if __name__ == "__main__":\n'
 
 
 def interrupted(script: str) -> Finished:
-    """A script that gets Ctrl-C, with all processes that it has started, after its first line."""
+    """A script that receives Ctrl-C, with all its child processes, after its first line."""
     with subprocess.Popen(
         [sys.executable, "-c", textwrap.dedent(script)],
         stdout=subprocess.PIPE,
@@ -99,7 +99,7 @@ def test_every_program_ends_by_run_program() -> None:
     assert not [path for path, text in programs.items() if "run_program(" not in text]
 
 
-IMPORTED = {  # by main(), as one of the first packages
+IMPORTED = {  # by main(), among the first packages
     "train": "matplotlib",
     "train.curve": "matplotlib",
     "train.convert_policy": "h5py",

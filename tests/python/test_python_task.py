@@ -16,7 +16,7 @@ N = 4
 
 
 class Climb(PythonTask):
-    """Height is all: observed, earned, and the end above 3 m."""
+    """Observation and reward are the height; episodes end above 3 m."""
 
     control = "ctbr"
     physics_steps = 20
@@ -224,7 +224,7 @@ def test_an_exception_in_the_task_reaches_the_caller_and_the_pool_can_be_closed(
     with pytest.raises(gymnasium.error.ResetNeeded):
         envs.step(up())
     task.fails = False
-    envs.reset()  # mended: it goes on
+    envs.reset()  # after the repair it continues
     envs.step(up())
     task.fails = True
     with pytest.raises(ZeroDivisionError):
@@ -309,7 +309,7 @@ def test_stable_baselines_gets_terminal_observations_and_trains():
             if done:
                 seen[info["TimeLimit.truncated"]] += 1
     assert seen[True] > 0  # fell until the horizon
-    assert seen[False] > 0  # climbed out
+    assert seen[False] > 0  # left at the top
     model = PPO("MlpPolicy", envs, n_steps=32, batch_size=64, seed=1, device="cpu")
     model.learn(256)
     envs.close()
@@ -322,7 +322,7 @@ def test_actions_and_rewards_are_float32_and_nothing_is_converted_silently():
         envs.step(np.zeros((N, 1)))
     with pytest.raises(TypeError, match="expected float32"):
         envs.step([[0.0]] * N)  # type: ignore[arg-type]
-    _, reward, *_ = envs.step(up(0.1))  # and nothing was lost
+    _, reward, *_ = envs.step(up(0.1))  # and no transition was lost
     assert reward.dtype == np.float32
     envs.close()
 
@@ -372,7 +372,7 @@ def test_a_space_that_a_task_lacks_is_named_with_its_class(space: str):
 
 
 class Blind(Climb):
-    """Sees nothing once an episode has ended."""
+    """Observes NaN once an episode has ended."""
 
     blind = False
 
@@ -386,7 +386,7 @@ def test_an_episode_does_not_begin_with_an_observation_that_is_not_finite(autore
     envs = climb(task, autoreset=autoreset)
     envs.reset()
     with pytest.raises(ValueError, match="the first observation of environment 0 is not finite"):
-        for _ in range(3):  # where nothing is seen the episode ends, as a fault
+        for _ in range(3):  # a NaN observation ends the episode as a fault
             task.blind = True
             envs.step(up(0.2))
     task.blind = False

@@ -1,4 +1,4 @@
-"""The lines that learned laps are compared with: through the gates of today's scenarios."""
+"""The lines that learned laps are compared with lead through the gates of the present scenarios."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
 race_lines = importlib.import_module("race_lines")
-page_data = importlib.import_module("page_data")  # where that finds it
+page_data = importlib.import_module("page_data")  # on the path that race_lines sets up
 
 CONTENT = json.loads((ROOT / "docs/results/data/race_lines.json").read_text())
 GATE = race_lines.Gate(np.array([2.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), 0.5)
@@ -43,7 +43,7 @@ def test_a_gate_of_a_scenario_leaves_room_for_the_robot_and_leads_along_its_norm
     [
         ([[1.0, 0.0, 1.0], [3.0, 0.0, 1.0]], True),
         ([[3.0, 0.0, 1.0], [1.0, 0.0, 1.0]], False),  # backwards
-        ([[1.0, 1.0, 1.0], [3.0, 1.0, 1.0]], False),  # beside it
+        ([[1.0, 1.0, 1.0], [3.0, 1.0, 1.0]], False),  # beside the gate
         ([[1.0, 1.0, 1.0], [3.0, 1.0, 1.0], [1.0, 0.0, 1.0], [3.0, 0.0, 1.0]], True),
     ],
 )

@@ -28,7 +28,7 @@ NAMES = [
 
 
 def overrides(width: float, robots: list[str], gates: int) -> list[str]:
-    """Wild starts about the first gate, which are fast and may be anything but the first ones."""
+    """Wild, fast starts about the first gate; its index is random."""
     starts = [
         f"{{plugin: start, name: start_{robot}, parameters: {{robot: {robot}, position_min: "
         f"[2.0, -0.9, 0.8], position_max: [4.0, 0.5, 2.3], yaw_min: -3.1, yaw_max: 3.1, "
@@ -57,7 +57,7 @@ def overrides(width: float, robots: list[str], gates: int) -> list[str]:
 
 
 class Racer:
-    """What the oracle remembers of one robot in all environments."""
+    """The oracle's memory of one robot in all environments."""
 
     def __init__(self) -> None:
         self.gates = np.zeros(ENVS)
@@ -71,7 +71,7 @@ class Racer:
 
 
 class Oracle:
-    """What the task should have said of a flight."""
+    """Expected outputs of the task in a flight."""
 
     def __init__(self, envs: Any, robots: list[str], gates: int, rivalry: float) -> None:
         self.envs, self.robots, self.gates, self.rivalry = envs, robots, gates, rivalry
@@ -82,7 +82,7 @@ class Oracle:
         self.seen: dict[str, int] = {}
 
     def read(self, infos: dict[str, Any], mask: Bools) -> None:
-        """Where gates and robots are; infos tell it of the environments of `mask`."""
+        """Poses of gates and robots; infos give them for the environments of `mask`."""
         told = np.stack([np.ravel(infos[name]) for name in NAMES], axis=1).astype(np.float64)
         self.poses[mask] = told.reshape(ENVS, 5, 10)[mask, : self.gates]
         self.first[mask] = np.ravel(infos["task.first_gate"]).astype(int)[mask]
@@ -106,7 +106,7 @@ class Oracle:
         return self.centres[rows, index], self.turns[rows, index], self.sizes[rows, index]
 
     def observation(self, i: int, action: Reals) -> dict[str, Reals]:
-        """Of robot i, in its own axes."""
+        """Values of robot i, in its own axes."""
         rotation = self.rotation(i)
 
         def own(v: Reals) -> Reals:
@@ -151,7 +151,7 @@ class Oracle:
         self.compare(seen, action, mask)
 
     def advance(self, i: int) -> tuple[Reals, Bools, Bools]:
-        """Gain, and where robot i has passed or missed its gate."""
+        """Progress reward, and flags: robot i has passed or missed its gate."""
         racer = self.racers[i]
         centre, turn, size = self.gate(i)
         before = np.einsum("nji,nj->ni", turn, racer.position - centre)
@@ -172,7 +172,7 @@ class Oracle:
         return gain, crossed & opens, crossed & ~opens
 
     def frame_distance(self, p: Reals) -> Reals:
-        """From the nearest bar: the least distance from 4 boxes of each gate."""
+        """Distance to the nearest bar: the minimum over 4 boxes of each gate."""
         nearest = np.full(ENVS, np.inf)
         for g in range(self.gates):
             local = np.einsum("nji,nj->ni", self.turns[:, g], p - self.centres[:, g])

@@ -1,4 +1,4 @@
-"""The shipped policies of races and landings fly as well as their pages say."""
+"""The shipped policies of races and landings fly as well as their pages state."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ EPISODES = 50
 
 
 def flights_of(scenario: str, folder: Path) -> Any:
-    """What the shipped policy does in its scenario."""
+    """Flights of the shipped policy in its scenario."""
     command = [str(ROOT / "build/release/bin/skybody"), "run", scenario, "--no-picture"]
     policy = ROOT / f"scenarios/policies/{scenario}.h5"
     command += ["--policy", str(policy), "--episodes", str(EPISODES), "--out", str(folder)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    assert "warning" not in done.stderr  # it was trained in this very scenario
+    assert "warning" not in done.stderr  # it was trained in exactly this scenario
     return learning_flight.read_log(folder / "flight.h5")
 
 
-# At most 3 deviations of the binomial below the successes of 100 episodes: 100, 93 and 98 of
-# racing, racing_drawn and landing with this seed, the others as in docs/results/learning.md.
+# At most 3 binomial deviations below the successes of 100 episodes: 100, 93 and 98 of racing,
+# racing_drawn and landing with this seed, the others as in docs/results/learning.md.
 @pytest.mark.parametrize(
     ("scenario", "least"),
     [

@@ -1,4 +1,4 @@
-"""skybody.ray on a local cluster of two nodes; left out where Ray is not installed."""
+"""skybody.ray on a local cluster of two nodes; skipped if Ray is not installed."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ TOTAL, ITERATIONS = 100_000, 5
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
-    """Of a cluster with two nodes of two processors each, for all tests."""
+    """A cluster with two nodes of two processors each, for all tests."""
     from ray.cluster_utils import Cluster
 
     os.environ["RAY_AUTH_MODE"] = "disabled"

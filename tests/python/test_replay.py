@@ -43,7 +43,7 @@ def fly(envs: skybody.vector.SkybodyVectorEnv, first: int, steps: int) -> None:
 
 
 def record_everything(envs: skybody.vector.SkybodyVectorEnv) -> None:
-    """One of each thing that a recording holds, with episodes that end by themselves around it."""
+    """A recording with one event of every kind, and with episodes that end by themselves."""
     envs.reset()
     fly(envs, 0, 10)
     envs.reset(options={"reset_mask": mask(1, 4)})
@@ -72,7 +72,7 @@ def test_all_that_can_be_done_to_environments_replays_identical_on_other_threads
     with_file = {"num_threads": 1, "seed": 3, "autoreset": autoreset}
     envs = skybody.make_vec(short_hover(), NUM_ENVS, **with_file)
     envs.reset()
-    fly(envs, 0, 3)  # it begins in mid-episode
+    fly(envs, 0, 3)  # the recording starts in mid-episode
     envs.record(file, states=states)
     record_everything(envs)
     envs.stop_recording()
@@ -159,7 +159,7 @@ def test_the_file_is_whole_however_the_recording_ends(tmp_path: Path, end: str):
     pool = skybody.make_pool("hover", 2)
     pool.record(str(file))
     pool.reset()
-    pool.send(np.zeros((2, 4), np.float32))  # in flight at the end: not in it
+    pool.send(np.zeros((2, 4), np.float32))  # in flight at the end: not recorded
     if end == "__del__":
         del pool
     elif end == "__exit__":

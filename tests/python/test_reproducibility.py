@@ -1,4 +1,4 @@
-"""The experiment on training reproducibility, in small; and that it sees a single other bit."""
+"""The experiment on training reproducibility, in small; it must detect a single different bit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "experiments/training_reproducibility.py"
 CHECKPOINTS = 10
 
-pytestmark = pytest.mark.timeout(240)  # alone it takes half a minute; a busy machine takes longer
+pytestmark = pytest.mark.timeout(
+    240
+)  # takes half a minute on a free machine and longer on a busy one
 
 
 def experiment(out: Path) -> subprocess.CompletedProcess[str]:
@@ -31,7 +33,7 @@ def experiment(out: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
-    """The folder of the experiment, and what it reports."""
+    """The folder of the experiment, and its report."""
     out = tmp_path_factory.mktemp("reproducibility")
     done = experiment(out)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Requests for values of randomizable parameters, as Python makes them."""
+"""Requests for values of randomizable parameters, made from Python."""
 
 from __future__ import annotations
 

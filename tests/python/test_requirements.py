@@ -1,4 +1,4 @@
-"""Packages that ./dev installs: each by version and hash, compared before any code of it runs."""
+"""Packages that ./dev installs: each checked by version and hash before any of its code runs."""
 
 import hashlib
 import re
@@ -64,7 +64,9 @@ def make_source_package(folder: Path, marker: Path) -> Path:
 
 @pytest.mark.parametrize("right", [False, True])
 def test_a_source_with_another_hash_runs_no_build_code(tmp_path: Path, right: bool) -> None:
-    """As ./dev fetches DAQP; with the right hash the build code runs, so the test would see it."""
+    """Fetched as ./dev fetches DAQP; with the right hash the build code runs, so the test can
+    detect it.
+    """
     marker = tmp_path / "ran"
     archive = make_source_package(tmp_path, marker)
     found = hashlib.sha256(archive.read_bytes() if right else b"another").hexdigest()
@@ -76,4 +78,4 @@ def test_a_source_with_another_hash_runs_no_build_code(tmp_path: Path, right: bo
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode == 0) == right, done.stderr
     assert marker.exists() == right
-    assert right or "DO NOT MATCH THE HASHES" in done.stderr  # the words that ./dev looks for
+    assert right or "DO NOT MATCH THE HASHES" in done.stderr  # the words that ./dev searches for

@@ -1,4 +1,4 @@
-"""Pages of docs/results say of which code their data are, and what of it has changed since."""
+"""Pages of docs/results name the code of their data, and the changes to it since then."""
 
 from __future__ import annotations
 

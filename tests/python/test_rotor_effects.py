@@ -1,4 +1,4 @@
-"""What drives the rotors, in flight: batteries, motors, failures, thrust curves, delays."""
+"""Actuators in flight: batteries, motors, failures, thrust curves, delays."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOTOR = "torque_constant: 0.0055, resistance: 0.1, max_current: 30, voltage: 16.
 
 
 def flying(effect: str, *more: str) -> Simulation:
-    """In balance at (0, 0, 50) with an effect, an episode begun."""
+    """In equilibrium at (0, 0, 50) with an effect, after a reset."""
     effects = [f"effects=[{{{effect}}}]"] if effect else []
     simulation = Simulation("hover", "rotor_speed", overrides=[*PLAIN, *effects, *more])
     simulation.reset()
@@ -101,7 +101,7 @@ def test_half_the_thrust_constant_by_a_curve_falls_as_half_the_constant_does():
     for simulation in (curve, plain):
         simulation.command(np.full(4, HOVER))
         simulation.advance(500)
-    # One factor of 0.5, rounded elsewhere.
+    # One factor of 0.5 that is rounded at another place.
     np.testing.assert_allclose(curve.base().velocity, plain.base().velocity, rtol=0, atol=1e-12)
 
 
@@ -132,7 +132,7 @@ def test_a_delay_behind_a_controller_delays_what_the_rotors_are_told():
     )
     late = Simulation("hover", chain.replace("L", "0.005"), overrides=PLAIN)
     now = Simulation("hover", chain.replace("L", "0"), overrides=PLAIN)
-    # Rotors begin a little below HOVER: both are told it for 15 steps, and 1600 for 7.
+    # Rotors start slightly below HOVER: both are commanded HOVER for 15 steps, and 1600 for 7.
     for simulation, told in ((late, 10), (now, 15)):
         simulation.reset()
         simulation.command(np.full(4, HOVER))

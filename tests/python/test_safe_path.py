@@ -1,4 +1,4 @@
-"""Python files of the working folder, which may be a stranger's, are not run by any command."""
+"""No command runs Python files of the working folder, which may be untrusted."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from training import arguments, finished_run
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bin/skybody"
-# What our programs import: somebody else's packages, the standard library's, and our own.
+# Modules that our programs import: third-party packages, the standard library, and our own.
 PLANTED = (
     "numpy",
     "h5py",
@@ -106,7 +106,7 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
 @pytest.mark.parametrize("name", COMMANDS)
 def test_planted_files_are_not_run(name: str, folder: Path) -> None:
     run(COMMANDS[name](folder), folder)
-    if name == "train":  # evaluated in a process of its own
+    if name == "train":  # evaluated in a separate process
         assert list(folder.glob("new/checkpoints/*/evaluation.json"))
     if name == "run":
         assert (folder / "flight/flight-0001.png").exists()

@@ -1,4 +1,4 @@
-"""What Stable-Baselines3 learns from: rows before and after resets, bootstrapping, faults."""
+"""Data that Stable-Baselines3 learns from: rows around resets, bootstrapping, faults."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Step:
 
 
 class Tap(VecEnvWrapper):
-    """Writes down what goes through, and changes actions on the way in."""
+    """Records all rows and actions, and changes some actions."""
 
     def __init__(self, venv: VecEnv, change: Change | None = None) -> None:
         super().__init__(venv)
@@ -56,7 +56,7 @@ class Tap(VecEnvWrapper):
 
 
 def value(observations: torch.Tensor) -> torch.Tensor:
-    """A value function that tells any two observations apart."""
+    """A value function with a different value for every observation."""
     return observations @ torch.arange(1.0, observations.shape[1] + 1.0)[:, None]
 
 

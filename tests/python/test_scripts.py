@@ -1,7 +1,7 @@
-"""Every committed script runs at its smallest size, so that none can break unseen.
+"""Every committed script runs at its smallest size, so that a broken script is noticed.
 
-A script is listed here with its smallest call, or with the test that runs it. {out} is a folder of
-its own. A call writes nothing into the repository and ends with 0; what is printed is not judged.
+Each script is listed here with its smallest call, or with the test that runs it. {out} is a folder
+of its own. A call writes nothing into the repository and exits with 0; its output is not checked.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ class Call:
     """A script's smallest call."""
 
     arguments: str = ""
-    package: str = ""  # that it needs; where it is not installed the test is skipped
-    program: str = ""  # likewise of build/release/bin
+    package: str = ""  # a required package; without it the test is skipped
+    program: str = ""  # likewise, a program of build/release/bin
 
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """A script that another test runs, which names it."""
+    """A script that another test runs; the test must name it."""
 
     test: str
 
@@ -116,13 +116,15 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "scripts/plugin_reference.py": Call("--check"),
     "scripts/python_options.py": Elsewhere("test_options.py"),
     "scripts/task_tables.py": Elsewhere("test_task_tables.py"),
-    "scripts/update_docs.sh": Elsewhere("test_scripts.py"),  # what it calls is in this list
+    "scripts/update_docs.sh": Elsewhere(
+        "test_scripts.py"
+    ),  # all scripts that it calls are in this list
 }
 CALLS = {name: call for name, call in SCRIPTS.items() if isinstance(call, Call)}
 
 
 def scripts() -> list[str]:
-    """Files that are run: programs in Python, examples, and shell scripts."""
+    """Executable files: programs in Python, examples, and shell scripts."""
     found = []
     for folder in FOLDERS:
         for path in (ROOT / folder).rglob("*"):
@@ -134,7 +136,7 @@ def scripts() -> list[str]:
 
 
 def committed() -> dict[str, int]:
-    """When files that scripts might write by mistake were changed."""
+    """Modification times of files that scripts might overwrite by mistake."""
     folders = ("docs", "effects", "tasks", "controllers")
     files = (path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file())
     return {str(path): path.stat().st_mtime_ns for path in files}

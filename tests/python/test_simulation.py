@@ -15,7 +15,7 @@ PLAIN = ["randomization=[]", "robots[0].pose.position=[0, 0, 2]"]
 
 
 def flying(control: str | None = "ctbr", *more: str) -> Simulation:
-    """Hover at (0, 0, 2), in balance, an episode begun."""
+    """Hover at (0, 0, 2), in equilibrium, after a reset."""
     simulation = Simulation("hover", control, overrides=[*PLAIN, *more])
     simulation.reset()
     return simulation
@@ -37,7 +37,7 @@ def test_a_chain_in_yaml_is_a_mode_too_and_overrides_reach_it():
     simulation = flying(chain, "robots.quad.controllers.mine.parameters.max_thrust=1")
     simulation.command([100, 0, 0, 0])
     simulation.advance(500)
-    assert simulation.base().velocity[2] < -3  # held to 1 N: it falls
+    assert simulation.base().velocity[2] < -3  # limited to 1 N: it falls
     with pytest.raises(ValueError, match="rotor_speed, srt, throttle"):
         Simulation("hover", "thrust")
     with pytest.raises(TypeError, match="control is 3; it must be a text: one of rotor_speed"):
@@ -87,7 +87,7 @@ def test_a_long_advance_is_the_same_as_many_short_ones():
     whole, parts = flying("position"), flying("position")
     for simulation in (whole, parts):
         simulation.command([1, 0, 2, 0])
-    assert whole.advance(5000)  # more than one piece between looks for KeyboardInterrupt
+    assert whole.advance(5000)  # longer than the interval between checks for KeyboardInterrupt
     for _ in range(50):
         assert parts.advance(100)
     np.testing.assert_array_equal(whole.base().position, parts.base().position)
@@ -174,7 +174,7 @@ def test_contacts_on_the_ground_carry_the_weight():
     assert all(c.depth > 0 and c.point[2] == -c.depth for c in contacts)
     mass = simulation.mass_properties("base_link").mass
     weight = -simulation.compiled.gravity[2] * mass
-    # At rest: what still moves is far below a thousandth of g.
+    # At rest: the remaining motion is far below a thousandth of g.
     assert sum(c.force[2] for c in contacts) == pytest.approx(weight, rel=1e-3)
 
 

@@ -175,7 +175,7 @@ def test_pools_come_and_go_without_leaving_threads_behind():
     SimulationPool("hover", 4).close()
     before = threads()
     for _ in range(50):
-        SimulationPool("hover", 4)  # not even closed
+        SimulationPool("hover", 4)  # never closed
     assert threads() <= before
 
 
@@ -193,7 +193,9 @@ def test_the_gil_is_free_while_environments_advance():
         thread.start()
         before = counted[0]
         pool.advance(1_000_000)
-        assert counted[0] > before + 100  # a thread that is locked out counts to some pieces
+        assert (
+            counted[0] > before + 100
+        )  # a blocked thread would only reach about the number of pieces
         stop.set()
         thread.join(30)
 
@@ -205,7 +207,7 @@ def test_keyboard_interrupt_gets_through_a_long_advance():
         timer.start()
         with pytest.raises(KeyboardInterrupt):
             pool.advance(10**12)
-        pool.reset()  # it goes on
+        pool.reset()  # it can continue
         pool.advance(1)
         assert pool.states().times[0] == 0.001
 

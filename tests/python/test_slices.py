@@ -1,4 +1,4 @@
-"""Which workers are refused, with a stand-in for Ray that runs them here; test_ray.py has Ray."""
+"""Workers that are refused, with a local stand-in for Ray; test_ray.py uses Ray itself."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skybody.train.hyperparameters import native_defaults
 
 
 class Here:
-    """As much of `ray` as starts workers; each finds `changes` in what it has to compare."""
+    """The part of `ray` that starts workers; each reports `changes` in the compared values."""
 
     exceptions = SimpleNamespace(RayTaskError=KeyError, RayActorError=KeyError)
 

@@ -1,4 +1,4 @@
-"""The scripts behind first_flight.md and ray_speed.md: what is read, what is refused."""
+"""The scripts behind first_flight.md and ray_speed.md: accepted and refused inputs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ MACHINE = {
 
 
 def program(folder: Path, flown: str) -> Path:
-    """Something that talks as `skybody` does."""
+    """A stand-in that prints the output of `skybody`."""
     file = folder / "skybody"
     file.write_text(PROGRAM.replace("FLOWN", flown))
     file.chmod(0o755)

@@ -1,4 +1,4 @@
-"""The state of a batch by path, of everything that holds several environments."""
+"""The state of a batch by path, for all classes that hold several environments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a sweep tells its trials; test_ray.py flies one."""
+"""Arguments that a sweep passes to its trials; test_ray.py flies one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FOLDER = Path(__file__).resolve().parent
 
 
 def trials(out: Path, *words: str) -> list[Trial]:
-    """Those of a command line."""
+    """Options of a command line."""
     return sweep.trials_of(sweep.parser().parse_args(["--out", str(out), *words]))
 
 

@@ -1,4 +1,4 @@
-"""The shipped policies for what hangs below a robot and stands on it fly their scenarios."""
+"""The shipped policies for bodies suspended from a robot or balanced on it fly their scenarios."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Code of docs/task_kit.md is code that is compiled and flown."""
+"""The code of docs/task_kit.md is compiled and flown."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ QUOTED = re.compile(r"<!-- examples/visit_points\.cpp: ([\w, ]+) -->\n```cpp\n(.
 
 
 def part(name: str) -> str:
-    """What lies between `// [name]` and `// [end]` of the example, moved to the left."""
+    """The text between `// [name]` and `// [end]` of the example, without indentation."""
     found = re.search(rf"^ *// \[{name}\]\n(.*?)^ *// \[end\]\n", EXAMPLE, re.DOTALL | re.MULTILINE)
     assert found, name
     return textwrap.dedent(found[1])

@@ -1,4 +1,4 @@
-"""Tables of observations in the READMEs of tasks are what the tasks declare."""
+"""Tables of observations in the READMEs of tasks match the tasks' declarations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shipped policies of teams fly as well as the pages of their tasks say; all are found by name."""
+"""Shipped team policies fly as well as the pages of their tasks state; all are found by name."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_a_shipped_policy_succeeds(scenario: str, tmp_path: Path) -> None:
     command = [PROGRAM, "run", scenario, "--policy", "shipped", "--no-picture"]
     command += ["--episodes", str(EPISODES), "--out", str(tmp_path / "log")]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    assert "warning" not in done.stderr  # it was trained in this very scenario
+    assert "warning" not in done.stderr  # it was trained in exactly this scenario
     with h5py.File(tmp_path / "log/flight.h5") as log:
         ends = [
             e["info"][-1, list(e["info"].attrs["columns"]).index("success")]

@@ -1,4 +1,4 @@
-"""Training: one seed, the same bits, also after kill -9; files that say what they are."""
+"""Training: one seed gives the same bits, also after kill -9; files describe their content."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def compiled() -> CompiledScenario:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of `ppo` that was not interrupted; test_train_command.py has those in C++."""
+    """An uninterrupted run of `ppo`; test_train_command.py has those in C++."""
     run = tmp_path_factory.mktemp("whole") / "ppo"
     assert main(arguments("ppo", run)) == 0
     return run
@@ -198,7 +198,7 @@ def test_a_run_has_its_tables_its_picture_and_an_evaluation_of_each_checkpoint(r
 
 
 def network_actions(learner: Any, observation: np.ndarray) -> np.ndarray:
-    """What the learner itself computes, in single precision."""
+    """The learner's own output, in single precision."""
     if isinstance(learner, Sb3Ppo):
         rows = learner.normalize.normalize_obs(observation)
         actions, _ = learner.model.predict(rows, deterministic=True)

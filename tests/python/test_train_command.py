@@ -1,4 +1,4 @@
-"""`skybody train` with learners in C++: the same bits after kill -9, one message for mistakes."""
+"""`skybody train` with C++ learners: the same bits after kill -9, one message per mistake."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from skybody.train.run_folder import read_table
 pytestmark = pytest.mark.timeout(120)
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
-LEARNERS = {  # what a rollout of 16 environments needs to be small
+LEARNERS = {  # options that make a rollout of 16 environments small
     "fast-ppo": ["rollout_steps=50", "minibatch=200", "hidden=8,8"],
     "gradient": ["rollout_steps=8", "hidden=8,8"],
 }
@@ -32,7 +32,7 @@ each = pytest.mark.parametrize("algorithm", LEARNERS)
 
 
 def command(algorithm: str, *more: str) -> list[str]:
-    """A run of ROLLOUTS rollouts, with a checkpoint after each second one."""
+    """A run of ROLLOUTS rollouts, with a checkpoint after every second one."""
     rollout = 16 * (50 if algorithm == "fast-ppo" else 8)
     words = ["hover_learn", "--algo", algorithm, "--seed", "3", "--envs", "16"]
     words += ["--total-steps", str(rollout * ROLLOUTS), "--checkpoint-every", str(2 * rollout)]
@@ -43,7 +43,7 @@ def command(algorithm: str, *more: str) -> list[str]:
 
 
 def start(words: list[str], folder: Path, **options: Any) -> subprocess.Popen[str]:
-    """`skybody train` with these arguments, at work in `folder`."""
+    """Starts `skybody train` with these arguments in `folder`."""
     return subprocess.Popen(
         [str(PROGRAM), "train", *words],
         cwd=folder,
@@ -56,14 +56,14 @@ def start(words: list[str], folder: Path, **options: Any) -> subprocess.Popen[st
 
 
 def train(words: list[str], folder: Path, **options: Any) -> tuple[int, str, str]:
-    """To its end: exit status, what it printed, what it complained of."""
+    """Runs it to its end and returns exit status, stdout and stderr."""
     process = start(words, folder, **options)
     out, complaint = process.communicate(timeout=100)
     return process.returncode, out, complaint
 
 
 def trained(algorithm: str, folder: Path) -> Path:
-    """A run that nobody interrupted."""
+    """An uninterrupted run."""
     status, _, complaint = train(command(algorithm, "--out", algorithm), folder)
     assert status == 0, complaint
     return folder / algorithm
@@ -71,7 +71,7 @@ def trained(algorithm: str, folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """A run that nobody interrupted, made once."""
+    """An uninterrupted run, made once."""
     folder = tmp_path_factory.mktemp("whole")
 
     def run_of(algorithm: str) -> Path:
@@ -82,7 +82,7 @@ def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
 
 
 def final_hash(run: Path) -> str:
-    """Of the parameters at the end."""
+    """Hash of the parameters at the end."""
     return str(read_meta(checkpoint_folders(run)[-1])["parameter_hash"])
 
 
@@ -115,7 +115,7 @@ def test_a_run_killed_at_a_random_moment_ends_with_the_bits_of_one_that_was_not(
     assert final_hash(killed) == final_hash(whole)
     steps = [[row["steps"] for row in read_table(run / "progress.csv")] for run in (whole, killed)]
     assert steps[0] == steps[1]
-    assert len(steps[0]) >= ROLLOUTS  # `gradient` counts no steps behind an episode's end
+    assert len(steps[0]) >= ROLLOUTS  # `gradient` does not count steps after an episode's end
 
 
 @each
@@ -145,7 +145,7 @@ def test_runs_that_are_told_no_folder_have_one_each_and_say_how_to_fly(tmp_path:
     assert flights == ["hover_learn_fast-ppo", "hover_learn_fast-ppo-2"]
     fly = re.search(r"^fly it +(skybody run .*)$", said[1], re.MULTILINE)
     assert fly is not None, said[1]
-    # What the world is, and where its plugins lie, has to be told anew.
+    # The command must repeat the overrides and the plugin folders.
     assert "--set 'robots.quad.pose.position=[0, 0, 2]' --plugin-path 'my plugins'" in fly[1]
     words = [*shlex.split(fly[1])[1:], "--no-picture", "--steps", "5"]
     flown = subprocess.run(
@@ -184,7 +184,7 @@ def test_where_a_file_cannot_be_written_whole_checkpoints_stay_and_the_run_goes_
     whole = whole_run(algorithm)
 
     def fill() -> None:
-        """No file may have more bytes than progress.csv has after some rollouts."""
+        """Limits the size of files to that of progress.csv after some rollouts."""
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         most = (whole / "progress.csv").stat().st_size // 2
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
@@ -233,7 +233,7 @@ def test_a_run_of_ppo_that_diverges_is_one_message(tmp_path: Path) -> None:
     words = ["hover_learn", "--algo", "ppo", "--envs", "16", "--eval-episodes", "0"]
     for setting in ("rollout_steps=20", "minibatch=160", "hidden=8,8", "epochs=100"):
         words += ["--set", setting]
-    # The entropy's weight makes the deviation of actions grow until it is no float any more.
+    # The entropy's weight increases the deviation of actions until it overflows a float.
     words += ["--set", "learning_rate=1", "--set", "entropy_weight=100", "--total-steps", "1600"]
     status, _, complaint = train(words, tmp_path)
     assert status == 2

@@ -58,7 +58,7 @@ def test_there_must_be_a_run_to_resume(tmp_path: Path, capsys: pytest.CaptureFix
 
 @contextmanager
 def damaged(path: Path) -> Iterator[None]:
-    """With the last bit of a file turned."""
+    """Flips the last bit of a file."""
     whole = path.read_bytes()
     path.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
     try:
@@ -98,7 +98,7 @@ def test_a_damaged_configuration_is_named(run: Path, capsys: pytest.CaptureFixtu
 
 @contextmanager
 def replaced(path: Path, content: bytes | None) -> Iterator[None]:
-    """With other bytes in a file, or (None) without the file."""
+    """Replaces a file's bytes, or removes the file (None)."""
     whole = path.read_bytes()
     if content is None:
         path.unlink()
@@ -358,7 +358,7 @@ def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
 
 
 class Counting:
-    """A learner of the engine that counts what it is asked for all of its words."""
+    """A learner of the engine that counts requests for its complete state."""
 
     saves = 0
 
@@ -378,4 +378,4 @@ def test_a_checkpoint_copies_a_learners_words_once(
     command[command.index("--total-steps") + 1] = "1200"
     assert main(command) == 0
     checkpoints = checkpoint_folders(tmp_path / "run")
-    assert Counting.saves == len(checkpoints) + 1  # the summary says the parameters' hash
+    assert Counting.saves == len(checkpoints) + 1  # the summary contains the parameters' hash

@@ -1,4 +1,4 @@
-"""Run folders from strangers: one message, exit code 2, and never more memory than a file has."""
+"""Untrusted run folders: one message, exit code 2, and never more memory than the file's size."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def entries_of(run: Path) -> dict[str, Any]:
 
 
 def archive(entries: dict[str, Any], **more: bytes) -> bytes:
-    """As np.savez() writes it, and raw entries."""
+    """Entries as written by np.savez(), and raw entries."""
     buffer = io.BytesIO()
     np.savez(buffer, **entries)
     with zipfile.ZipFile(buffer, "a") as file:
@@ -77,12 +77,12 @@ def plain(value: Any) -> dict[str, Any]:
 
 
 def changed(entries: dict[str, Any], **values: Any) -> dict[str, Any]:
-    """With other plain values."""
+    """Replaces some plain values."""
     return {**entries, **plain({**json.loads(entries["plain"].tobytes()), **values})}
 
 
 def header(shape: tuple[int, ...]) -> bytes:
-    """Of NumPy's format, without the values."""
+    """A header of NumPy's format, without the values."""
     buffer = io.BytesIO()
     described = {"descr": "<i8", "fortran_order": False, "shape": shape}
     np.lib.format.write_array_header_1_0(buffer, described)

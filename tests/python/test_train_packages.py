@@ -1,4 +1,4 @@
-"""skybody.train without packages that it could use, and without memory."""
+"""skybody.train without optional packages, and without memory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SB3 = ["stable_baselines3", "torch"]
 
 
 def train_without(packages: list[str], words: list[str], python: Callable[[str], Finished]) -> Any:
-    """`skybody train` where packages are not installed."""
+    """`skybody train` without some packages installed."""
     return python(f"""
         import runpy, sys
         for name in {packages}:
@@ -113,4 +113,4 @@ def test_memory_that_is_at_its_end_in_training_is_one_message(
 
 def test_memory_that_pytorch_does_not_get_is_a_memory_error() -> None:
     with pytest.raises(MemoryError, match="allocate"), memory_errors():
-        torch.empty(2**58)  # no processor has so many addresses
+        torch.empty(2**58)  # beyond the address space of any processor

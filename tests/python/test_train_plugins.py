@@ -1,4 +1,4 @@
-"""Run folders name the plugins' folders that they were trained with, and do not choose them."""
+"""Run folders name the plugin folders of their training, but do not select them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ pytestmark = [
 
 @pytest.fixture
 def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A file that the plugin makes when it is loaded."""
+    """A file that the plugin creates when it is loaded."""
     file = tmp_path / "mark"
     monkeypatch.setenv("SKYBODY_TEST_MARK", str(file))
     return file
@@ -36,14 +36,14 @@ def test_recorded_plugin_folders_are_named_and_not_searched(
     command += ["--override", "robots.quad.controllers=[{plugin: leaves_a_mark}, {plugin: ctbt}]"]
     assert main([*command, *given]) == 0
     assert mark.exists()
-    assert list(run.glob("checkpoints/*/evaluation.json"))  # its process was told where to look
+    assert list(run.glob("checkpoints/*/evaluation.json"))  # its process received the plugin path
     longer = ["--resume", "--out", str(run), "--total-steps", "1200"]
     calls = (
         (main, "train", longer),
         (evaluate.main, "evaluate", [str(run), "--episodes", "1"]),
     )
     for call, who, options in calls:
-        gc.collect()  # whatever has the plugin still loaded
+        gc.collect()  # any object that keeps the plugin loaded
         mark.unlink()
         capsys.readouterr()
         assert call(options) == 2

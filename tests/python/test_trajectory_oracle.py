@@ -1,8 +1,8 @@
 """Observation, reward, ends and infos of task `trajectory` against NumPy, field by field.
 
 The oracle is written from the equations of tasks/trajectory/README.md and
-controllers/reference/README.md; what flies is Skybody: random actions, and robots that are put
-somewhere at random.
+controllers/reference/README.md. Skybody flies random actions, and robots teleported to random
+states.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 from skybody.simulation import Simulation
 
 Rows = NDArray[np.float64]
-STATES = 10_000  # compared of each scenario
+STATES = 10_000  # compared states of each scenario
 LONGEST = 150  # steps of an episode here
 GRAVITY = 9.81
-# Observations, infos and rewards are float32: half an ulp of values of this size, and once more for
-# what the oracle and the task round differently.
+# Observations, infos and rewards are float32: half an ulp of values of this size, and again as much
+# for different round-off in the oracle and the task.
 RELATIVE, ABSOLUTE = 1.3e-7, 2e-7
 
 
 @dataclass
 class Task:
-    """What the scenario says of the task."""
+    """The scenario's parameters of the task."""
 
     actions: int = 4
     history: int = 20
@@ -76,7 +76,7 @@ DIMENSIONS = {
 
 @dataclass
 class Episode:
-    """What was seen after the reset and after every step, a row each."""
+    """Values after the reset and after every step, one row each."""
 
     task: Task
     path: dict[str, Any]  # the numbers of the path
@@ -104,7 +104,7 @@ def path_of(sim: Simulation) -> dict[str, Any]:
 
 
 def put_somewhere(sim: Simulation, random: np.random.Generator) -> None:
-    """Anywhere in the box of failures and a little beyond; turned, moving and turning."""
+    """Random states in and slightly outside the box of failures, with attitude, velocity, spin."""
     low, high = np.array([-9.3, -9.3, -0.1]), np.array([9.3, 9.3, 10.3])
     sim.teleport(
         position=random.uniform(low, high),
@@ -170,7 +170,7 @@ def turn_about(axis: int, angle: Rows) -> Rows:
 
 
 def shortest_turn(up: Rows) -> Rows:
-    """Matrices of the shortest turn of e_z to unit vectors (Rodrigues' formula)."""
+    """Matrices of the shortest rotation of e_z to unit vectors (Rodrigues' formula)."""
     axis = np.cross(np.array([0.0, 0.0, 1.0]), up)
     cross = np.zeros((*up.shape[:-1], 3, 3))
     cross[..., 0, 1], cross[..., 0, 2] = -axis[..., 2], axis[..., 1]
@@ -180,7 +180,7 @@ def shortest_turn(up: Rows) -> Rows:
 
 
 class Reference:
-    """A drawn Lissajous figure over time."""
+    """A random Lissajous figure over time."""
 
     def __init__(self, path: dict[str, Any], ramp: float) -> None:
         self.path, self.ramp = path, ramp
@@ -189,7 +189,7 @@ class Reference:
         self.rate = path["peak_speed"] / np.linalg.norm(slope, axis=1).max()
 
     def clock(self, t: Rows) -> tuple[Rows, Rows, Rows]:
-        """Path time, its pace, and the pace's change."""
+        """Path time, its rate, and the derivative of the rate."""
         x = np.clip(t / self.ramp, 0.0, 1.0)
         pace = 35 * x**4 - 84 * x**5 + 70 * x**6 - 20 * x**7
         change = (140 * x**3 - 420 * x**4 + 420 * x**5 - 140 * x**6) / self.ramp
@@ -218,7 +218,7 @@ def expected(e: Episode) -> dict[str, Rows]:
     rotation = matrix(e.rotation)
     into = np.swapaxes(rotation, 1, 2) if task.body_axes else np.broadcast_to(np.eye(3), (n, 3, 3))
 
-    # The past: entry `age` of step i is step i - age, before the reset the reset's.
+    # The past: entry `age` of step i is that of step i - age; before the reset, that of the reset.
     ages = np.maximum(np.arange(n)[:, None] - np.arange(task.history), 0)
     velocity = np.einsum("nij,nj->ni", into, e.velocity)
     seen_action = e.action.copy()
@@ -277,7 +277,7 @@ def expected(e: Episode) -> dict[str, Rows]:
 
 
 def observed(e: Episode, columns: list[Any], info_count: int) -> dict[str, Rows]:
-    """The same fields as the task gave them; controllers' reports lie behind its infos."""
+    """The same fields as given by the task; its infos precede those of controllers."""
     info = e.info[:, :info_count]
     out: dict[str, Rows] = {"reward": e.reward, "terminated": e.terminated, "info": info}
     first = 0
@@ -289,7 +289,7 @@ def observed(e: Episode, columns: list[Any], info_count: int) -> dict[str, Rows]
 
 
 def without_seams(name: str, got: Rows, want: Rows) -> Rows:
-    """Angles near +-pi may come out on either side."""
+    """Angles near +-pi may have either sign."""
     if name != "yaw_error":
         return want
     return np.where(abs(got - want) > math.pi, want + 2 * math.pi * np.sign(got - want), want)
@@ -308,7 +308,7 @@ def test_every_field_is_what_numpy_makes_of_the_flown_states(name: str) -> None:
         want = expected(e)
         got = observed(e, columns, want["info"].shape[1])
         assert want.keys() == got.keys()
-        # What a reset says of reward and end is ignored, and so not compared.
+        # Reward and end of a reset are ignored and therefore not compared.
         for field in want:
             first = 1 if field in ("reward", "terminated") else 0
             near = without_seams(field, got[field], want[field])

@@ -1,4 +1,4 @@
-"""The policies that are shipped for the worlds of task `trajectory` fly them."""
+"""The shipped policies for the worlds of task `trajectory` fly them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tuning: what is drawn, flown, counted and written, and that gains become better by it."""
+"""Tuning: its draws, flights, counts and files, and that it improves the gains."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_gains_are_better_than_the_defaults_on_draws_that_the_search_has_not_see
     vehicle: Vehicle,
 ) -> None:
     tuned = tune(vehicle, dataclasses.replace(QUICK, evaluations=193, draws=4))
-    assert tuned.after.cost < 0.85 * tuned.before.cost  # a sixth of the search finds so much
+    assert tuned.after.cost < 0.85 * tuned.before.cost  # a sixth of the search finds this much
     assert tuned.after.lost == 0
     assert tuned.better_draws >= 30  # of 32
 
@@ -107,7 +107,7 @@ def test_written_gains_are_those_that_were_flown_and_can_be_included(
 
 
 def test_gains_for_slow_rotors_cost_in_a_file_what_they_cost_in_the_search() -> None:
-    """Default gains of geometric are slowed down for these rotors, and given ones are not."""
+    """Default gains of geometric are reduced for these rotors; given gains are not."""
     options = TuneOptions(evaluations=33, margins=False)
     tuned = tune(Vehicle("vehicle", chain="geometric,ctbt"), options)
     written = ", ".join(entries_of(tuned.uses, tuned.after.parameters))
@@ -162,7 +162,9 @@ def test_draws_cover_their_ranges_and_begin_with_the_nominal_vehicle(
     column = next(k for k, path in enumerate(draws.paths) if path.endswith(".mass"))
     shares = draws.values[1:, column] / draws.values[0, column]
     assert np.all(np.abs(shares - 1.0) <= 0.2)
-    assert shares.min() < 0.83 and shares.max() > 1.17  # 40 equal parts of the range, one of each
+    assert (
+        shares.min() < 0.83 and shares.max() > 1.17
+    )  # 40 equal parts of the range, one draw of each
     wind = [draws.paths.index(f"effects.wind.velocity[{k}]") for k in range(2)]
     speed = np.linalg.norm(draws.values[:, wind], axis=1)
     assert speed.max() <= 4.0 and speed.max() > 3.8
@@ -204,11 +206,12 @@ def test_derivatives_of_the_path_are_those_of_its_positions() -> None:
         action_channels = (Channel,)
 
     commands = PROGRAMS["trajectory"](Taken()).commands  # type: ignore[arg-type]
-    path = commands[-400:]  # seconds 4.2 to 8.2: all of it on the path
+    path = commands[-400:]  # seconds 4.2 to 8.2: fully on the path
     for order in range(4):
         value, rate = path[:, 3 * order : 3 * order + 3], path[:, 3 * order + 3 : 3 * order + 6]
         central = (value[2:] - value[:-2]) / (2.0 * COMMAND_PERIOD)
-        # Of central differences: h^2/6 times the third derivative, 2.3^3 times the rate at most.
+        # Error of central differences: h^2/6 times the third derivative, at most 2.3^3 times the
+        # rate.
         assert np.abs(central - rate[1:-1]).max() < 2e-4 * 2.3 ** (order + 1)
 
 
@@ -248,7 +251,7 @@ def test_scaled_vehicles_differ_in_the_gain_of_one_loop_alone(compiled: Compiled
     turning = scaled([*paths, inertia], values, TURNING, 2.0)
     assert turning == pytest.approx([-9.81, 1e-6, 0.005])  # the same thrust turns it twice as much
     moving = scaled([*paths, inertia], values, MOVING, 2.0)
-    # Thrust over inertia and thrust over weight as before; thrust over mass twice as much.
+    # Thrust over inertia and thrust over weight are unchanged; thrust over mass is doubled.
     assert moving == pytest.approx([-19.62, 2e-6, 0.02])
 
 
@@ -257,7 +260,7 @@ def test_twice_the_gains_leave_half_the_margin() -> None:
     gains = find_gains(vehicle.compile())
     once = margins_of(vehicle, gains, np.zeros(len(gains)))
     twice = margins_of(vehicle, gains, np.full(len(gains), np.log(2.0)))
-    # The factors that are tried lie 5.7 % apart.
+    # The tried factors are 5.7 % apart.
     assert twice.turning.up == pytest.approx(0.5 * once.turning.up, rel=0.12)
     assert twice.delay < once.delay
 

@@ -1,5 +1,8 @@
-"""Values that are possible and unlikely: `skybody check` and loading warn of them, and say what may
-have been meant. One table in core/io/plausibility_limits.cpp has the ranges."""
+"""Warnings about possible but unlikely values.
+
+`skybody check` and loading warn of them and suggest the intended value. One table in
+core/io/plausibility_limits.cpp has the ranges.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,7 @@ USUAL = {
 
 
 def warnings(folder: Path, **changes: object) -> list[str]:
-    """What `skybody check` warns of in the quadrotor with some values changed."""
+    """Warnings of `skybody check` for the quadrotor with some values changed."""
     values = USUAL | changes
     (folder / "quad.urdf").write_text(URDF.format(**values))
     (folder / "rotors.yaml").write_text(ROTORS.format(**values))
@@ -202,7 +205,7 @@ SPINNING = """\
 </link>
 {links}</robot>
 """
-# A propeller that weighs next to nothing, so that the whole turns with the base's inertia.
+# A propeller of negligible weight, so that the whole turns with the base's inertia.
 PROPELLER = """\
 <link name="rotor_{k}"><inertial><mass value="1e-9"/>
   <inertia ixx="1e-12" ixy="0" ixz="0" iyy="1e-12" iyz="0" izz="1e-12"/></inertial></link>
@@ -221,10 +224,11 @@ PLACES = [(0.17, -0.17, "ccw"), (-0.17, 0.17, "ccw"), (0.17, 0.17, "cw"), (-0.17
     ],
 )
 def test_rotors_on_free_joints_turn_the_vehicle(joint: str, limit: str, tmp_path: Path) -> None:
-    """Joints about a rotor's own axis are read as fixed, those with limits of many turns, too.
+    """Joints about a rotor's own axis are read as fixed, including those with limits of many turns.
 
-    After 0.5 s at 800 and 600 rad/s the yaw rate is
-    2 k_m (600^2 - 800^2) / Izz * 0.5 s = -1.653 rad/s."""
+    After 0.5 s at 800 and 600 rad/s the yaw rate is 2 k_m (600^2 - 800^2) / Izz * 0.5 s = -1.653
+    rad/s.
+    """
     links = "".join(
         PROPELLER.format(k=k, x=x, y=y, joint=joint, limit=limit)
         for k, (x, y, _) in enumerate(PLACES)
@@ -282,8 +286,7 @@ def test_inertia_repair_is_a_key_of_the_robot(tmp_path: Path) -> None:
 
 
 def test_springs_and_limits_act_on_universal_joints(tmp_path: Path) -> None:
-    """A pendulum on two crossed pins: a spring on each holds it at its angle of rest, and limits
-    stop it."""
+    """A pendulum on two crossed pins, each with a rest angle, a spring and limits."""
     (tmp_path / "arm.urdf").write_text(
         '<robot name="arm"><link name="base"><inertial><mass value="1"/>'
         '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>'
@@ -313,7 +316,8 @@ def test_springs_and_limits_act_on_universal_joints(tmp_path: Path) -> None:
     weight = 0.1 * 9.81 * 0.2
     assert 0.2 < x < 0.3  # the spring pulls it into its limit, a stop of 1e4 J
     # Equilibrium about y: 2 (0.5 - y) = m g l cos(x) sin(y). A stop acts at a step's end, so that
-    # the spring moves x within the step: 1.8e-3 N m are missing at 1 ms, a quarter at half of it.
+    # the spring moves x within the step: the error is 1.8e-3 N m at 1 ms, and a quarter of that at
+    # half the step.
     assert 2 * (0.5 - y) == pytest.approx(weight * np.cos(x) * np.sin(y), abs=3e-3)
 
 
@@ -325,7 +329,7 @@ def test_values_beyond_the_range_of_actions_are_counted() -> None:
     envs.reset(seed=1)
     actions = np.zeros((4, 4), np.float32)
     assert "clipped" not in envs.step(actions)[4]
-    actions[2] = [1500, -1.5, 1, -1]  # rad/s where -1 to 1 is wanted
+    actions[2] = [1500, -1.5, 1, -1]  # rad/s where -1 to 1 is required
     infos = envs.step(actions)[4]
     assert infos["clipped"].tolist() == [0, 0, 2, 0]
     assert infos["_clipped"].all()
@@ -426,7 +430,7 @@ def test_a_new_vehicle_passes_check_and_hovers(name: str, tmp_path: Path) -> Non
     assert flown.returncode == 0, flown.stderr
     row = next(line for line in flown.stdout.splitlines() if re.match(r"\s*1 ", line))
     assert "truncated" in row
-    # Mean error [mm] over the last second. `hold` moves the largest of them slowly: 6 mm are left.
+    # Mean error [mm] over the last second. `hold` moves the largest vehicle slowly: 6 mm remain.
     assert float(row.split()[-3]) < 10.0, flown.stdout
 
 

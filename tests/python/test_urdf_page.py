@@ -104,7 +104,7 @@ def promised() -> list[str]:
 
 
 def warnings(folder: Path, urdf: str) -> list[str]:
-    """What `skybody check` warns of in a robot of this model."""
+    """Warnings of `skybody check` for a robot of this model."""
     (folder / "model.urdf").write_text(urdf)
     (folder / "scenario.yaml").write_text(SCENARIO)
     (folder / "there.stl").write_text(TETRAHEDRON)

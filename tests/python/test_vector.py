@@ -1,4 +1,4 @@
-"""The vector environment against worlds that are stepped by hand, in each autoreset mode."""
+"""The vector environment against worlds stepped by hand, in each autoreset mode."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_final_obs_keeps_its_values_while_later_steps_reuse_the_buffers():
                 kept.append((row, row.copy()))
     assert kept
     for row, as_it_was in kept:
-        assert row.flags.owndata  # who keeps one holds no whole buffer
+        assert row.flags.owndata  # keeping a row does not keep the whole buffer
         np.testing.assert_array_equal(row, as_it_was)
 
 
@@ -150,10 +150,10 @@ def test_disabled_refuses_to_step_an_ended_environment():
 def test_every_mode_gives_what_gymnasiums_own_sync_vector_env_gives(
     mode: AutoresetMode, scenario: str
 ):
-    """Observations, rewards, ends, and infos with their masks, key by key.
+    """Compares observations, rewards, ends, and infos with their masks, key by key.
 
-    With SAME_STEP, `fault` and `agent_reward` beside `final_info` differ by design: ours are the
-    transition's, as the reward and the flags are.
+    With SAME_STEP, `fault` and `agent_reward` beside `final_info` differ by design: ours belong to
+    the transition, like the reward and the flags.
     """
     compiled = short_hover() if scenario == "hover" else short(scenario)
     ours = make_vec(compiled, NUM_ENVS, autoreset=mode)
@@ -188,7 +188,7 @@ def short(scenario: str) -> skybody.CompiledScenario:
 
 
 def assert_equal(ours: Any, theirs: Any) -> None:
-    """Equal values and, in dictionaries, equal keys; rewards may be float32 against float64."""
+    """Equal values and, in dictionaries, equal keys; rewards may be float32 or float64."""
     if isinstance(ours, dict):
         assert ours.keys() == theirs.keys()
         for key in ours:
@@ -304,7 +304,7 @@ def test_observations_are_views_that_survive_as_long_as_they_are_held():
     before = envs.native.fresh_buffers
     for step in range(10):
         envs.step(actions(step, NUM_ENVS))
-    assert envs.native.fresh_buffers <= before + 2  # those of the two held when counting began
+    assert envs.native.fresh_buffers <= before + 2  # the two buffers held when counting began
 
 
 def test_gymnasium_make_vec_gives_the_native_one():

@@ -1,4 +1,6 @@
-"""Wrong actions, arguments and moments of the vector environment, each a clear error."""
+"""Calls of the vector environment with wrong actions or arguments, or at a wrong time: clear
+errors.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +70,7 @@ def test_a_reset_after_an_interrupted_step_begins_anew():
     envs, untouched = make(), make()
     for each in (envs, untouched):
         each.reset()
-    envs.native.send(actions(0, NUM_ENVS), None)  # what Ctrl-C in step() leaves behind
+    envs.native.send(actions(0, NUM_ENVS), None)  # the state that Ctrl-C in step() leaves behind
     with pytest.raises(skybody.Error, match=r"interrupted and .* in flight: reset\(\)"):
         envs.step(actions(0, NUM_ENVS))
     mask = np.arange(NUM_ENVS) < 2

@@ -56,12 +56,14 @@ def test_fork_copies_the_future_and_rekey_gives_each_copy_its_own():
         envs.fork(2, [0, 5], rekey=rekey)
         np.testing.assert_array_equal(envs.observations()[[0, 5]], envs.observations()[[2, 2]])
         same = np.tile(actions(0, NUM_ENVS)[1], (NUM_ENVS, 1))
-        return np.stack([envs.step(same)[0][[0, 2, 5]] for _ in range(80)])  # beyond a reset
+        return np.stack(
+            [envs.step(same)[0][[0, 2, 5]] for _ in range(80)]
+        )  # longer than an episode
 
     alike, own = futures(rekey=False), futures(rekey=True)
     np.testing.assert_array_equal(alike[:, 0], alike[:, 1])
     np.testing.assert_array_equal(alike[:, 2], alike[:, 1])
-    np.testing.assert_array_equal(own[:, 1], alike[:, 1])  # the source is as it was
+    np.testing.assert_array_equal(own[:, 1], alike[:, 1])  # the source is unchanged
     assert not np.array_equal(own[:, 0], own[:, 1])
     assert not np.array_equal(own[:, 0], own[:, 2])
 

@@ -1,4 +1,4 @@
-"""Every world of contact, couplings and air is flown by its baseline, and ends as its head says."""
+"""The baseline of every world of contact, couplings and air ends as the file's head states."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def experiment() -> ModuleType:
-    """Its list of worlds, with what success is in each."""
+    """The experiment's list of worlds, with the success criterion of each."""
     sys.path.insert(0, str(ROOT / "experiments"))
     try:
         return importlib.import_module("worlds")

@@ -1,4 +1,4 @@
-"""What the tests of training share: a small run's command line, and the learners."""
+"""Helpers shared by the tests of training: a small run's command line, and the learners."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def learner_of(
     total_steps: int = 10_000,
     **changes: Any,
 ) -> Iterator[Any]:
-    """A learner with SMALL hyper-parameters, of which `changes` are others."""
+    """A learner with SMALL hyper-parameters, some replaced by `changes`."""
     row = algorithm_of(algorithm)
     hyper = dataclasses.replace(row.defaults(), **{**SMALL, **changes})
     made: Any = row.make(compiled, hyper, seed, threads, total_steps)
@@ -41,7 +41,7 @@ def learner_of(
 
 
 def arguments(algorithm: str, out: Path) -> list[str]:
-    """A run of ROLLOUTS rollouts with a checkpoint after each second one."""
+    """A run of ROLLOUTS rollouts with a checkpoint after every second one."""
     command = [
         SCENARIO,
         "--algo",

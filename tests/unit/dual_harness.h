@@ -1,8 +1,8 @@
-// Derivatives of a plugin's functions, from its functions on dual numbers and from differences.
+// Derivatives of a plugin's functions: dual numbers against differences.
 //
-// A test names a plugin and a call. In random states and directions, input block by input block,
-// the tangents that come out are compared with central differences of the functions on real
-// numbers, and the values bit by bit with what these give.
+// A test names a plugin and a call. For random states and directions, one input block at a time, it
+// compares the tangents with central differences of the functions on real numbers, and the values
+// bit by bit with those of the functions on real numbers.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@
 
 namespace skybody::testing {
 
-/// Every row of doubles or state words with the row of tangents behind it.
+/// Interleaves every row of doubles or state words with its row of tangents.
 template <class T>
 std::vector<T> with_tangents(const std::vector<T>& values, const std::vector<T>& tangents,
                              int lanes) {
@@ -28,7 +28,7 @@ std::vector<T> with_tangents(const std::vector<T>& values, const std::vector<T>&
   return rows;
 }
 
-/// The values (part 0) or the tangents (part 1) of such rows.
+/// Extracts the values (part 0) or the tangents (part 1) of such rows.
 template <class T>
 std::vector<T> part_of(const std::vector<T>& rows, int part, int lanes) {
   std::vector<T> values;
@@ -41,7 +41,7 @@ std::vector<T> part_of(const std::vector<T>& rows, int part, int lanes) {
 template <class Block>
 constexpr bool kIsOfDoubles = std::is_same_v<typename Block::value_type, double>;
 
-/// A group of dual numbers from two groups of the same plugin.
+/// Makes a group of dual numbers from two groups of the same plugin.
 inline Group with_tangents(const Group& values, const Group& tangents) {
   Group dual = tangents;
   Group::each(values, dual, [&](const auto& v, auto& t) {
@@ -76,7 +76,7 @@ inline Group zeros(const Group& group) {
   return zero;
 }
 
-/// x + step * tangent. What has no tangent, such as a counter in the state, keeps its bits.
+/// x + step * tangent. Entries without a tangent, such as a counter in the state, keep their bits.
 inline Group moved(const Group& x, const Group& tangents, double step) {
   Group there = x;
   Group::each(tangents, there, [&](const auto& t, auto& v) {
@@ -92,7 +92,7 @@ inline Group moved(const Group& x, const Group& tangents, double step) {
   return there;
 }
 
-/// What a call writes, as rows of doubles, the state first.
+/// The output of a call, as rows of doubles, the state first.
 inline std::vector<double> written(const Group& g, Instance::Call call) {
   std::vector<double> all;
   for (const std::uint64_t word : g.state) all.push_back(std::bit_cast<double>(word));
@@ -113,7 +113,7 @@ struct Differentiated {
   PluginWorld& world;
   Parameters given;
   Instance::Call call;
-  std::set<int> counters;  ///< members of State that are no Real
+  std::set<int> counters;  ///< members of State that are not Real
 };
 
 class DerivativeCheck {
@@ -146,9 +146,9 @@ class DerivativeCheck {
  private:
   static constexpr int kLanes = SKYBODY_GROUP_LANES, kRounds = 12;
   static constexpr std::uint32_t kAll = 0xffffffffu;
-  // Steps in units of a direction, which is of the size of the inputs. The error of four-point
+  // Steps in units of a direction, which has the size of the inputs. The error of four-point
   // differences of a smooth function is about 1e-12 of the row's size by rounding (1e-16 / h), more
-  // where the function subtracts large numbers, and of the order h^4 besides.
+  // where the function subtracts large numbers, plus a term of order h^4.
   static constexpr double kStep = 1e-4, kTolerance = 2e-7;
   static constexpr std::pair<const char*, std::vector<double> Group::*> kBlocks[] = {
       {"bodies", &Group::bodies},
@@ -163,7 +163,8 @@ class DerivativeCheck {
       {"buffer", &Group::buffer},
       {"input", &Group::input}};
 
-  /// Random inputs behind a reset and some calls, which bring the state to where it goes in flight.
+  /// Random inputs after a reset and some calls, which bring the state to typical values of a
+  /// flight.
   Group somewhere(std::mt19937_64& generator, int round) const {
     Group g = instance_.group(kLanes);
     for (int l = 0; l < kLanes; ++l) {
@@ -184,7 +185,7 @@ class DerivativeCheck {
     return g;
   }
 
-  /// A tangent as large as a value, or 0.01 where that is 0.
+  /// A tangent as large as the value, or 0.01 if the value is 0.
   static double tangent_of(double x, std::mt19937_64& generator) {
     const double unit = static_cast<double>(generator() >> 11) * 0x1p-52 - 1.0;
     return unit * (x == 0.0 ? 0.01 : std::abs(x));
@@ -213,12 +214,12 @@ class DerivativeCheck {
     }
     return largest;
   }
-  /// What a call gives on both sides of x.
+  /// The outputs of a call on both sides of x.
   struct Sides {
     std::vector<double> there, back;
     double step;
     double slope(std::size_t i) const { return (there[i] - back[i]) / (2.0 * step); }
-    /// By how much the slope differs between the sides.
+    /// Difference of the slopes on both sides.
     double bend(std::size_t i, double middle) const {
       return ((there[i] - middle) - (middle - back[i])) / step;
     }
@@ -227,7 +228,7 @@ class DerivativeCheck {
     return {outputs(moved(x, tangents, step), set), outputs(moved(x, tangents, -step), set), step};
   }
 
-  /// @returns whether any output depends on the inputs that have tangents
+  /// @returns true if any output depends on the inputs that have tangents
   bool compare(const Group& x, const Group& tangents, int set) {
     Group plain = x;
     instance_.call(what_.call, plain, kAll, set);
@@ -245,9 +246,9 @@ class DerivativeCheck {
       const double slope = near.slope(i), change = slope - far.slope(i);
       const double size = size_of(values, row) + std::abs(slope);
       ++compared_;
-      // A kink or a jump nearby. Of a smooth function the bend doubles with the step, and slopes
-      // agree. A change of the slope by s at a part p of the step has a `change` of s p / 4, which
-      // vanishes where x is at the kink itself; the bends say -s (1 - 3/2 p).
+      // Detects a kink or a jump nearby. For a smooth function the bend doubles with the step, and
+      // slopes agree. A change of the slope by s at a fraction p of the step has a `change` of s p
+      // / 4, which vanishes if x is at the kink itself; the bends then give -s (1 - 3/2 p).
       const double bends = far.bend(i, values[i]) - 2.0 * near.bend(i, values[i]);
       if (!(std::abs(change) <= kTolerance * size && std::abs(bends) <= kTolerance * size)) {
         ++left_out_;
@@ -262,7 +263,7 @@ class DerivativeCheck {
     return depends;
   }
 
-  /// State, buffer and held inputs of lanes that are not served keep values and tangents.
+  /// State, buffer and held inputs of inactive lanes keep values and tangents.
   void expect_lanes_left_alone(const Group& x, std::uint32_t mask, int set) const {
     std::mt19937_64 generator(mask);
     Group tangents = zeros(x);

@@ -25,7 +25,7 @@
 
 namespace skybody::testing {
 
-/// What a test gives for a parameter.
+/// A parameter value given by a test.
 struct Given {
   std::vector<double> numbers;
   std::vector<std::string> texts;
@@ -38,7 +38,7 @@ struct Given {
 };
 using Parameters = std::map<std::string, Given>;
 
-/// Names of channels, and whose observation each belongs to.
+/// Names of channels with their robots.
 inline std::vector<std::string> channel_names(const std::vector<Channel>& channels) {
   std::vector<std::string> out;
   for (const Channel& c : channels) out.push_back(c.name);
@@ -56,10 +56,10 @@ struct Group {
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
   std::vector<double> bodies, before, q, u, rotor_speed, rotor_command, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
-  std::vector<double> contacts;       ///< what touches each body, as in ContactSum
-  std::vector<double> memo, scratch;  ///< no state: neither compared nor handed on
+  std::vector<double> contacts;       ///< contacts of each body, as in ContactSum
+  std::vector<double> memo, scratch;  ///< not part of the state: neither compared nor passed on
 
-  std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not announced
+  std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not declared
 
   double& at(std::vector<double>& block, int k, int lane = 0) const {
     return block[static_cast<std::size_t>(k * lanes + lane)];
@@ -91,7 +91,7 @@ struct Group {
     f(a.robot_reward, b.robot_reward), f(a.info, b.info), f(a.contacts, b.contacts);
     for (std::size_t i = 0; i < a.held.size(); ++i) f(a.held[i], b.held[i]);
   }
-  /// What the host keeps nothing in, so that lanes that are not served may be written, too.
+  /// Copies memory that the host does not keep; inactive lanes may be overwritten in it.
   void take_scratch(const Group& other, bool with_output) {
     observation = other.observation;
     reward = other.reward;
@@ -211,7 +211,7 @@ class Instance {
     kApply
   };
   /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
-  /// What rows do with values that packs may leave.
+  /// Copies repeated values, which packs may omit, as rows do.
   void copy_repeats(Group& g, std::uint32_t mask) const {
     for (const ValueCopy& copy : declared.repeats) {
       for (int k = 0; k < copy.count; ++k) {
@@ -269,7 +269,7 @@ class Instance {
         break;
     }
   }
-  /// The step function of its kind.
+  /// The main step function of its kind.
   Call main_call() const {
     const Call calls[] = {Call::kControl, Call::kSense, Call::kRandomize, Call::kEvaluate,
                           Call::kApply};
@@ -356,7 +356,7 @@ class Instance {
   std::map<std::string, int> env_params_;
 };
 
-/// The message with which configure() refuses, or "" if it does not.
+/// The message with which configure() refuses, or "".
 inline std::string refusal(const std::string& plugin, PluginWorld& world, const Parameters& given) {
   try {
     const Instance instance(plugin, world, given);
@@ -366,7 +366,8 @@ inline std::string refusal(const std::string& plugin, PluginWorld& world, const 
   return "";
 }
 
-/// Random but plausible motion, counters, actions and inputs (beyond the declared range by half).
+/// Random but plausible motion, counters, actions and inputs (up to half beyond the declared
+/// range).
 inline void scatter(Group& g, const PluginInstance& declared, std::mt19937_64& generator) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(generator() >> 11) * 0x1p-53;
@@ -394,8 +395,8 @@ inline void scatter(Group& g, const PluginInstance& declared, std::mt19937_64& g
   }
 }
 
-/// Every instruction set gives the bits that double gives, lane by lane, and leaves lanes alone
-/// that it is not asked to serve: 40 rounds of a full group with random masks.
+/// Tests that every instruction set gives the bits of double, lane by lane, and leaves inactive
+/// lanes unchanged: 40 rounds of a full group with random masks.
 inline void expect_same_bits(const std::string& plugin, PluginWorld& world,
                              const Parameters& given = {}) {
   constexpr int kLanes = SKYBODY_GROUP_LANES;

@@ -1,4 +1,4 @@
-// A small world by hand, as a plugin's configure() sees it: QDrone2, and what tests hang on it.
+// A small hand-made world as seen by a plugin's configure(): QDrone2, and additions by tests.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 
 namespace skybody::testing {
 
-/// Tables behind a SkybodySetup. Add robots first, then ask for setup().
+/// Tables behind a SkybodySetup. Add robots first, then call setup().
 class PluginWorld {
  public:
   double dt = 0.001;
   double gravity = 9.81;
   int horizon = 0;                       ///< steps of an episode; 0: no end
-  std::vector<std::int32_t> team = {0};  ///< robots that a controller serves
+  std::vector<std::int32_t> team = {0};  ///< robots of a controller
   std::vector<SkybodyRobotInfo> robots;
   std::vector<SkybodyBodyInfo> bodies;
   std::vector<SkybodyLinkInfo> links;
@@ -33,7 +33,7 @@ class PluginWorld {
     }
   }
 
-  /// QDrone2 (GzDRL's figures), one rigid body, four rotors on the base.
+  /// QDrone2 (GzDRL's parameters): one rigid body, four rotors on the base.
   int add_quad(const std::string& name, double x = 0.0, double y = 0.0, double z = 1.0) {
     const int index = add_robot(name, x, y, z);
     add_body(index, "base", -1, 1, 1.54, {0.0147209, 0.0169101, 0.029448});
@@ -52,7 +52,7 @@ class PluginWorld {
                     {9.8e-4, 9.8e-4, 9.8e-4});
   }
 
-  /// A link that turns on the last body.
+  /// A link on a hinge at the last body.
   int add_arm_link(const std::string& name) {
     const int parent = static_cast<int>(bodies.size()) - 1;
     const int body =
@@ -162,7 +162,7 @@ class PluginWorld {
     shapes.push_back(shape);
   }
 
-  /// An obstacle, turned by `yaw` [rad]. @param size  as its kind says [m]
+  /// An obstacle, rotated by `yaw` [rad]. @param size  as defined for its kind [m]
   /// @returns its first EnvParam
   int add_obstacle(int kind, const std::vector<double>& size, const std::vector<double>& position,
                    double yaw = 0.0, const std::string& name = "") {
@@ -188,8 +188,8 @@ class PluginWorld {
     return shape.first_param;
   }
 
-  /// A frame about an opening of `width` by `height` [m], bars of 0.1 m; x of it, the way through,
-  /// points to `yaw` [rad].
+  /// A frame about an opening of `width` by `height` [m] with bars of 0.1 m; its x axis, the
+  /// direction of passage, points to `yaw` [rad].
   void add_gate(const std::string& name, const std::vector<double>& position, double yaw,
                 double width = 1.4, double height = 1.4) {
     add_obstacle(SKYBODY_GATE, {width, height, 0.1}, position, yaw, name);
@@ -230,7 +230,7 @@ class PluginWorld {
   }
 
  private:
-  /// Rotors with their places in the frame of the base, for those that sit on it.
+  /// Sets positions in the frame of the base for rotors on the base.
   void place_rotors() const {
     placed_rotors_ = rotors;
     for (SkybodyRotorInfo& r : placed_rotors_) {

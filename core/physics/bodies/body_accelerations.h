@@ -1,4 +1,4 @@
-// Accelerations of body frames from the generalised ones: the derivative of forward kinematics
+// Accelerations of body frames from generalised accelerations: the derivative of forward kinematics
 // (kinematics.h). On double and packs.
 #pragma once
 
@@ -8,28 +8,28 @@
 
 namespace skybody {
 
-/// How the motion of one body frame changes: the derivative of BodyState's two velocities.
+/// Acceleration of one body frame: the derivative of BodyState's two velocities.
 template <class Real>
 struct BodyAccelerationOf {
-  Vec3<Real> linear;   ///< of the origin, W axes [m/s^2]; gravity is part of it
+  Vec3<Real> linear;   ///< of the origin, W axes [m/s^2]; includes gravity
   Vec3<Real> angular;  ///< B axes [rad/s^2]
 };
 using BodyAcceleration = BodyAccelerationOf<double>;
 
 namespace detail {
 
-/// Both in W axes.
+/// Accelerations of a frame, both in W axes.
 template <class Real>
 struct FrameAcceleration {
   Vec3<Real> linear, angular;
 
-  /// The linear one at a point that turns along, `arm` [m] away.
+  /// Linear acceleration of a point fixed to the frame, at `arm` [m].
   SKYBODY_INLINE Vec3<Real> at(const Vec3<Real>& w, const Vec3<Real>& arm) const {
     return linear + cross(angular, arm) + cross(w, cross(w, arm));
   }
 };
 
-/// Derivative of JointMotion's two velocities, each in the axes that it is written in.
+/// Derivative of JointMotion's two velocities, each in its own axes.
 template <class Real>
 SKYBODY_INLINE FrameAcceleration<Real> joint_acceleration(JointType type, const Real* q,
                                                           const Real* u, const Real* udot) {
@@ -62,8 +62,8 @@ SKYBODY_INLINE FrameAcceleration<Real> joint_acceleration(JointType type, const 
 
 }  // namespace detail
 
-/// Accelerations of bodies `first` to before `last`, which hang on no others, in the order of
-/// `tree`.
+/// Accelerations of the bodies [first, last) in the order of `tree`. They must not depend on bodies
+/// outside this range.
 /// @param motion  of all bodies at q, u
 /// @param udot    generalised accelerations, one per u
 /// @param out     per body, overwritten
@@ -86,7 +86,7 @@ SKYBODY_INLINE void body_accelerations(const std::vector<TreeBody>& tree, int fi
       a = {out[body.parent].linear, parent.axes * out[body.parent].angular};
       a.linear = a.at(frame.angular_velocity, frame.position - parent.position);
     }
-    // Of M: F carries it along while it moves in F.
+    // Of M, which moves in F while F moves.
     a.linear = a.at(frame.angular_velocity, frame.axes * joint.translation) +
                2.0 * cross(frame.angular_velocity, frame.axes * joint.velocity) +
                frame.axes * relative.linear;
@@ -104,7 +104,7 @@ SKYBODY_INLINE void body_accelerations(const std::vector<TreeBody>& tree, int fi
 void body_accelerations(const std::vector<TreeBody>& tree, const double* q, const double* u,
                         const double* udot, const BodyKinematics<double>* motion,
                         BodyAcceleration* out);
-/// The same, with the motion made.
+/// The same; computes the motion from q and u.
 /// @param udot  generalised accelerations, one per u
 std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tree, const double* q,
                                                  const double* u, const double* udot);

@@ -1,5 +1,5 @@
-// Constants of one body as the tree dynamics uses them: made from the parameter block where that
-// has changed, read in every step.
+// Constants of one body in the form that the tree dynamics uses: recomputed when the parameter
+// block changes, read in every step.
 #pragma once
 
 #include "core/base/mat3.h"
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// Places of a body's constants.
+/// Indices of a body's constants.
 enum BodyConstant : int {
   kBodyMass = 0,             ///< [kg]
   kBodyCom = 1,              ///< 3: centre of mass from the body's origin, body axes [m]
@@ -26,7 +26,7 @@ SKYBODY_INLINE auto load_sym_mat3(const Values& p) {
 /// Constants of the bodies of a world, one body after another.
 /// @param params  the parameter block of one environment
 /// @param out     kBodyConstantCount values per body
-/// @throws Error (naming the body) if no rigid body can have such mass properties
+/// @throws Error (naming the body) for mass properties that no rigid body can have
 void make_body_constants(const World& world, const double* params, double* out);
 
 }  // namespace skybody

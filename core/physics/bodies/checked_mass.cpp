@@ -33,7 +33,7 @@ MassProperties checked_mass(const std::string& name, const double* params) {
                 "' has an inertia that no rigid body can have: principal moments " +
                 "must be positive, none above the sum of the other two");
   }
-  // Simbody refuses what lies beyond the bound at all.
+  // Simbody rejects every inertia beyond the bound.
   const Vec3<double> moments = eigenvalues(inertia);
   const double excess = moments.z - (moments.x + moments.y);
   if (excess > 0.0) {

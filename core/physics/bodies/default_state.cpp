@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// Coordinates of a joint at a reset: where the scenario has it, else zero.
+/// Initial coordinates of a joint: those of the scenario, otherwise zero.
 /// @param q  zeros, written
 void write_position(const Joint& joint, double* q) {
   if (joint.type == JointType::kBall) q[0] = 1.0;
@@ -18,7 +18,7 @@ void write_position(const Joint& joint, double* q) {
   if (joint.type == JointType::kPin || joint.type == JointType::kSlider) q[0] = joint.position;
 }
 
-/// All joints likewise; the base's frame B at the scenario's pose.
+/// Initial coordinates of all joints; the base's frame B at the scenario's pose.
 void write_positions(const World& world, LaneState& state) {
   for (const WorldBody& body : world.bodies) {
     double* q = state.q.data() + body.q;
@@ -36,7 +36,7 @@ void write_rotors(const World& world, LaneState& state) {
   }
 }
 
-/// Velocity drives stand still, pose drives stay where the scenario has the base.
+/// Velocity drives start at rest, pose drives at the scenario's pose of the base.
 void write_drives(const World& world, LaneState& state) {
   double* drive = state.drive.data();
   for (std::size_t r = 0; r < world.drives.size(); ++r) {
@@ -48,7 +48,7 @@ void write_drives(const World& world, LaneState& state) {
   }
 }
 
-/// Position drives stay where the joints are; the others do nothing.
+/// Position drives start at the joint positions; the others at zero.
 void write_joint_drives(const World& world, LaneState& state) {
   for (std::size_t i = 0; i < world.joint_drives.size(); ++i) {
     const JointDrive& drive = world.joint_drives[i];
@@ -78,7 +78,7 @@ Pose place_at_reset(const RobotModel& model, int body) {
 }
 
 double lift_of(const RobotModel& model, const Rotor& rotor) {
-  constexpr double kLeast = 1e-6;  // below it is rounding
+  constexpr double kLeast = 1e-6;  // smaller values are round-off
   const double z = rotate(place_at_reset(model, rotor.body).rotation, rotor.axis).z;
   return z > kLeast || (rotor.is_reversible() && z < -kLeast) ? z : 0.0;
 }

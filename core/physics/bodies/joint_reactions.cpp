@@ -5,8 +5,8 @@
 namespace skybody {
 namespace {
 
-/// What makes a body accelerate so: the rates of its momentum, and of its angular momentum about
-/// its origin; W axes.
+/// The force on a body that causes given accelerations: the rates of its momentum and of its
+/// angular momentum about its origin, W axes.
 SpatialForce<double> momentum_rate(const double* constants, const BodyKinematics<double>& body,
                                    const BodyAcceleration& a) {
   const Vec3<double> w = body.spin, com = load_vec3(constants + kCom);

@@ -15,7 +15,7 @@ std::vector<TreeBody> make_tree(const World& world) {
     b.u = body.u;
     b.frame_in_parent = joint.frame_in_parent;
     b.frame_in_body = joint.frame_in_body;
-    // A base that is not free has no coordinates for its place: the pose moves its joint.
+    // A base that is not free has no coordinates for its pose: the pose moves its joint.
     if (body.parent < 0 && joint.type != JointType::kFree) {
       b.frame_in_parent = compose(world.scenario.robots[body.robot].pose, joint.frame_in_parent);
     }

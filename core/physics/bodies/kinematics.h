@@ -1,6 +1,6 @@
-// Where bodies are and how they move, from q and u: forward kinematics over the tree. One code for
-// double and packs; Simbody is not asked, so that forces and sensors see the same motion on both
-// dynamics. Coordinates of each joint: core/model/robot_model.h, JointType.
+// Positions and velocities of bodies from q and u: forward kinematics over the tree. The same code
+// serves double and packs. Simbody's kinematics are not used, so that forces and sensors get the
+// same motion with both dynamics. Coordinates of each joint: core/model/robot_model.h, JointType.
 #pragma once
 
 #include <type_traits>
@@ -33,7 +33,7 @@ struct JointMotion {
   Vec3<Real> angular_velocity;  ///< M axes [rad/s]
 };
 
-/// @param p  a pointer to reals, or a view that is indexed like one (lane_values.h)
+/// @param p  a pointer to reals, or a view with the same indexing (lane_values.h)
 template <class Values>
 SKYBODY_INLINE auto load_vec3(const Values& p) {
   return Vec3<std::decay_t<decltype(p[0])>>{p[0], p[1], p[2]};
@@ -56,18 +56,18 @@ SKYBODY_INLINE void store(const Quat<Real>& q, Real* p) {
   p[3] = q.z;
 }
 
-/// The rotation that a quaternion of any norm but zero stands for: as it is where the norm is 1 but
-/// for rounding, so that the ends of steps, which are normalised, pass through with their bits.
+/// The rotation of a quaternion of any norm but zero. Returned unchanged if the norm is 1 up to
+/// round-off, so that normalised quaternions at the ends of steps keep their bits.
 template <class Real>
 SKYBODY_INLINE Quat<Real> as_rotation(const Quat<Real>& q) {
   const auto is_unit =
-      abs(squared_norm(q) - 1.0) <= 2e-15;  // 18 roundings; normalized() leaves 12 at most
+      abs(squared_norm(q) - 1.0) <= 2e-15;  // 18 roundings; normalized() leaves at most 12
   if (all(is_unit)) return q;
   return select(is_unit, q, normalized(q));
 }
 
-/// @param q, u  the joint's own coordinates; a quaternion of any norm but zero, as between the
-///              stages of an integrator
+/// @param q, u  the joint's own coordinates; the quaternion may have any norm but zero, as between
+///              the stages of an integrator
 template <class Real>
 SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, const Real* u) {
   const Real zero(0.0), one(1.0);
@@ -106,7 +106,7 @@ SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, con
 }
 
 /// dq/dt times `time`, for dq/dt = q (0, w) / 2 (paper eq. 1).
-/// @param w  in the axes that q turns from
+/// @param w  in the axes that q rotates from
 template <class Real>
 SKYBODY_INLINE Quat<Real> quaternion_change(const Quat<Real>& q, const Vec3<Real>& w, double time) {
   const double half = 0.5 * time;
@@ -115,9 +115,9 @@ SKYBODY_INLINE Quat<Real> quaternion_change(const Quat<Real>& q, const Vec3<Real
       half * ((q.w * w.y + q.z * w.x) - q.x * w.z), half * ((q.w * w.z + q.x * w.y) - q.y * w.x)};
 }
 
-/// The rotation q after `time` at constant w: q exp(w time / 2), whose sine and cosine are series,
-/// exact to 3e-11 up to |w| time = 0.1. The norm stays as exact.
-/// @param time  of all lanes, or of each its own
+/// The rotation q after `time` at constant w: q exp(w time / 2). Sine and cosine are series, exact
+/// to 3e-11 up to |w| time = 0.1, and so is the norm.
+/// @param time  one for all lanes, or one per lane
 template <class Real, class Time>
 SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, const Time& time) {
   const Vec3<Real> half = w * Real(0.5 * time);
@@ -130,8 +130,8 @@ SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, const
           c * q.z + ((q.w * v.z + q.x * v.y) - q.y * v.x)};
 }
 
-/// The same up to the norm, which grows to 1 + |w time|^2 / 8 and more: half the angle's tangent
-/// instead of sine and cosine, a series exact to 1e-9 up to |w| time = 0.1.
+/// The same except for the norm, which grows to 1 + |w time|^2 / 8 and more. Uses the tangent of
+/// half the angle instead of sine and cosine: a series exact to 1e-9 up to |w| time = 0.1.
 template <class Real>
 SKYBODY_INLINE Quat<Real> integrate_rotation_unnormalized(const Quat<Real>& q, const Vec3<Real>& w,
                                                           double time) {
@@ -167,21 +167,19 @@ SKYBODY_INLINE void position_rates(JointType type, const Real* q, const Real* u,
   }
 }
 
-/// q / |q| for a quaternion whose norm a step has changed a little.
+/// q / |q| for a quaternion whose norm a step has changed slightly.
 /// @param squared  its squared norm
-// The square is 1 + d with d about |dt omega / 2|^2: below 1e-3 five terms of (1 + d)^(-1/2) are
-// exact to rounding and quicker than a root and a division.
 template <class Real>
 SKYBODY_INLINE Quat<Real> renormalized(const Quat<Real>& q, const Real& squared) {
   const Real d = squared - 1.0;
-  const Real d2 = d * d;  // by pairs: the terms do not wait for one another
+  const Real d2 = d * d;  // in pairs: the terms are independent
   Real scale = (1.0 - 0.5 * d) + d2 * ((0.375 - 0.3125 * d) + 0.2734375 * d2);
   const auto is_small = abs(d) < 1e-3;
   if (!all(is_small)) scale = select(is_small, scale, 1.0 / sqrt(squared));
   return {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
 }
 
-/// Scales the joint's quaternion, if it has one, back to norm 1 after a step.
+/// Normalises the joint's quaternion, if any, after a step.
 template <class Real>
 SKYBODY_INLINE void normalize_position(JointType type, Real* q) {
   if (type != JointType::kFree && type != JointType::kBall) return;
@@ -190,14 +188,14 @@ SKYBODY_INLINE void normalize_position(JointType type, Real* q) {
   store(renormalized(rotation, squared_norm(rotation)), place);
 }
 
-/// Brings the joint's quaternion, if it has one, to norm 1; of any norm but zero.
+/// Normalises the joint's quaternion, if any; its norm may be any but zero.
 template <class Real>
 SKYBODY_INLINE void make_unit(JointType type, Real* q) {
   if (type == JointType::kFree) store(as_rotation(load_quat(q + 3)), q + 3);
   if (type == JointType::kBall) store(as_rotation(load_quat(q)), q);
 }
 
-/// One body of the tree as the kinematics walk it. Frames that coincide are left out of the sums.
+/// One body of the tree. Frames that coincide are skipped in the computations.
 struct TreeBody {
   JointType type = JointType::kFree;
   int parent = -1;
@@ -236,7 +234,7 @@ SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
   return frame;
 }
 
-/// The axes of that frame in W.
+/// The axes of the joint's frame F in W.
 template <class Real>
 SKYBODY_INLINE Mat3<Real> frame_axes(const TreeBody& body, const BodyKinematics<Real>* bodies) {
   if (body.parent < 0) return to_mat3(to_real<Real>(body.frame_in_parent.rotation));
@@ -262,8 +260,8 @@ SKYBODY_INLINE void attach(JointType type, const BodyKinematics<Real>& frame,
   b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
 }
 
-/// From the motion of the joint's frame M to that of the body's own: B from M is the inverse of
-/// X_BM.
+/// Converts the motion of the joint's frame M to that of the body's own frame: B from M is the
+/// inverse of X_BM.
 template <class Real>
 SKYBODY_INLINE void to_body_frame(const TreeBody& body, BodyKinematics<Real>& b) {
   b.rotation = b.rotation * conjugate(to_real<Real>(body.frame_in_body.rotation));
@@ -273,7 +271,8 @@ SKYBODY_INLINE void to_body_frame(const TreeBody& body, BodyKinematics<Real>& b)
   b.velocity -= cross(b.angular_velocity, arm);
 }
 
-/// Motion of bodies `first` to before `last`, which hang on no others, in the order of `tree`.
+/// Motion of the bodies [first, last) in the order of `tree`. They must not depend on bodies
+/// outside this range.
 template <class Real>
 SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, int first, int last,
                                        const Real* q, const Real* u, BodyKinematics<Real>* bodies) {
@@ -306,7 +305,7 @@ SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const 
   forward_kinematics(tree, 0, static_cast<int>(tree.size()), q, u, bodies);
 }
 
-/// The same motion as sensors and plugins see it: angular velocity in the body's axes.
+/// The same motion in the form for sensors and plugins: angular velocity in the body's axes.
 SKYBODY_INLINE BodyState to_body_state(const BodyKinematics<double>& b) {
   return {b.position, b.rotation, b.velocity, b.spin};
 }

@@ -1,4 +1,4 @@
-// Forces on bodies, summed up about each body's origin.
+// Forces on bodies, summed about each body's origin.
 #pragma once
 
 #include "core/base/vec3.h"

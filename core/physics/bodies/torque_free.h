@@ -1,16 +1,17 @@
-// Torque-free motion of one rigid body: where it is and how it moves after a time in which nothing
-// acts on it. On double, packs and dual numbers.
+// Torque-free motion of one rigid body over a given time. On double, packs and dual numbers.
 //
-// The rotation is the implicit midpoint rule of Euler's equations with a turn that fits it (E.
-// Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2006, sections IV.2 and VII.5).
-// With w the spin in body axes, I the inertia, R the attitude and h a part of the time:
+// The rotation uses the implicit midpoint rule for Euler's equations, and a matching rotation
+// update (E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2006, sections IV.2
+// and VII.5). With w the spin in body axes, I the inertia, R the attitude and h one substep of the
+// time:
 //
 //   I (w1 - w0) = -h' wm x (I wm),   wm = (w0 + w1) / 2
 //   R1 = R0 Q,   Q the rotation of the quaternion (1, h'/2 wm)
 //   h' = (2 / s) tan(s h / 2),   s = w.Iw / |Iw|
 //
-// It keeps the energy w.Iw / 2 and the angular momentum R I w (in W) exactly, for any h; s is
-// constant, too. A steady turn about a principal axis, where s is the spin, has the exact angle.
+// It conserves the energy w.Iw / 2 and the angular momentum R I w (in W) exactly, for any h; s is
+// constant, too. A steady rotation about a principal axis, where s is the spin, has the exact
+// angle.
 #pragma once
 
 #include "core/base/dual.h"
@@ -18,14 +19,14 @@
 
 namespace skybody {
 
-/// Parts turn by at most this [rad]. Newton's error, from w0 on, is then (0.1)^15 after three
-/// steps.
+/// Maximum angle per substep [rad]. The error of Newton's method, started at w0, is then (0.1)^15
+/// after three iterations.
 inline constexpr double kTorqueFreeAngle = 0.2;
-/// No more parts are taken: beyond 12.8 rad the body turns for a shorter time. Its phase, which
-/// means nothing at such steps, is lost; momentum and energy are not.
+/// Maximum number of substeps. Beyond 12.8 rad the body rotates for a shorter time: its phase,
+/// which is meaningless at such steps, is lost; momentum and energy are not.
 inline constexpr int kTorqueFreeParts = 64;
 
-/// The implicit midpoint rule over one part of the time.
+/// The implicit midpoint rule over one substep.
 template <class Real>
 struct MidpointSpin {
   Vec3<Real> mean, momentum;       ///< wm, I wm
@@ -46,12 +47,12 @@ struct MidpointSpin {
     }
   }
 
-  /// The body's turn in the part, of any norm.
+  /// The body's rotation in the substep, of any norm.
   SKYBODY_INLINE Quat<Real> turn(const Real& half) const {
     return {Real(1.0), mean.x * half, mean.y * half, mean.z * half};
   }
 
-  /// Of the residual's derivative at `mean`.
+  /// Inverts the residual's derivative at `mean`.
   SKYBODY_INLINE void invert(const SymMat3<Real>& i, const Real& half) {
     const Vec3<Real>&w = mean, &y = momentum;
     const Real zero(0.0);
@@ -67,14 +68,14 @@ struct MidpointSpin {
   }
 };
 
-/// The parts of a time, and h'.
+/// Substeps of a time, and h'.
 template <class Real>
 struct TorqueFreeSubsteps {
-  Real count;           ///< of parts
+  Real count;           ///< number of substeps
   Real half;            ///< h'/2 of each [s]
   Real half_of;         ///< h/2 of each [s]
   Real squared;         ///< s^2 [rad^2/s^2]
-  MaskOf<Real> is_cut;  ///< the turn is longer than the parts allow
+  MaskOf<Real> is_cut;  ///< the rotation exceeds the maximum number of substeps
 
   SKYBODY_INLINE TorqueFreeSubsteps(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
                                     const Real& time) {
@@ -90,7 +91,7 @@ struct TorqueFreeSubsteps {
     half = half_of * (1.0 + x2 * (1.0 / 3 + x2 * (2.0 / 15 + x2 * (17.0 / 315))));
   }
 
-  /// Adds to to_spin what comes through `half`.
+  /// Reverse mode: adds the gradient through `half` to to_spin.
   SKYBODY_INLINE void pull_back(const SymMat3<Real>& inertia, const Vec3<Real>& spin,
                                 const Real& to_half, Vec3<Real>& to_spin) const {
     const Vec3<Real> momentum = inertia * spin;
@@ -105,19 +106,19 @@ struct TorqueFreeSubsteps {
   }
 };
 
-/// A body that moves freely. Refers to its arguments.
+/// A body in free motion. Refers to its arguments.
 template <class Real>
 struct TorqueFreeCall {
   const SymMat3<Real>& inertia;  ///< about the centre of mass, body axes
   const Vec3<Real>& com;         ///< from the origin, body axes
   const Real& time;              ///< [s]
-  const MaskOf<Real>& mask;      ///< lanes that move; others stay as they are
+  const MaskOf<Real>& mask;      ///< lanes that move; others stay unchanged
   Vec3<Real>& position;          ///< of the origin
   Quat<Real>& rotation;          ///< W from B, unit
   Vec3<Real>& velocity;          ///< of the origin, W axes
   Vec3<Real>& spin;              ///< body axes
 
-  /// The centre of mass keeps its velocity, and the body turns about it.
+  /// The centre of mass keeps its velocity; the body rotates about it.
   SKYBODY_INLINE void run() const {
     const Vec3<Real> arm = rotate(rotation, com);
     const Vec3<Real> com_velocity = velocity + rotate(rotation, cross(spin, com));
@@ -141,13 +142,13 @@ struct TorqueFreeCall {
   }
 };
 
-/// Runs a call of the width's type of number.
+/// Runs a call with the number type of the width.
 using TorqueFreeFunction = void(const void* call);
 
-/// @param lanes  1: of doubles; else of packs
+/// @param lanes  1: doubles; otherwise packs
 TorqueFreeFunction* torque_free_function(int lanes);
 
-/// By a function that all kernels share; dual numbers have none.
+/// Calls a function that all kernels share; dual numbers run inline.
 template <class Real>
 SKYBODY_INLINE void move_freely(const TorqueFreeCall<Real>& call) {
   if constexpr (kIsDual<Real>) {

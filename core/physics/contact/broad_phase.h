@@ -1,15 +1,15 @@
-// What is near enough to touch within a step, in the environments that one Real holds; and into how
-// many parts that cuts the step. On double and packs.
+// Broad phase: finds the pairs that may touch within a step, and the number of substeps that they
+// need, in the environments of one Real. On double and packs.
 #pragma once
 
 #include "core/physics/contact/contact_workspace.h"
 
 namespace skybody {
 
-/// The most parts of a step.
+/// Maximum number of substeps of a step.
 inline constexpr int kMaxContactSubsteps = 64;
 
-/// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
+/// @tparam Values  access to constants: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
 class BroadPhase {
  public:
@@ -19,15 +19,15 @@ class BroadPhase {
                             const ContactWorkspace<Real>& work)
       : scene_(scene), obstacles_(obstacles), w_(work) {}
 
-  /// Finds the pairs that are near enough to touch within the step that begins: by spheres about
-  /// the bodies' origins, so that what is far from everything need not be turned. Obstacles are
-  /// left to measure() where clearances are kept, and pairs in which nothing moves are left out.
+  /// Finds the pairs that may touch within the coming step, by bounding spheres about the bodies'
+  /// origins. Bodies that are far from everything then need no rotation. Obstacles are left to
+  /// measure() if clearances are kept. Pairs without a moving body are skipped.
   /// @param motion  motion(body): the BodyWay of a contact body
   /// @param up      up(body): W's z axis in its frame
-  /// @param wanted  lanes to look at
-  /// @param clearances  per contact body; null: none are kept
-  /// @param found   found(m, lanes) of each pair that is near
-  /// @returns the lanes that measure() is to look at
+  /// @param wanted  lanes to test
+  /// @param clearances  per contact body; null: not kept
+  /// @param found   found(m, lanes): called for each pair that is near
+  /// @returns the lanes that need measure()
   template <class MotionOf, class UpOf, class Found>
   SKYBODY_INLINE MaskOf<Real> find_near(const MotionOf& motion, const UpOf& up,
                                         const MaskOf<Real>& wanted,
@@ -54,13 +54,13 @@ class BroadPhase {
     return is_unclear;
   }
 
-  /// The same of the obstacles, as find_near() asks for it.
-  /// @param clearances  brought up to date
+  /// The same for obstacles, in the lanes that find_near() returned.
+  /// @param clearances  updated
   template <class MotionOf, class Found>
   SKYBODY_INLINE void measure(const MotionOf& motion, const MaskOf<Real>& wanted,
                               Clearance<Real>* clearances, const Found& found) const {
     bound_about_origins(motion);
-    MaskOf<Real> is_clear(true);  // of all obstacles: the body of the pairs that come
+    MaskOf<Real> is_clear(true);  // of all obstacles, for the body of the current pairs
     each_moving_pair([&](int m, const CollisionPair& pair, bool is_first) SKYBODY_INLINE_LAMBDA {
       if (!is_obstacle(pair.other)) return;
       const BodyBound<Real>& bound = w_.bounds[pair.body];
@@ -79,11 +79,11 @@ class BroadPhase {
     });
   }
 
-  /// Looks for what may touch within the step that begins. A motion that is not finite is near
-  /// nothing.
+  /// Finds the shapes that may touch within the coming step. A motion that is not finite has no
+  /// near pairs.
   /// @param motion  of all bodies: position, axes, velocity, angular velocity
-  /// @param near_of  near_of(m): lanes to look at pair m in
-  /// @returns the lanes where anything may
+  /// @param near_of  near_of(m): lanes in which to test pair m
+  /// @returns the lanes with at least one near pair
   template <class NearOf>
   SKYBODY_INLINE MaskOf<Real> search(const Motion* motion, const NearOf& near_of) {
     bound(motion);
@@ -113,7 +113,7 @@ class BroadPhase {
     return is_near;
   }
 
-  /// Into how many parts the step is to be cut, in each lane: a whole number.
+  /// Number of substeps of the step in each lane: a whole number.
   SKYBODY_INLINE const Real& parts() const { return parts_; }
 
  protected:
@@ -122,8 +122,8 @@ class BroadPhase {
     return scene_.bodies[static_cast<std::size_t>(pair.other)];
   }
 
-  /// Calls f(m, pair, is_first) of the pairs in which anything moves. Those of a body with
-  /// obstacles are contiguous; is_first: of the first of them.
+  /// Calls f(m, pair, is_first) for the pairs in which at least one body moves. The pairs of one
+  /// body with obstacles are contiguous; is_first marks the first of them.
   template <class F>
   SKYBODY_INLINE void each_moving_pair(const F& f) const {
     int m = -1, last = -1;
@@ -136,7 +136,7 @@ class BroadPhase {
     }
   }
 
-  /// What acceleration adds to the way of a step: 2000 m/s^2 at 1 ms [m].
+  /// Margin for accelerations within a step: 2000 m/s^2 at 1 ms [m].
   static constexpr double kMargin = 1e-3;
   static constexpr double kGroundMargin = 1e-4;
 
@@ -164,16 +164,15 @@ class BroadPhase {
     return {m.position, (body.reach + kMargin) + dt() * speed, speed};
   }
 
-  /// Whether a body is clear of all obstacles. If not, it is to be measured from here.
-  /// @param bound  about its origin
+  /// Whether a body is clear of all obstacles. Otherwise its clearance must be measured from here.
   static SKYBODY_INLINE MaskOf<Real> is_clear_of(const BodyBound<Real>& bound,
                                                  const Clearance<Real>& clearance) {
-    // Distances grow and fall no quicker than the body moves.
+    // Distances change at most as fast as the body moves.
     const Real moved = size_of(bound.center - clearance.at);
     return moved + bound.radius + 1e-9 < clearance.distance;
   }
 
-  /// Whether an obstacle may be nearer to a point than a distance: by the sphere about it.
+  /// Whether an obstacle may be nearer to a point than a distance: by its bounding sphere.
   SKYBODY_INLINE MaskOf<Real> may_be_within(const CollisionPair& pair, const Vec3<Real>& point,
                                             const Real& distance) const {
     const Values c = obstacle_constants(pair.other);
@@ -182,12 +181,12 @@ class BroadPhase {
     return logical_and(reach > 0.0, dot(apart, apart) < reach * reach);
   }
 
-  /// Of a point from the box about an obstacle.
+  /// Distance of a point from the box about an obstacle.
   SKYBODY_INLINE Real distance_of(const CollisionPair& pair, const Vec3<Real>& point) const {
     return norm(outside(pair, point)) - obstacle_constants(pair.other)[kShapeRounding];
   }
 
-  /// From the box about an obstacle to a point, in the obstacle's axes.
+  /// Vector from the box about an obstacle to a point, in the obstacle's axes.
   SKYBODY_INLINE Vec3<Real> outside(const CollisionPair& pair, const Vec3<Real>& point) const {
     const Values c = obstacle_constants(pair.other);
     const Vec3<Real> half = load_vec3(c + kShapeHalf);
@@ -195,12 +194,12 @@ class BroadPhase {
     return {beyond(local.x, half.x), beyond(local.y, half.y), beyond_top(pair, local.z, half.z)};
   }
 
-  /// No less than the norm.
+  /// An upper bound of the norm.
   static SKYBODY_INLINE Real size_of(const Vec3<Real>& v) {
     return (abs(v.x) + abs(v.y)) + abs(v.z);
   }
 
-  /// Another body, or an obstacle.
+  /// Whether a body is near another body or an obstacle.
   SKYBODY_INLINE MaskOf<Real> is_within(const CollisionPair& pair,
                                         const BodyBound<Real>& bound) const {
     if (is_obstacle(pair.other)) {
@@ -226,17 +225,18 @@ class BroadPhase {
     const Real lowest = m.position.z + lowest_of(body, m.axes.row(2));
     return logical_and(is_low, lowest < dt() * bound.speed + kGroundMargin);
   }
-  /// The same, for a bound about the body's origin: wherever is_near_ground() says so, and hardly
-  /// anywhere else.
+  /// The same, for a bound about the body's origin: true wherever is_near_ground() is, and rarely
+  /// in other lanes.
   /// @param up  W's z axis in its frame
   SKYBODY_INLINE MaskOf<Real> may_reach_ground(const ContactBody& body,
                                                const BodyBound<Real>& bound,
                                                const Vec3<Real>& up) const {
-    // Twice the speed: that bound's adds up other components of the velocity. 1e-9: its rounding.
+    // Twice the speed: the other bound sums different components of the velocity. 1e-9: its
+    // round-off.
     return bound.center.z + lowest_of(body, up) <
            dt() * (2.0 * bound.speed) + (kGroundMargin + 1e-9);
   }
-  /// Of all its places, from its origin [m].
+  /// Lowest of all points of a body, relative to its origin [m].
   static SKYBODY_INLINE Real lowest_of(const ContactBody& body, const Vec3<Real>& up) {
     Real lowest(kInfinity);
     for (const GroundPoint& p : body.points) {
@@ -246,8 +246,9 @@ class BroadPhase {
     return lowest;
   }
 
-  /// Two bodies, or a body and an obstacle, whose spheres are near: which of their shapes are.
-  /// @returns the lanes where any two of them are
+  /// Narrows a pair of two bodies, or of a body and an obstacle, with near spheres down to its
+  /// shapes.
+  /// @returns the lanes in which any two shapes are near
   SKYBODY_INLINE MaskOf<Real> near_shapes(const CollisionPair& pair, const MaskOf<Real>& within,
                                           const Motion* motion) {
     Real way = dt() * w_.bounds[pair.body].speed;
@@ -265,28 +266,28 @@ class BroadPhase {
                                      penetration_limit(other.half, other.rounding));
               const Real give = pair.is_unbounded_below ? Real(kInfinity) : least;
               add_pair(pair, s, t, here, give);
-              // What is stopped must not have passed.
+              // A stopped shape must not have passed through before.
               ask_for(2.0 * way / give, here);
             });
     return is_near;
   }
 
-  /// Whether a placed is nearer than a distance to another one, or may be: the plane through the
-  /// nearest point of the other's surface has all of it behind it.
-  /// @param model  of the first
+  /// Whether a shape may be nearer to another one than a distance. Test: the plane through the
+  /// nearest point of the other's surface has the whole shape behind it.
+  /// @param model  of the first shape
   static SKYBODY_INLINE MaskOf<Real> is_close(const ContactShape& model,
                                               const PlacedShape<Real>& placed,
                                               const PlacedShape<Real>& other,
                                               const Real& distance) {
     const SurfaceDistance<Real> apart = other.distance(other.to_local(placed.position));
-    // That does not hold for what is not convex.
+    // The test does not hold for shapes that are not convex.
     const Real reach = other.type == ShapeType::kHeightField
                            ? Real(model.reach)
                            : placed.extent(other.axes * apart.normal);
     return apart.distance < reach + distance;
   }
 
-  /// Calls f(s, t, placed, other) for the shapes of a pair, where they are.
+  /// Calls f(s, t, placed, other) for the shapes of a pair at their poses.
   template <class F>
   SKYBODY_INLINE void each_two_shapes(const CollisionPair& pair, const Motion* motion,
                                       const F& f) const {
@@ -320,7 +321,7 @@ class BroadPhase {
             Real(placed.rounding),
             placed.heights};
   }
-  /// Of the other body, or the obstacle.
+  /// A shape of the other body, or the obstacle.
   SKYBODY_INLINE PlacedShape<Real> other_placed_shape(const CollisionPair& pair, int t,
                                                       const Motion* motion) const {
     if (pair.other >= 0) {
@@ -337,13 +338,13 @@ class BroadPhase {
             model.heights};
   }
 
-  /// How far a coordinate lies beyond an edge; NaN stays NaN.
+  /// Distance of a coordinate beyond an edge; NaN stays NaN.
   static SKYBODY_INLINE Real beyond(const Real& x, const Real& half) {
     const Real over = abs(x) - half;
     return select(over < Real(0.0), Real(0.0), over);
   }
 
-  /// The same along z; what is endless reaches down without end.
+  /// The same along z; unbounded shapes have no lower edge.
   static SKYBODY_INLINE Real beyond_top(const CollisionPair& pair, const Real& z,
                                         const Real& half) {
     if (!pair.is_unbounded_below) return beyond(z, half);
@@ -351,7 +352,7 @@ class BroadPhase {
     return select(over < Real(0.0), Real(0.0), over);
   }
 
-  /// Cuts the step into as many parts as are wanted, rounded up to a power of two.
+  /// Raises the number of substeps to the wanted one, rounded up to a power of two.
   SKYBODY_INLINE void ask_for(const Real& wanted, const MaskOf<Real>& here) {
     for (int parts = 2; parts <= kMaxContactSubsteps; parts *= 2) {
       const auto more = logical_and(here, wanted > 0.5 * parts);
@@ -373,7 +374,7 @@ class BroadPhase {
   Values obstacles_;
   ContactWorkspace<Real> w_;
   int near_count_ = 0;
-  bool may_stop_ = false;  ///< what is near is stopped where it gets in too deep
+  bool may_stop_ = false;  ///< a near pair limits penetration and stops the bodies there
   Real parts_{1.0};
 };
 

@@ -1,12 +1,12 @@
-// Where two shapes touch: a place for each corner of the volume that they share. On double and
-// packs.
+// Contact points of two shapes: one for each corner of their common volume. On double and packs.
 //
-// Two boxes are told apart by the axis along which they overlap least, one of their faces' normals
-// or of the products of their edges (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, section
-// 5). All places have that normal: corners of either within the other's sides, and where edges of
-// one pass the other's sides. Planes and height fields: collide_plane_and_field.h; two capsules:
-// collide_capsules.h. Other pairs touch with points in the other's inside, by the shortest way out,
-// and with edges across.
+// - Two boxes: the axis of least overlap is one of their faces' normals or a product of their edges
+//   (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, section 5). It is the normal of all
+//   contact points: corners of either box within the other's sides, and intersections of edges of
+//   one with the other's sides.
+// - Planes and height fields: collide_plane_and_field.h.
+// - Two capsules: collide_capsules.h.
+// - Other pairs: points inside the other shape, by the shortest way out, and edges across it.
 #pragma once
 
 #include "core/physics/contact/collide_box_cylinder.h"
@@ -15,16 +15,16 @@
 
 namespace skybody {
 
-/// The axis along which two boxes overlap least.
+/// The axis of least overlap of two boxes.
 template <class Real>
 struct LeastOverlap {
   Vec3<Real> normal;          ///< unit, W, from the second box to the first
-  Real depth;                 ///< [m]; negative: they are apart
-  Real kind;                  ///< 0: a face of the second, 1: of the first, 2: edges cross
-  Vec3<Real> edge_a, edge_b;  ///< where they cross: directions of the edges, W
+  Real depth;                 ///< [m]; negative: separated
+  Real kind;                  ///< 0: a face of the second, 1: of the first, 2: crossing edges
+  Vec3<Real> edge_a, edge_b;  ///< directions of the crossing edges, W
 };
 
-/// How far a box reaches from its centre along a unit vector.
+/// Extent of a box from its centre along a unit vector.
 template <class Real>
 SKYBODY_INLINE Real reach_along(const PlacedShape<Real>& box, const Vec3<Real>& n) {
   const Vec3<Real> local = transpose_times(box.axes, n);
@@ -44,11 +44,11 @@ SKYBODY_INLINE LeastOverlap<Real> least_overlap(const PlacedShape<Real>& a,
     const Vec3<Real> y = k < 6 ? zero : b.axes.column((k - 6) % 3);
     Vec3<Real> n = k < 3 ? b.axes.column(k) : k < 6 ? a.axes.column(k - 3) : cross(x, y);
     const Real length = norm(n);
-    const auto is_axis = length > 1e-3;  // else the edges are parallel
+    const auto is_axis = length > 1e-3;  // otherwise the edges are parallel
     n = n * (1.0 / select(is_axis, length, Real(1.0)));
     const Real along = dot(n, apart);
     const Real depth = reach_along(a, n) + reach_along(b, n) - abs(along);
-    // Faces are preferred where it is about the same: they touch in more places.
+    // Faces are preferred at about equal depths: they have more contact points.
     const Real most = k < 6 ? least.depth : 0.9 * least.depth - 1e-5;
     const auto is_less = logical_and(is_axis, depth < most);
     least.normal = select(is_less, n * copysign(Real(1.0), along), least.normal);
@@ -60,8 +60,8 @@ SKYBODY_INLINE LeastOverlap<Real> least_overlap(const PlacedShape<Real>& a,
   return least;
 }
 
-/// The part of a straight line that is within the sides of a box: those along which `normal` does
-/// not lie. As shares of the way from start to end.
+/// The part of a line segment within the sides of a box, that is, without the faces that `normal`
+/// belongs to. As fractions of the segment.
 template <class Real>
 struct LinePart {
   Real first, last;  ///< first > last: none
@@ -89,10 +89,10 @@ SKYBODY_INLINE LinePart<Real> within_sides(const PlacedShape<Real>& box, const V
   return part;
 }
 
-/// Corners of `a`, and where its edges pass the sides of `b`, below the face of `b` that a normal
-/// belongs to.
+/// Adds corners of `a`, and intersections of its edges with the sides of `b`, below the face of `b`
+/// with a given normal.
 /// @param out_of_b  the face's normal
-/// @param sign      1: the first placed is `a`; -1: it is `b`
+/// @param sign      1: the first shape is `a`; -1: it is `b`
 template <class Real>
 SKYBODY_INLINE void add_face_places(const ContactShape& model, const PlacedShape<Real>& a,
                                     const PlacedShape<Real>& b, const Vec3<Real>& out_of_b,
@@ -131,7 +131,7 @@ SKYBODY_INLINE void add_face_places(const ContactShape& model, const PlacedShape
   }
 }
 
-/// Corners of `b` that are within `a`, straight above a face of `b`.
+/// Adds corners of `b` within `a`, straight above a face of `b`.
 /// @param out_of_b, sign  as for add_face_places
 template <class Real>
 SKYBODY_INLINE void add_corners_within(const ContactShape& model_b, const PlacedShape<Real>& a,
@@ -146,7 +146,7 @@ SKYBODY_INLINE void add_corners_within(const ContactShape& model_b, const Placed
     const auto is_top = dot(out_of_b, corner - b.position) > top * (1.0 - 1e-6) - 1e-9;
     const auto may = logical_and(acts, is_top);
     if (none(may)) continue;
-    // Through `a` along the normal: where the line comes in, below the corner.
+    // A line through `a` along the normal: its entry point, below the corner.
     const Vec3<Real> p = a.to_local(corner);
     const Real ps[3] = {p.x, p.y, p.z};
     Real first(-kInfinity), last(kInfinity);
@@ -157,7 +157,7 @@ SKYBODY_INLINE void add_corners_within(const ContactShape& model_b, const Placed
       const Real one = (-hs[i] - ps[i]) * rate, two = (hs[i] - ps[i]) * rate;
       first = select(is_across, max(first, min(one, two)), first);
       last = select(is_across, min(last, max(one, two)), last);
-      // Strictly: a corner of `a` at the same place is taken already.
+      // Strictly: a corner of `a` at the same position is already added.
       is_through &= logical_or(is_across, abs(ps[i]) < hs[i] - 1e-9);
     }
     const auto touches = logical_and(is_through, logical_and(first<-1e-12, last> 0.0));
@@ -165,13 +165,13 @@ SKYBODY_INLINE void add_corners_within(const ContactShape& model_b, const Placed
   }
 }
 
-/// Where the edges of two boxes cross.
+/// Adds the crossing point of the edges of two boxes.
 template <class Real>
 SKYBODY_INLINE void add_crossing(const ContactShape& model_a, const PlacedShape<Real>& a,
                                  const PlacedShape<Real>& b, const LeastOverlap<Real>& least,
                                  const MaskOf<Real>& acts, Manifold<Real>& out) {
   if (none(acts)) return;
-  // The middle of the edge of each that lies farthest towards the other.
+  // The midpoint of each box's edge that is farthest towards the other.
   const auto middle = [&](const PlacedShape<Real>& box, const Vec3<Real>& towards,
                           const Vec3<Real>& edge) SKYBODY_INLINE_LAMBDA {
     const Vec3<Real> n = transpose_times(box.axes, towards), e = transpose_times(box.axes, edge);
@@ -215,8 +215,8 @@ SKYBODY_INLINE void collide_boxes(const ContactShape& model_a, const PlacedShape
   add_crossing(model_a, a, b, least, logical_and(acts, least.kind == Real(2.0)), out);
 }
 
-/// Where two shapes touch.
-/// @param is_close  lanes to look at
+/// Adds the contact points of two shapes.
+/// @param is_close  lanes to test
 template <class Real>
 SKYBODY_INLINE void add_places(const ContactShape& model_a, const PlacedShape<Real>& a,
                                const ContactShape& model_b, const PlacedShape<Real>& b,
@@ -236,8 +236,9 @@ SKYBODY_INLINE void add_places(const ContactShape& model_a, const PlacedShape<Re
   if (is_box_b && model_a.type == ShapeType::kCylinder) {
     return BoxAndCylinder<Real>(model_b, b, a, -1.0).collide(model_a, is_close, out);
   }
-  // Edges of a box, if there is one; else of the first. A sphere has one place, which is nearest to
-  // the other's surface: nothing of the other needs to be in it.
+  // Uses the edges of a box, if there is one, otherwise of the first shape. A sphere has one
+  // contact point, which is nearest to the other's surface: points of the other shape inside the
+  // sphere are not needed.
   const bool is_sphere_a = model_a.type == ShapeType::kSphere,
              is_sphere_b = model_b.type == ShapeType::kSphere;
   const bool by_others_edges = !is_box_a && is_box_b;

@@ -1,19 +1,19 @@
-// A box and a cylinder. On double and packs.
+// Contact of a box and a cylinder. On double and packs.
 //
-// Seen along the cylinder's axis a box is a set of corners and edges, and the cylinder a disc. An
-// edge passes the axis most closely in one point, in closed form: as long as no way out over the
-// cylinder's ends is shorter, that is where it is deepest. Else it is looked for along the edge,
-// and points of the cylinder's ends may be in the box.
+// Seen along the cylinder's axis, a box is a set of corners and edges and the cylinder is a disc.
+// The point of an edge closest to the axis has a closed form. It is the deepest point, as long as
+// no way out over the cylinder's ends is shorter. Otherwise the deepest point is searched along the
+// edge, and points of the cylinder's ends may be in the box.
 #pragma once
 
 #include "core/physics/contact/collide_points.h"
 
 namespace skybody {
 
-/// The corners of a box about the axis of a cylinder.
+/// The corners of a box in the frame of a cylinder.
 template <class Real>
 struct CornersAboutAxis {
-  Vec3<Real> edges[3];    ///< along the box's axes, whole, cylinder's axes [m]
+  Vec3<Real> edges[3];    ///< along the box's axes, full length, cylinder's axes [m]
   Real x[8], y[8], z[8];  ///< of the corners, in the order of the box's form [m]
   Real square[8];         ///< squared distances from the axis [m^2]
 
@@ -37,11 +37,11 @@ struct CornersAboutAxis {
   }
 };
 
-/// Adds the places where a box and a cylinder touch. Refers to its arguments.
+/// Adds the contact points of a box and a cylinder. Refers to its arguments.
 template <class Real>
 class BoxAndCylinder {
  public:
-  /// @param sign  1: the box is the first placed; -1: the cylinder is
+  /// @param sign  1: the box is the first shape; -1: the cylinder is
   SKYBODY_INLINE BoxAndCylinder(const ContactShape& box_model, const PlacedShape<Real>& box,
                                 const PlacedShape<Real>& cylinder, double sign)
       : model_(box_model),
@@ -51,7 +51,7 @@ class BoxAndCylinder {
         corners_(box, cylinder),
         disc_(cylinder.half.x * cylinder.half.x) {}
 
-  /// @param cylinder_model  of the cylinder
+  /// @param cylinder_model  the cylinder's shape
   SKYBODY_INLINE void collide(const ContactShape& cylinder_model, const MaskOf<Real>& is_close,
                               Manifold<Real>& out) {
     const auto acts =
@@ -64,7 +64,7 @@ class BoxAndCylinder {
   }
 
  private:
-  /// Whether the ways out over the ends are longer than any over the side.
+  /// Whether all ways out over the ends are longer than any over the side.
   SKYBODY_INLINE MaskOf<Real> is_at_side() const {
     Real highest(0.0), sum_x(0.0), sum_y(0.0);
     for (int k = 0; k < 8; ++k) {
@@ -72,7 +72,7 @@ class BoxAndCylinder {
       sum_x += corners_.x[k];
       sum_y += corners_.y[k];
     }
-    // How near it comes to the axis, along the way to its centre.
+    // Its closest approach to the axis, in the direction of its centre.
     const Real scale = 1.0 / max(sqrt(sum_x * sum_x + sum_y * sum_y), Real(1e-12));
     Real nearest(kInfinity);
     for (int k = 0; k < 8; ++k) {
@@ -104,7 +104,7 @@ class BoxAndCylinder {
       const int i = model_.form->edges[static_cast<std::size_t>(e)][0];
       const int k = model_.form->edges[static_cast<std::size_t>(e)][1];
       const Vec3<Real>& along = corners_.edges[k - i == 1 ? 0 : k - i == 2 ? 1 : 2];
-      // Its line passes through the disc, and some of it between the ends.
+      // Its line passes through the disc, and a part of it between the ends.
       const Real square = along.x * along.x + along.y * along.y;
       const Real moment = corners_.x[i] * along.y - corners_.y[i] * along.x;
       const auto passes = logical_and(

@@ -1,8 +1,8 @@
-// Where two capsules touch, or a capsule and a sphere. On double and packs.
+// Contact of two capsules, or of a capsule and a sphere. On double and packs.
 //
-// A capsule is a straight line as thick as its radius, a sphere a point as thick. Two of them touch
-// where their lines are nearest: at ends of either, or where both lines cross between their ends.
-// Lines that lie along each other touch at two ends.
+// A capsule is a line segment with a radius, a sphere a point with a radius. Two of them touch
+// where their segments are nearest: at ends of either, or where the segments cross between their
+// ends. Parallel segments touch at two ends.
 #pragma once
 
 #include "core/physics/contact/collide_points.h"
@@ -16,8 +16,8 @@ constexpr bool are_capsules(ShapeType a, ShapeType b) {
          (is_capsule_b && a == ShapeType::kSphere);
 }
 
-/// How deep an end of `a` is in `b`.
-/// @param is_strict  ends count only where they are beside the line of `b`: others are b's ends'
+/// Adds the ends of `a` that are in `b`.
+/// @param is_strict  count only ends beside the segment of `b`: the others belong to b's ends
 template <class Real>
 SKYBODY_INLINE void add_ends(const ContactShape& model, const PlacedShape<Real>& a,
                              const PlacedShape<Real>& b, double sign, bool is_strict,
@@ -41,7 +41,7 @@ SKYBODY_INLINE void collide_capsules(const ContactShape& model_a, const PlacedSh
                                      const ContactShape& model_b, const PlacedShape<Real>& b,
                                      const MaskOf<Real>& is_close, Manifold<Real>& out) {
   Real deepest(0.0);
-  // Of a sphere its point alone: that is nearest, wherever it is.
+  // Of a sphere only its centre is needed: it is always the nearest point.
   const bool is_ball_a = model_a.type == ShapeType::kSphere,
              is_ball_b = model_b.type == ShapeType::kSphere;
   if (!is_ball_b) add_ends(model_a, a, b, 1.0, false, is_close, deepest, out);
@@ -50,7 +50,8 @@ SKYBODY_INLINE void collide_capsules(const ContactShape& model_a, const PlacedSh
   const Vec3<Real> start = a.place({0.0, 0.0, -1.0}), along = a.place({0.0, 0.0, 1.0}) - start;
   const EdgeDepth<Real> d = edge_depth(b, b.to_local(start), b.to_local(start + along));
   const Vec3<Real> p = start + along * d.share;
-  // The depth of the ends is subtracted, so that nothing jumps where the crossing comes to one.
+  // The depth of the ends is subtracted, so that the force is continuous where the crossing reaches
+  // an end.
   const Real depth = (a.rounding - d.distance) - deepest;
   const auto is_crossing = logical_and(d.is_between, abs(b.to_local(p).z) < b.half.z);
   const Vec3<Real> way = b.axes * d.normal;

@@ -1,15 +1,16 @@
-// Where a placed touches a plane or a height field. On double and packs.
+// Contact of a shape with a plane or a height field. On double and packs.
 //
-// What is flat is touched by points alone: corners, ends, centres, rims. A height field is touched
-//   - by points of the placed, by the shortest way out,
-//   - by edges of the placed that cross its ridges: an edge is cut into kEdgeParts parts, and where
-//     the distance first falls and then rises along a part, it is deepest in between,
-//   - with its own peaks in faces of the placed: with those corners of its cells that lie in the
-//     placed at least as deep as the six corners next to them, and are no part of a ridge or of a
-//     plain that goes on to both sides. The kMostPeaks deepest ones count.
+// A plane has contact points only with points of the shape: corners, ends, centres, rims. A height
+// field has three kinds of contact points:
+// - Points of the shape, by the shortest way out.
+// - Edges of the shape that cross ridges of the field. An edge is cut into kEdgeParts parts. Where
+//   the distance first falls and then rises along a part, the deepest point is in between.
+// - Peaks of the field in faces of the shape: corners of cells that are in the shape, at least as
+//   deep as the six neighbouring corners, and not part of a ridge or plain that continues on both
+//   sides. The kMostPeaks deepest ones count.
 //
-// Lanes look at different cells of a height field: each keeps peaks of its own, so that it has the
-// bits that it has alone.
+// Lanes test different cells of a height field. Each keeps its own peaks, so that its bits are the
+// same as when computed alone.
 #pragma once
 
 #include "core/physics/contact/collide_points.h"
@@ -17,7 +18,7 @@
 
 namespace skybody {
 
-/// Points of a placed below a plane.
+/// Adds the points of a shape below a plane.
 template <class Real>
 SKYBODY_INLINE void collide_plane(const ContactShape& model, const PlacedShape<Real>& a,
                                   const PlacedShape<Real>& plane, const MaskOf<Real>& is_close,
@@ -46,7 +47,7 @@ SKYBODY_INLINE void collide_plane(const ContactShape& model, const PlacedShape<R
   for (int k = 0; k < model.form->point_count; ++k) add(place(k), k);
 }
 
-/// Edges of a placed across the ridges of a height field.
+/// Contact of a shape's edges with the ridges of a height field.
 template <class Real>
 class FieldEdges {
  public:
@@ -69,7 +70,7 @@ class FieldEdges {
 
  private:
   static constexpr int kEdgeParts = 8;
-  /// Of a distance along an edge: less is none.
+  /// Slope of the distance along an edge: smaller slopes count as level.
   static constexpr double kLevelSlope = 1e-6;
 
   SKYBODY_INLINE void add(int e) {
@@ -89,7 +90,7 @@ class FieldEdges {
     add_half(1, middle, logical_and(may, may_touch(middle.distance, last_, half)));
   }
 
-  /// Along a line the distance changes no faster than the way.
+  /// Along a line the distance changes at most as fast as the position.
   SKYBODY_INLINE MaskOf<Real> may_touch(const Real& one, const Real& other,
                                         const Real& length) const {
     return one + other < length + 2.0 * thickness_;
@@ -115,13 +116,13 @@ class FieldEdges {
       const Real climbs = slope(after);
       const auto is_falling = logical_and(may, falls < -kLevelSlope);
       const auto is_climbing = logical_and(may, climbs > kLevelSlope);
-      // A lane has one of these at most: one place for each part.
+      // At most one of these per lane: one contact point per part.
       found_.counts = MaskOf<Real>(false);
       find_valley(s, logical_and(is_falling, is_climbing));
       if (s + 1 < kEdgeParts) {
         find_end_of_level(s + 1, s, logical_and(is_falling, is_level(climbs)));
       }
-      // A single level sample is a ridge that the part before has taken.
+      // A single level sample is a ridge, already taken by the previous part.
       const auto was_level = logical_and(is_level(falls), is_level(earlier));
       if (s > 0) find_end_of_level(s, s + 1, logical_and(was_level, is_climbing));
       put_found();
@@ -130,7 +131,7 @@ class FieldEdges {
     }
   }
 
-  /// Where it is deepest within a part.
+  /// Finds the deepest point within a part.
   SKYBODY_INLINE void find_valley(int s, const MaskOf<Real>& is_valley) {
     if (none(is_valley)) return;
     const double step = 1.0 / kEdgeParts;
@@ -139,7 +140,7 @@ class FieldEdges {
     take((Real(s * 1.0) + d.share) * step, d.distance, d.normal,
          logical_and(is_valley, d.is_between));
   }
-  /// Where ground that is level along the edge ends: between a sample where it is and the next one.
+  /// Finds the end of ground that is level along the edge: between a level sample and the next one.
   SKYBODY_INLINE void find_end_of_level(int level, int beyond, const MaskOf<Real>& counts) {
     if (none(counts)) return;
     constexpr int kHalvings = 10;
@@ -155,7 +156,7 @@ class FieldEdges {
     take(low, d.distance, d.normal, counts);
   }
 
-  /// How the distance changes along the edge.
+  /// Rate of change of the distance along the edge.
   SKYBODY_INLINE Real slope(const SurfaceDistance<Real>& d) const {
     return dot(field_.axes * d.normal, along_) / length_;
   }
@@ -174,7 +175,7 @@ class FieldEdges {
   SKYBODY_INLINE void put_found() {
     if (none(found_.counts)) return;
     const Real& share = found_.share;
-    // Near an end its depth is subtracted, so that an edge and its ends do not push twice.
+    // Near an end its depth is subtracted, so that an edge and its ends do not both push.
     const auto of_end = [&](const Real& end, const Real& apart) SKYBODY_INLINE_LAMBDA {
       return max(thickness_ - end, Real(0.0)) * max(1.0 - kEdgeParts * apart, Real(0.0));
     };
@@ -185,9 +186,9 @@ class FieldEdges {
              logical_and(found_.counts, depth > 0.0));
   }
 
-  /// Where an edge touches within a part.
+  /// Contact of an edge within a part.
   struct Found {
-    Real share, distance;  ///< of the way along the edge; from the surface [m]
+    Real share, distance;  ///< fraction of the edge; distance from the surface [m]
     Vec3<Real> normal;     ///< in the field's frame
     MaskOf<Real> counts;
   };
@@ -198,15 +199,15 @@ class FieldEdges {
   const Real* ends_;
   Manifold<Real>& out_;
   Real thickness_;
-  // Of the edge at hand.
+  // Of the current edge.
   Vec3<Real> start_, along_;
   Real first_, last_;  ///< distances of its ends
   Real length_;
   int bristle_ = -1;
-  Found found_{};  // of the part at hand
+  Found found_{};  // of the current part
 };
 
-/// Peaks of a height field in the faces of a placed.
+/// Peaks of a height field in the faces of a shape.
 template <class Real>
 class FieldPeaks {
  public:
@@ -231,12 +232,12 @@ class FieldPeaks {
 
  private:
   static constexpr int kMostPeaks = 8;
-  static constexpr double kLevel = 1e-9;  ///< heights that differ by less are the same [m]
+  static constexpr double kLevel = 1e-9;  ///< heights that differ by less are equal [m]
 
   struct Peak {
     Vec3<Real> point;  ///< W
-    Vec3<Real> way;    ///< in which the placed is pushed off, W
-    Real depth;        ///< 0: there is none [m]
+    Vec3<Real> way;    ///< push direction on the shape, W
+    Real depth;        ///< 0: no peak [m]
   };
 
   SKYBODY_INLINE void find_all() {
@@ -264,9 +265,9 @@ class FieldPeaks {
     const Real depth = -d.distance;
     const Vec3<Real> way = a_.axes * -d.normal;
     MaskOf<Real> is_in = logical_and(is_near, depth > 0.0);
-    // Nothing is pushed down into the field.
+    // No shape is pushed down into the field.
     is_in &= dot(way, field_.axes.column(2)) > 0.0;
-    // The axis of a cylinder touches as an edge; its ends are faces.
+    // The axis of a cylinder is handled as an edge; its ends are faces.
     if (model_.type == ShapeType::kCylinder) is_in &= abs(d.normal.z) > 0.5;
     if (none(is_in)) return;
     for (int k = 0; k < 3; ++k) {
@@ -279,7 +280,7 @@ class FieldPeaks {
     keep({field_.position + field_.axes * corner, way, depth}, is_in);
   }
 
-  /// How deep a corner lies in the placed; beyond the grid there is nothing.
+  /// Depth of a corner in the shape; -kLargest beyond the grid.
   SKYBODY_INLINE Real depth_at(const Real& column, const Real& row) const {
     const double most_column = grid_.field.columns() - 1.0, most_row = grid_.field.rows() - 1.0;
     const Real c = HeightGrid<Real>::within(column, most_column);
@@ -292,7 +293,7 @@ class FieldPeaks {
     return a_.to_local(field_.position + field_.axes * corner);
   }
 
-  /// In place of the shallowest one.
+  /// Replaces the shallowest peak, if this one is deeper.
   SKYBODY_INLINE void keep(const Peak& peak, const MaskOf<Real>& is_one) {
     Real least = peaks_[0].depth, place(0.0);
     for (int k = 1; k < kMostPeaks; ++k) {
@@ -315,7 +316,7 @@ class FieldPeaks {
   const PlacedShape<Real>&a_, &field_;
   const MaskOf<Real>& is_close_;
   HeightGrid<Real> grid_;
-  Vec3<Real> center_;  ///< of the placed, in the field's frame
+  Vec3<Real> center_;  ///< of the shape, in the field's frame
   Peak peaks_[kMostPeaks];
 };
 

@@ -1,23 +1,24 @@
-// Places of one placed in another: its points in the other's inside and its edges across it. On
-// double and packs.
+// Contact points of one shape with another: its points inside the other shape and its edges across
+// it. On double and packs.
 #pragma once
 
 #include "core/physics/contact/manifold.h"
 
 namespace skybody {
 
-/// Bristle of a placed's place, or of its edge.
+/// Bristle index of one of a shape's points or edges.
 inline int bristle_of(const ContactShape& placed, int place) {
   return placed.bristle < 0 ? -1 : placed.bristle + place;
 }
 
-/// @param end  0: that of less z, 1: the other one
+/// @param end  0: the end of lower z, 1: the other one
 template <class Real>
 SKYBODY_INLINE Rim<Real> rim_of(const PlacedShape<Real>& cylinder, int end) {
   return {cylinder.place({0.0, 0.0, 2.0 * end - 1.0}), cylinder.axes.column(2), cylinder.half.x};
 }
 
-/// Of each rim of a cylinder, the point that lies deepest along the way out at the rim's middle.
+/// Adds, for each rim of a cylinder, the point that is deepest along the outward normal at the
+/// rim's centre.
 template <class Real>
 SKYBODY_INLINE void add_rims(const ContactShape& model, const PlacedShape<Real>& a,
                              const PlacedShape<Real>& b, double sign, const MaskOf<Real>& is_close,
@@ -33,8 +34,8 @@ SKYBODY_INLINE void add_rims(const ContactShape& model, const PlacedShape<Real>&
   }
 }
 
-/// Points of `a` in `b`.
-/// @param sign  1: the first placed is `a`; -1: it is `b`
+/// Adds points of `a` in `b`.
+/// @param sign  1: the first shape is `a`; -1: it is `b`
 /// @param ends  written: distances of all places of a's form
 template <class Real>
 SKYBODY_INLINE void add_points(const ContactShape& model, const PlacedShape<Real>& a,
@@ -55,8 +56,8 @@ SKYBODY_INLINE void add_points(const ContactShape& model, const PlacedShape<Real
   if (model.type == ShapeType::kCylinder) add_rims(model, a, b, sign, is_close, out);
 }
 
-/// Edges of `a` across `b`. The depth of the deeper end is
-/// subtracted, so that an edge and its ends do not push twice.
+/// Adds edges of `a` across `b`. The depth of the deeper end is subtracted, so that an edge and its
+/// ends do not both push.
 template <class Real>
 SKYBODY_INLINE void add_edges(const ContactShape& model, const PlacedShape<Real>& a,
                               const PlacedShape<Real>& b, double sign, const MaskOf<Real>& is_close,
@@ -70,7 +71,7 @@ SKYBODY_INLINE void add_edges(const ContactShape& model, const PlacedShape<Real>
     const int k = form.edges[static_cast<std::size_t>(e)][1];
     const Vec3<Real> start = a.place(form.places[static_cast<std::size_t>(i)]);
     const Vec3<Real> along = a.place(form.places[static_cast<std::size_t>(k)]) - start;
-    // Along it the distance changes no faster than the way.
+    // Along it the distance changes at most as fast as the position.
     const Real nearest = thickness * 2.0 - ends[i] - ends[k];
     const auto may =
         logical_and(is_close, logical_or(nearest > 0.0, dot(along, along) > nearest * nearest));

@@ -1,15 +1,15 @@
-// The force between two things at one place where they touch. On double and packs.
+// The contact force between two bodies at one contact point. On double and packs.
 //
 //   normal    f = k x^1.5 (1 + d v), d = 1.5 c, never pulling: K. H. Hunt, F. R. E. Crossley,
 //             "Coefficient of restitution interpreted as damping in vibroimpact", 1975
-//   friction  a bristle of stiffness k_t and damping c_t that bends by s as the places slide past
-//             each other, and slips where it would carry more than Coulomb's mu f: P. A. Cundall,
+//   friction  a bristle of stiffness k_t and damping c_t that bends by s as the surfaces slide past
+//             each other, and slips where its force would exceed Coulomb's mu f: P. A. Cundall,
 //             O. D. L. Strack, "A discrete numerical model for granular assemblies", 1979
 //
-// x is the depth, v the rate at which it grows. What multiplies a velocity is at most m' / h, m'
-// the share of the bodies' mass that the place feels and h the step: parts of a step
-// (contact_step.h) are so short that no more is asked for, as long as there are enough of them.
-// Where there are not, limited_force() holds.
+// x is the depth, v its rate of growth. Damping factors are limited to m' / h, with m' the contact
+// point's share of the bodies' mass and h the step. The substeps of a step (contact_step.h) are so
+// short that the law does not exceed this limit, as long as there are enough substeps. Otherwise
+// limited_force() applies.
 #pragma once
 
 #include "core/base/math.h"
@@ -17,14 +17,14 @@
 
 namespace skybody {
 
-/// What touches at one place.
+/// State of one contact point.
 template <class Real>
 struct ContactKinematics {
   Real depth;           ///< x [m]
-  Vec3<Real> normal;    ///< the way in which the body is pushed off, unit
-  Vec3<Real> velocity;  ///< of the body's place past the other's, mean of the step [m/s]
-  Vec3<Real> slide;   ///< how far it has gone past it since the step before, along the normal, too
-                      ///< [m]
+  Vec3<Real> normal;    ///< push direction on the body, unit
+  Vec3<Real> velocity;  ///< of the body relative to the other at this point, mean of the step [m/s]
+  Vec3<Real> slide;   ///< displacement of the body relative to the other in the step, including the
+                      ///< normal part [m]
   Real step;          ///< h [s]
   Real most_damping;  ///< m' / h [N s/m]
 };
@@ -39,11 +39,11 @@ SKYBODY_INLINE Real normal_force(const ContactKinematics<Real>& touch, const Rea
   return max(elastic - damping * dot(touch.normal, touch.velocity), Real(0.0));
 }
 
-/// The same for a step that is too long for the spring. Velocities approach 1 / d, at which the law
-/// has no force, from below: with s the sum over a body's contacts of h k x^1.5 d / m_n, m_n the
-/// mass that each meets along its normal, all of them together take no more than s / (1 + s) of the
-/// way.
-/// @param sum  s; of two bodies the larger one
+/// Normal force for a step that is too long for the spring. At the velocity 1 / d the law has no
+/// force; velocities approach it from below. Let s be the sum over a body's contacts of h k x^1.5 d
+/// / m_n, with m_n the effective mass of each along its normal. All contacts together then change
+/// the velocity by at most s / (1 + s) of the distance to 1 / d.
+/// @param sum  s; the larger one of two bodies
 template <class Real>
 SKYBODY_INLINE Real limited_force(const ContactKinematics<Real>& touch, const Real& elastic,
                                   const Real& dissipation, const Real& sum) {
@@ -51,17 +51,17 @@ SKYBODY_INLINE Real limited_force(const ContactKinematics<Real>& touch, const Re
   return elastic * max(share, Real(0.0)) / (1.0 + sum);
 }
 
-/// Of a vector, what lies at right angles to a unit vector.
+/// The part of a vector orthogonal to a unit vector.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> across(const Vec3<Real>& normal, const Vec3<Real>& v) {
   return v - normal * dot(normal, v);
 }
 
-/// Friction with a bristle: its spring and damper lie in line with what slips. While it slips,
-/// force and bristle follow mu f = k_t s + c_t ds/dt, so that it never bends further than the
-/// places slide.
+/// Friction with a bristle: its spring and damper in parallel, in series with the slip. While it
+/// slips, force and bristle follow mu f = k_t s + c_t ds/dt, so that it never bends further than
+/// the surfaces slide.
 /// @param most     mu f [N]
-/// @param bristle  s of the step before [m]; written: where it is after this one
+/// @param bristle  s of the previous step [m]; written: s after this step
 template <class Real>
 SKYBODY_INLINE Vec3<Real> bristle_force(const ContactKinematics<Real>& touch, const ContactLaw& law,
                                         const Real& most, Vec3<Real>& bristle) {
@@ -80,11 +80,10 @@ SKYBODY_INLINE Vec3<Real> bristle_force(const ContactKinematics<Real>& touch, co
   return -force;
 }
 
-/// Friction where no bristle is kept: it stops what slides within a few steps, and lets it creep
-/// under a load.
+/// Friction without a bristle: stops sliding within a few steps, and creeps under a load.
 /// @param velocity  across the normal
 /// @param speed     its norm
-/// @param damping   such that no step gains energy by it
+/// @param damping   limited such that no step gains energy
 /// @param most      mu f [N]
 template <class Real>
 SKYBODY_INLINE Vec3<Real> viscous_friction_force(const Vec3<Real>& velocity, const Real& speed,

@@ -12,11 +12,11 @@ namespace {
 
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// Of all places on which a body rests, in all directions together: the largest
-/// (frequency x dt)^2. The trace of a matrix, about three times its largest eigenvalue; a step is
-/// stable below 4 of that.
+/// Limit of (frequency x dt)^2, summed over all points on which a body rests and over all
+/// directions. This is the trace of a matrix, about three times its largest eigenvalue; a step is
+/// stable if the eigenvalue is below 4.
 constexpr double kLargestSquaredPhase = 4.0;
-/// Likewise, of bristles: the largest damping x dt / mass; stable below 2 of the eigenvalue.
+/// Likewise for bristles: the limit of damping x dt / mass; stable if the eigenvalue is below 2.
 constexpr double kLargestDamping = 3.0;
 
 ContactForm make_box() {
@@ -87,14 +87,14 @@ bool has_others(const Scenario& scenario) {
   return !scenario.obstacles.empty() || scenario.robots.size() > 1;
 }
 
-/// Bristles that a shape's placed has.
+/// Number of bristles of a shape.
 int bristles_of(const Scenario& scenario, const Shape& shape) {
   const ContactForm& form = contact_form(contact_shape(shape).type);
   const int edges = has_others(scenario) ? static_cast<int>(form.edges.size()) : 0;
   return form.point_count + edges;
 }
 
-/// Motion of all bodies with joints at zero and every free base at the origin, upright.
+/// Motion of all bodies with joints at zero and every free base upright at the origin.
 std::vector<BodyKinematics<double>> upright_bodies(const World& world) {
   std::vector<double> q(64 + 7 * world.bodies.size(), 0.0), u(q.size(), 0.0);
   for (const WorldBody& body : world.bodies) {
@@ -117,14 +117,14 @@ void add_heights(const ContactBody& body, const BodyKinematics<double>& m,
   }
 }
 
-/// How many of the heights are about the lowest.
+/// Number of heights close to the lowest one.
 std::ptrdiff_t count_lowest(const std::vector<double>& heights) {
   const double lowest = *std::min_element(heights.begin(), heights.end());
   return std::count_if(heights.begin(), heights.end(),
                        [&](double z) { return z <= lowest + kLevel; });
 }
 
-/// Number of points of a robot that lie lowest where it stands upright.
+/// Number of lowest points of an upright robot.
 std::ptrdiff_t count_upright_places(const ContactScene& scene, std::size_t robot) {
   const std::vector<BodyKinematics<double>> motion = upright_bodies(scene.world);
   std::vector<double> heights;
@@ -135,7 +135,7 @@ std::ptrdiff_t count_upright_places(const ContactScene& scene, std::size_t robot
   return heights.empty() ? 1 : count_lowest(heights);
 }
 
-/// The largest number of points on which a body lies on any of its six sides; at least
+/// The largest number of points on which a body rests on any of its six sides; at least
 /// kLeastPlaces.
 std::ptrdiff_t most_resting_places(const ContactBody& body) {
   std::ptrdiff_t most = kLeastPlaces;
@@ -152,14 +152,14 @@ std::ptrdiff_t most_resting_places(const ContactBody& body) {
   return most;
 }
 
-/// Sum over three directions of how a body, were it free, gives way to unit impulses at a place by
-/// turning [1/kg]. @param arm  from its centre of mass, body axes
+/// Rotational mobility of a free body at a point [1/kg]: its response to unit impulses by rotation,
+/// summed over three directions. @param arm  from its centre of mass, body axes
 double turning_at(const MassProperties& mass, const Vec3<double>& arm) {
   const SymMat3<double> inverted = inverse(mass.inertia);
   return (inverted.xx + inverted.yy + inverted.zz) * dot(arm, arm) - dot(arm, inverted * arm);
 }
 
-/// That of the place that gives way most.
+/// The largest turning_at() of all points of a body.
 double most_turning(const MassProperties& mass, const ContactBody& body) {
   double most = 0.0;
   for (const GroundPoint& p : body.points) {
@@ -181,8 +181,8 @@ const MassProperties& mass_of(const ContactScene& scene, const ContactBody& body
   return scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass;
 }
 
-/// Of the loosest place, turning and mass together [1/kg]; 0 of driven bodies. A link of a robot
-/// with joints does not turn freely.
+/// Mobility of the most mobile point, rotation and mass together [1/kg]; 0 for driven bodies. A
+/// link of a robot with joints cannot rotate freely.
 double mobility(const ContactScene& scene, const ContactBody& body) {
   if (body.is_driven) return 0.0;
   const MassProperties& mass = mass_of(scene, body);
@@ -191,25 +191,25 @@ double mobility(const ContactScene& scene, const ContactBody& body) {
   return 3.0 / mass.mass + most_turning(mass, body);
 }
 
-/// See ContactBody. A corner of a box that is filled evenly turns by 9 / m, whatever its sides.
-/// Links of a robot with joints count as free: they get more parts than they need, and less damping
-/// where no more parts can be had, never the other way.
+/// See ContactBody. The rotational mobility of a corner of a uniform box is 9 / m, whatever its
+/// sides. Links of a robot with joints are treated as free. They then get more substeps than
+/// necessary, and less damping if the number of substeps is exhausted, never the opposite.
 double leverage(const ContactScene& scene, const ContactBody& body) {
   const MassProperties& mass = mass_of(scene, body);
   if (body.is_driven || !(mass.mass > 0.0)) return 1.0;
   return max(most_turning(mass, body) * mass.mass / 9.0, 1.0);
 }
 
-/// The sum of mobility() over all places on which a body rests at once [1/kg].
+/// The sum of mobility() over all points on which a body rests at once [1/kg].
 double gives_of(const ContactScene& scene, const ContactBody& body) {
   return static_cast<double>(most_resting_places(body)) * mobility(scene, body);
 }
 
-/// Stiffness of the points of each contact body: resting upright on the n points that lie lowest,
-/// the robot sinks in by ContactSettings::penetration x0,
-///   k = m |g| / (n x0^1.5),
-/// but no more than lets dt follow the oscillation of the body itself on as many places as it may
-/// lie on (gives_of).
+/// Stiffness of the points of each contact body. An upright robot at rest on its n lowest points
+/// sinks in by ContactSettings::penetration x0:
+///   k = m |g| / (n x0^1.5).
+/// The stiffness is limited so that dt resolves the oscillation of the body itself on as many
+/// points as it may rest on (gives_of).
 std::vector<double> stiffnesses(const ContactScene& scene) {
   const Scenario& scenario = scene.world.scenario;
   const double depth = scenario.contact.penetration, dt = scenario.stepping.dt;
@@ -222,13 +222,13 @@ std::vector<double> stiffnesses(const ContactScene& scene) {
   std::vector<double> out;
   for (const ContactBody& body : scene.bodies) {
     const double gives = gives_of(scene, body) * (dt * dt);
-    const double most = kLargestSquaredPhase / gives / (1.5 * sqrt(depth));  // driven: infinite
+    const double most = kLargestSquaredPhase / gives / (1.5 * sqrt(depth));  // infinite if driven
     out.push_back(min(wanted[static_cast<std::size_t>(body.robot)], most));
   }
   return out;
 }
 
-/// By Newton's method: libm's differs between machines.
+/// Newton's method, because libm's cbrt differs between machines.
 double cube_root(double a) {
   double root = max(a, 1.0), before = 0.0;
   for (int i = 0; i < 200 && root != before; ++i) {
@@ -238,20 +238,20 @@ double cube_root(double a) {
   return root;
 }
 
-/// Two springs of the power 1.5 one behind the other.
+/// Two springs of power 1.5 in series.
 double in_series(double a, double b) {
-  const double ratio = cube_root(a / b * (a / b));  // how much more b gives way
+  const double ratio = cube_root(a / b * (a / b));  // deflection of b relative to a
   return a / pow_3_2(1.0 + ratio);
 }
 
-/// Mass that a bristle feels, nominal; infinite of what stands still.
+/// Nominal mass per bristle; infinite for bodies that forces do not move.
 double nominal_share(const ContactScene& scene, const ContactBody& body) {
   if (body.is_driven) return kInfinity;
   return mass_of(scene, body).mass / kLeastPlaces;
 }
 
-/// @param share     mass that a bristle feels
-/// @param gives     gives_of() of the bodies, together
+/// @param share     mass per bristle
+/// @param gives     sum of gives_of() of the bodies
 ContactLaw make_law(const Scenario& scenario, double stiffness, double share, double gives) {
   ContactLaw law;
   law.stiffness = stiffness;
@@ -277,7 +277,7 @@ void add_rim(const ContactShape& placed, double end, ContactBody& body) {
   body.rims.push_back(rim);
 }
 
-/// By which a placed of a body may touch the ground.
+/// Adds the points of a shape that may touch the ground.
 void add_ground_places(const ContactShape& placed, ContactBody& body) {
   if (placed.type == ShapeType::kCylinder) {
     for (const double end : {-1.0, 1.0}) add_rim(placed, end, body);
@@ -359,7 +359,7 @@ void add_pairs(ContactScene& scene) {
   }
 }
 
-/// Pairs that a pair may have within reach.
+/// Number of pairs of shapes in a pair of bodies.
 int count_pairs(const ContactScene& scene, const CollisionPair& pair) {
   if (pair.other == kGround) return 1;
   const auto obstacle_shapes_of = [&](int body) {
@@ -399,7 +399,8 @@ ContactScene::ContactScene(const World& w) : world(w) {
   add_bodies(*this);
   double reach = 0.0;
   for (const ContactShape& placed : shapes) reach = max(reach, placed.reach);
-  // What is looked for before a step is farther off by the way of one: at 20 m/s, and a millimetre.
+  // The search before a step covers a larger distance: the way of one step at 20 m/s, and a
+  // millimetre.
   reach += 1e-3 + 20.0 * world.scenario.stepping.dt;
   int owner = 0;
   for (const Obstacle& obstacle : world.scenario.obstacles) {

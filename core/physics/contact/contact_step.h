@@ -1,11 +1,11 @@
-// Contact of everything with everything, in the environments that one Real holds: what is near
-// enough to touch within a step, and the forces between what touches. On double and packs.
+// Contact in the environments of one Real: the pairs that may touch within a step, and the contact
+// forces. On double and packs.
 //
-// Two shapes touch with their points (corners, rims, centres) in the other's inside and with their
-// edges across the other's. A force acts at one point on both, so that nothing is lost between
-// them. How deep things may get into each other is bounded by `give`, a quarter of the thinner
-// one's width: what a step would take further is stopped there, plastically. A step is cut into
-// parts of which none takes anything further than half of that.
+// Contact points of two shapes are points of one (corners, rims, centres) inside the other, and
+// edges across each other. A force acts on both bodies at one point, so that momentum is conserved.
+// Penetration is limited by `give`, a quarter of the thinner shape's width: motion beyond this
+// limit is stopped plastically. A step is cut into substeps, each of which moves a shape by at most
+// half of this limit.
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
@@ -15,14 +15,14 @@
 
 namespace skybody {
 
-/// Which velocities the forces of a part are computed from.
+/// Velocities from which the forces of a substep are computed.
 enum class ContactPass {
-  kStart,    ///< those of its start; the places are found
-  kMean,     ///< mean ones, as the pass before makes them
-  kLimited,  ///< likewise; where springs are too stiff those of the start, by limited_force()
+  kStart,    ///< those at its start; contact points are computed
+  kMean,     ///< mean ones, from the previous pass
+  kLimited,  ///< likewise; too stiff springs use those at the start, by limited_force()
 };
 
-/// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
+/// @tparam Values  access to constants: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
 class ContactStep : public BroadPhase<Real, Values> {
   using Search = BroadPhase<Real, Values>;
@@ -31,7 +31,7 @@ class ContactStep : public BroadPhase<Real, Values> {
   using Motion = BodyKinematics<Real>;
 
   /// @param constants  the world's kWorldParamCount values
-  /// @param bodies     kBodyConstantCount values per body; read by act() alone
+  /// @param bodies     kBodyConstantCount values per body; read by act() only
   /// @param obstacles  kShapeConstantCount values per obstacle
   SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants, const Real* bodies,
                              const Values& obstacles, const ContactWorkspace<Real>& work)
@@ -40,18 +40,19 @@ class ContactStep : public BroadPhase<Real, Values> {
         friction_(constants[kFriction]),
         dissipation_(constants[kDissipation]) {}
 
-  /// Where things touch so quickly, or so deep, that it matters whether forces go by the velocity
-  /// at a part's start or by its mean: known after act().
+  /// Lanes with contacts so fast or so deep that velocities at a substep's start and its mean
+  /// differ noticeably. Valid after act().
   SKYBODY_INLINE const MaskOf<Real>& is_quick() const { return is_quick_; }
-  /// Where springs are too stiff for the shortest parts: known after act() with mean velocities.
+  /// Lanes with springs too stiff for the shortest substeps. Valid after act() with mean
+  /// velocities.
   SKYBODY_INLINE const MaskOf<Real>& is_stiff() const { return is_stiff_; }
 
-  /// Lanes whose springs lose nothing: there errors of a step add up.
+  /// Lanes whose springs have no losses: there errors of a step accumulate.
   SKYBODY_INLINE MaskOf<Real> is_lossless() const { return dissipation_ <= 0.0; }
 
-  /// Where springs lose nothing, cuts the step for all that search() found near, as finely as if it
-  /// began to touch with four places at once: a contact at a step's start or end, and not in its
-  /// middle, where forces are evaluated, would gain or lose what its spring holds.
+  /// For lossless springs, cuts the step as finely for all pairs of search() as if they began to
+  /// touch with four points at once. A contact at a step's start or end, but not in its middle,
+  /// where forces are evaluated, would gain or lose the energy of its spring.
   SKYBODY_INLINE void cut_lossless() {
     const MaskOf<Real> lossless = is_lossless();
     if (none(lossless)) return;
@@ -66,8 +67,8 @@ class ContactStep : public BroadPhase<Real, Values> {
     }
   }
 
-  /// The step begins, or begins again: nothing has touched so far. What a lane does must not depend
-  /// on whether another one made it begin again.
+  /// Starts the step, or restarts it: clears all contact flags. The result of a lane must not
+  /// depend on a restart that another lane causes.
   SKYBODY_INLINE void begin() {
     is_quick_ = MaskOf<Real>(false);
     for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
@@ -76,13 +77,13 @@ class ContactStep : public BroadPhase<Real, Values> {
     }
   }
 
-  /// Forces of the contacts that search() found near, into ContactWorkspace::forces.
-  /// @param motion     in the middle of the part of the step; velocities at its start
-  /// @param mean       the same with mean velocities of the part, as far as they are known
-  /// @param step       of the part [s]
-  /// @param is_active  lanes where anything acts
-  /// @param pass       after the first one places are those of the last call
-  /// @param list       list(pair, point, ContactKinematics, force, lanes) of each contact
+  /// Computes the forces of the pairs found by search(), into ContactWorkspace::forces.
+  /// @param motion     in the middle of the substep; velocities at its start
+  /// @param mean       the same with mean velocities of the substep, if known
+  /// @param step       duration of the substep [s]
+  /// @param is_active  lanes to compute
+  /// @param pass       after the first pass, contact points of the last call are reused
+  /// @param list       list(pair, point, ContactKinematics, force, lanes): called for each contact
   template <class List = NoContactList>
   SKYBODY_INLINE void act(const Motion* motion, const Motion* mean, const Real& step,
                           const MaskOf<Real>& is_active, ContactPass pass, const List& list = {}) {
@@ -114,11 +115,11 @@ class ContactStep : public BroadPhase<Real, Values> {
     }
   }
 
-  /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
+  /// Ends the substep: stores the bristles of its last act(), in the lanes of a mask.
   SKYBODY_INLINE void bend(const MaskOf<Real>& is_active) const {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      // Of a body that is near nothing they stay, whatever it does in other lanes.
+      // Bristles of a body without near pairs stay unchanged, whatever happens in other lanes.
       const auto here = logical_and(is_active, w_.is_body_near[b]);
       if (none(here)) continue;
       for (int i = scene_.bodies[b].first_bristle; i < scene_.bodies[b].last_bristle; ++i) {
@@ -129,7 +130,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     }
   }
 
-  /// The bristles of all bodies that are near something. @param load  load(i) fills bristle i
+  /// Loads the bristles of all bodies with near pairs. @param load  load(i) fills bristle i
   template <class Load>
   SKYBODY_INLINE void take_bristles(const Load& load) const {
     each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
@@ -140,7 +141,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     });
   }
 
-  /// Calls f(i) for those of them that are not idle.
+  /// Calls f(i) for those bristles that are not idle.
   template <class F>
   SKYBODY_INLINE void each_busy_bristle(const F& f) const {
     each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
@@ -148,7 +149,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     });
   }
 
-  /// Calls f(i) for the bristles of all bodies that are near something.
+  /// Calls f(i) for the bristles of all bodies with near pairs.
   template <class F>
   SKYBODY_INLINE void each_near_bristle(const F& f) const {
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -158,7 +159,7 @@ class ContactStep : public BroadPhase<Real, Values> {
   }
 
  private:
-  /// Of a lossless spring's swing, the most that a part goes through [rad].
+  /// Maximum phase of a lossless spring's oscillation per substep [rad].
   static constexpr double kLosslessPhase = 1.0 / 16.0;
 
   using Search::ask_for;
@@ -173,25 +174,25 @@ class ContactStep : public BroadPhase<Real, Values> {
   using Search::scene_;
   using Search::w_;
 
-  /// Purpose of a loop over the places.
+  /// Purpose of a loop over the contact points.
   enum class Visit {
-    kSum,    ///< sums over the places of each body
+    kSum,    ///< sums over the contact points of each body
     kTouch,  ///< forces
   };
 
-  /// What holds for all contacts of a part.
+  /// Values common to all contacts of a substep.
   struct Part {
     const Motion *motion, *mean;
     const Real& step;
     ContactPass pass;
   };
 
-  /// Where things touch so quickly or so deep that it matters, a contact asks for parts: so many
-  /// that none goes through more of the swing of its spring than kLargestPhase, nor asks for more
-  /// damping than ContactKinematics::most_damping, nor goes far where it is going to be stopped.
-  /// Springs that lose nothing get more.
+  /// Raises the number of substeps for contacts that are fast or deep, so that in each substep
+  /// - the phase of the spring's oscillation is at most kLargestPhase (less for lossless springs),
+  /// - the damping is at most ContactKinematics::most_damping,
+  /// - the motion is small where the contact is going to be stopped.
   /// @param elastic  k x^1.5 [N]
-  /// @param speed    at which it gets deeper, or less deep
+  /// @param speed    magnitude of the rate of the depth
   SKYBODY_INLINE void ask_for_parts(const CandidatePair<Real>& near, const Real& depth,
                                     const Real& elastic, const Real& speed,
                                     const MaskOf<Real>& touches) {
@@ -214,7 +215,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     const Real most = select(lossless, Real(1.0 / kLosslessPhase), Real(1.0 / kLargestPhase));
     Real parts = max(phase * most, dt() * (damping * near.per_mass));
     if (!near.pair->is_unbounded_below) {
-      // Where one spring alone does not hold the whole body: 0.4 k x^2.5 < m v^2 / 2.
+      // One spring alone cannot stop the whole body: 0.4 k x^2.5 < m v^2 / 2.
       const Real& give = near.give;
       const Real held = (0.8 * stiffness) * ((give * give) * sqrt(give));
       const auto is_stopped = speed * speed > held * whole_inverse_mass(*near.pair);
@@ -223,9 +224,9 @@ class ContactStep : public BroadPhase<Real, Values> {
     ask_for(parts, is_quick);
   }
 
-  /// ---- what touches
+  /// ---- contact points
 
-  /// Clears the sums of a pass.
+  /// Clears the sums for a pass.
   SKYBODY_INLINE void begin_sums(ContactPass pass) const {
     if (pass == ContactPass::kMean) return;
     Real* const sums = pass == ContactPass::kStart ? w_.place_counts : w_.sums;
@@ -240,7 +241,8 @@ class ContactStep : public BroadPhase<Real, Values> {
     if (pair.other >= 0) w_.place_counts[other_body(pair).body] += one;
   }
 
-  /// From the counts, the mass that the places of each near feel, and their largest damping.
+  /// Computes, from the counts, the mass per contact point of each near pair, and the limit of
+  /// damping.
   SKYBODY_INLINE void share_masses(const Real& step) const {
     for (int i = 0; i < near_count_; ++i) {
       CandidatePair<Real>& near = w_.near[i];
@@ -250,7 +252,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     }
   }
 
-  /// Calls f(place) where things touch.
+  /// Calls f(place) for the contact points.
   template <class F>
   SKYBODY_INLINE void each_place(const Part& part, const MaskOf<Real>& is_active, const F& f) {
     const bool are_known = are_places_kept_;
@@ -262,8 +264,8 @@ class ContactStep : public BroadPhase<Real, Values> {
     } while (next < near_count_);
   }
 
-  /// Places of the pairs from `next` on, as many as are kept.
-  /// @returns the first near that is still to be looked at
+  /// Computes contact points of the pairs from `next` on, up to kKeptPlaces.
+  /// @returns the index of the first pair that is left
   SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
     Manifold<Real> found{w_.places};
     const bool is_first = next == 0;
@@ -296,7 +298,7 @@ class ContactStep : public BroadPhase<Real, Values> {
       const Vec3<Real> at = to_real<Real>(point.at);
       const Real z = (m.position.z + dot(m.axes.row(2), at)) - point.radius;
       const auto touches = logical_and(here, z < 0.0);
-      if (none(touches)) continue;  // most points of a body that lies on the others
+      if (none(touches)) continue;  // most points of a resting body are not in contact
       found.add({m.position.x + dot(m.axes.row(0), at), m.position.y + dot(m.axes.row(1), at), z},
                 up, -z, point.bristle, touches);
     }
@@ -323,7 +325,7 @@ class ContactStep : public BroadPhase<Real, Values> {
                               touches, found});
   }
 
-  /// ---- what it does
+  /// ---- contact forces
 
   template <class List>
   SKYBODY_INLINE void touch(const Part& part, const ContactPoint<Real>& place, const List& list) {
@@ -361,10 +363,10 @@ class ContactStep : public BroadPhase<Real, Values> {
     list(pair, point, t, force, touches);
   }
 
-  /// Finds lanes where the shortest part is too long for a spring: its damper alone would reverse
-  /// the velocity of the share of mass that the place feels, and in half of the part the velocity
-  /// really changes by more than half of what it lacks of 1 / d. A body that carries much more than
-  /// itself changes less.
+  /// Finds lanes in which even the shortest substep is too long for a spring. Two conditions:
+  /// - its damper alone would reverse the velocity of the contact point's share of the mass,
+  /// - in half of the substep the velocity in fact changes by more than half of its difference from
+  ///   1 / d. It changes less if the body carries much more than its own mass.
   /// @param rate  k x^1.5 / m' [m/s^2]
   SKYBODY_INLINE void find_stiff(const ContactKinematics<Real>& t, const Real& rate,
                                  const MaskOf<Real>& touches) {
@@ -373,11 +375,11 @@ class ContactStep : public BroadPhase<Real, Values> {
     const auto may = logical_and(touches, logical_and(is_shortest, d * rate * t.step > 1.0));
     if (none(may)) return;
     const Real start = dot(t.normal, t.slide) / t.step;
-    const Real change = dot(t.normal, t.velocity) - start;  // of half a part
+    const Real change = dot(t.normal, t.velocity) - start;  // of half a substep
     is_stiff_ |= logical_and(may, d * abs(change) > 0.5 * (1.0 - d * start));
   }
 
-  /// Adds up, for each body, what limited_force() needs.
+  /// Sums, for each body, the argument of limited_force().
   SKYBODY_INLINE void add_up(const Part& part, const ContactPoint<Real>& place) const {
     const CollisionPair& pair = *w_.near[place.pair].pair;
     const ContactBody& body = scene_.bodies[static_cast<std::size_t>(pair.body)];
@@ -407,9 +409,9 @@ class ContactStep : public BroadPhase<Real, Values> {
     return select(is_second, creep(part, place, t, most), force);
   }
 
-  /// Friction without a bristle. Its damping is 1 / n of what would stop the place within the part,
-  /// by how the place gives way along its own velocity, n the number of places on which the body
-  /// touches anything (at least four): all of them together gain no energy.
+  /// Friction without a bristle. Its damping is 1 / n of the value that would stop the contact
+  /// point within the substep, from its mobility along its own velocity. n is the number of contact
+  /// points of the body (at least four), so that all of them together gain no energy.
   SKYBODY_INLINE Vec3<Real> creep(const Part& part, const ContactPoint<Real>& place,
                                   const ContactKinematics<Real>& t, const Real& most) const {
     const Vec3<Real> velocity = across(t.normal, t.velocity);
@@ -430,7 +432,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     w_.forces[body].add_force_at(point - motion[body].position, force);
   }
 
-  /// Of the body's place past the other's.
+  /// Velocity of the body's contact point relative to the other.
   static SKYBODY_INLINE Vec3<Real> velocity_at(const Motion* motion, int body, int other,
                                                const Vec3<Real>& point) {
     const auto of = [&](int i) SKYBODY_INLINE_LAMBDA {
@@ -440,12 +442,12 @@ class ContactStep : public BroadPhase<Real, Values> {
     return other < 0 ? of(body) : of(body) - of(other);
   }
 
-  /// On how many places a body touches anything, at least kLeastPlaces.
+  /// Number of contact points of a body, at least kLeastPlaces.
   SKYBODY_INLINE Real places_of(const ContactBody& body) const {
     return max(w_.place_counts[body.body], Real(kLeastPlaces));
   }
 
-  /// Of what a place feels: each body's mass is shared by its places.
+  /// Inverse of the mass per contact point: each body's mass is shared by its contact points.
   SKYBODY_INLINE Real inverse_mass(const CollisionPair& pair) const {
     const auto of = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
       return inverse_mass(body) * (places_of(body) * body.leverage);
@@ -453,7 +455,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     const Real mine = of(scene_.bodies[static_cast<std::size_t>(pair.body)]);
     return pair.other < 0 ? mine : mine + of(other_body(pair));
   }
-  /// Of both bodies that meet, each whole.
+  /// Inverse mass of both bodies, each with its whole mass.
   SKYBODY_INLINE Real whole_inverse_mass(const CollisionPair& pair) const {
     const Real mine = inverse_mass(scene_.bodies[static_cast<std::size_t>(pair.body)]);
     return pair.other < 0 ? mine : mine + inverse_mass(other_body(pair));
@@ -463,7 +465,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     return (bodies_ + kBodyConstantCount * body.body)[kBodyInverseMass];
   }
 
-  /// How a body, were it free, takes an impulse at a place.
+  /// Velocity change of a body, were it free, by an impulse at a point.
   SKYBODY_INLINE BodyVelocityChange<Real> response(const ContactBody& body, const Motion* motion,
                                                    const Vec3<Real>& point,
                                                    const Vec3<Real>& impulse) const {
@@ -481,7 +483,7 @@ class ContactStep : public BroadPhase<Real, Values> {
     w_.kicks[body.body].velocity += change.velocity;
     w_.kicks[body.body].angular_velocity += change.angular_velocity;
   }
-  /// What an impulse, or the kicks so far, do to a place's velocity.
+  /// Velocity change of a point from a velocity change of its body.
   SKYBODY_INLINE Vec3<Real> moved(const ContactBody& body, const Motion* motion,
                                   const Vec3<Real>& point,
                                   const BodyVelocityChange<Real>& change) const {
@@ -491,13 +493,14 @@ class ContactStep : public BroadPhase<Real, Values> {
     return change.velocity + cross(change.angular_velocity, point - m.position - com);
   }
 
-  /// What a unit impulse at a place, along a unit vector, does to its velocity along it [1/kg].
+  /// Mobility of a point: its velocity change along a unit vector by a unit impulse along it
+  /// [1/kg].
   SKYBODY_INLINE Real gives_at(const ContactBody& body, const Motion* motion,
                                const Vec3<Real>& point, const Vec3<Real>& along) const {
     if (body.is_driven) return Real(0.0);
     return dot(along, moved(body, motion, point, response(body, motion, point, along)));
   }
-  /// The same of both that meet.
+  /// The same, summed over both bodies.
   SKYBODY_INLINE Real gives_at(const CollisionPair& pair, const Motion* motion,
                                const Vec3<Real>& point, const Vec3<Real>& along) const {
     Real gives = gives_at(scene_.bodies[static_cast<std::size_t>(pair.body)], motion, point, along);
@@ -505,8 +508,8 @@ class ContactStep : public BroadPhase<Real, Values> {
     return gives;
   }
 
-  /// Makes a push so large that the place stays within what it may get in, after all that was
-  /// stopped before it: plastic, and no more.
+  /// Raises a push so that the contact point stays within the penetration limit, given all earlier
+  /// stops of this substep. The stop is plastic.
   SKYBODY_INLINE void stop(const CandidatePair<Real>& near, const Part& part,
                            const Vec3<Real>& point, const ContactKinematics<Real>& t, int other,
                            const MaskOf<Real>& touches, Real& push) const {
@@ -537,8 +540,8 @@ class ContactStep : public BroadPhase<Real, Values> {
   const Real* bodies_;
   Real friction_, dissipation_;
   MaskOf<Real> is_quick_{false}, is_stiff_{false};
-  int place_count_ = 0;           ///< of ContactWorkspace::places
-  bool are_places_kept_ = false;  ///< they are all places of the present part
+  int place_count_ = 0;           ///< number of entries in ContactWorkspace::places
+  bool are_places_kept_ = false;  ///< these are all contact points of the current substep
 };
 
 }  // namespace skybody

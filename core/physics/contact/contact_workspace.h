@@ -1,4 +1,4 @@
-// What a step in contact works on: arrays in a thread's scratch memory.
+// Work arrays of a step with contact, in a thread's scratch memory.
 #pragma once
 
 #include "core/physics/bodies/kinematics.h"
@@ -8,67 +8,68 @@
 
 namespace skybody {
 
-/// A contact body's sphere during one step.
+/// A contact body's bounding sphere during one step.
 template <class Real>
 struct BodyBound {
   Vec3<Real> center;  ///< at the step's start, W [m]
-  Real radius;        ///< with the way that the centre goes within the step [m]
-  Real speed;         ///< no place of the body is faster [m/s]
+  Real radius;        ///< includes the motion of the centre within the step [m]
+  Real speed;         ///< upper bound of the speed of all points of the body [m/s]
 };
 
-/// How a body's origin moves, for its bound.
+/// Motion of a body's origin, for its bound.
 template <class Real>
 struct BodyWay {
   Vec3<Real> position, velocity;  ///< W [m, m/s]
   Vec3<Real> spin;                ///< in any axes [rad/s]
 };
 
-/// How far a body's origin was from all obstacles, where it was looked at last.
+/// Distance of a body's origin from all obstacles at the position of the last measurement.
 template <class Real>
 struct Clearance {
   Vec3<Real> at;  ///< W [m]
-  Real distance;  ///< less than nothing: not looked at so far [m]
+  Real distance;  ///< negative: not measured yet [m]
 };
 
-/// What the contacts of a step that were stopped did so far to a body's motion.
+/// Velocity change of a body by the stopped contacts of a step so far.
 template <class Real>
 struct BodyVelocityChange {
   Vec3<Real> velocity;          ///< of the centre of mass, W [m/s]
   Vec3<Real> angular_velocity;  ///< W [rad/s]
 };
 
-/// A body that is near the ground, or a placed of one that is near another placed.
+/// A body near the ground, or a shape of one body near another shape.
 template <class Real>
 struct CandidatePair {
   const CollisionPair* pair;
-  int shape, other;  ///< of ContactScene::shapes, and of its obstacles or shapes; unset: the ground
-  MaskOf<Real> lanes;  ///< where they are near
-  Real give;           ///< how deep they get into each other at most [m]
-  Real per_mass;       ///< inverse of the mass that a place feels [1/kg]
-  Real most_damping;   ///< see ContactKinematics; of the present part
-  bool touches;        ///< in any lane, in the present part: the two above are known
+  int shape, other;    ///< in ContactScene::shapes, and in its obstacles or shapes; not set for the
+                       ///< ground
+  MaskOf<Real> lanes;  ///< lanes in which they are near
+  Real give;           ///< limit of their penetration [m]
+  Real per_mass;       ///< inverse of the mass per contact point [1/kg]
+  Real most_damping;   ///< see ContactKinematics; of the current substep
+  bool touches;  ///< in any lane, in the current substep: if true, the two values above are set
 };
 
-/// Arrays of a step in contact, in a thread's scratch memory.
+/// Work arrays of a step with contact.
 template <class Real>
 struct ContactWorkspace {
   BodyBound<Real>* bounds = nullptr;          ///< per contact body
-  SpatialForce<Real>* forces = nullptr;       ///< per body of the world: of its contacts
+  SpatialForce<Real>* forces = nullptr;       ///< per body of the world: sum of its contact forces
   BodyVelocityChange<Real>* kicks = nullptr;  ///< likewise
   Real* sums = nullptr;                       ///< likewise: see limited_force()
-  Real* place_counts = nullptr;               ///< likewise: on how many places it touches anything
-  Vec3<Real>* bristles = nullptr;             ///< all of the world
-  Vec3<Real>* bent = nullptr;                 ///< the same after the part of the step
-  MaskOf<Real>* is_bent = nullptr;            ///< per bristle: by a contact of this part
-  bool* is_idle = nullptr;             ///< per bristle: all lanes have words of 0, untouched so far
-  MaskOf<Real>* is_touched = nullptr;  ///< per body of the world: since begin()
-  CandidatePair<Real>* near = nullptr;   ///< things that are near each other
-  MaskOf<Real>* is_body_near = nullptr;  ///< per contact body: the lanes where any of these is its
+  Real* place_counts = nullptr;               ///< likewise: number of its contact points
+  Vec3<Real>* bristles = nullptr;             ///< all bristles of the world
+  Vec3<Real>* bent = nullptr;                 ///< the same after the substep
+  MaskOf<Real>* is_bent = nullptr;            ///< per bristle: bent by a contact of this substep
+  bool* is_idle = nullptr;                    ///< per bristle: zero in all lanes, untouched so far
+  MaskOf<Real>* is_touched = nullptr;         ///< per body of the world: touched since begin()
+  CandidatePair<Real>* near = nullptr;        ///< near pairs
+  MaskOf<Real>* is_body_near = nullptr;  ///< per contact body: lanes with a near pair of this body
   ContactPoint<Real>* places =
-      nullptr;  ///< where they touch: kKeptPlaces, and room for one pair more
+      nullptr;  ///< contact points: kKeptPlaces, and room for one more pair
 };
 
-/// Takes nothing down.
+/// Ignores all contacts.
 struct NoContactList {
   template <class... Args>
   SKYBODY_INLINE void operator()(const Args&...) const {}

@@ -1,5 +1,5 @@
-// The places where two shapes touch, found by a function of their own: for each width of packs
-// there is one, which every kernel of contact calls (the code is long).
+// Contact manifold: the contact points of two shapes. The code is long, so each width of packs has
+// one function that all contact kernels share.
 #pragma once
 
 #include <type_traits>
@@ -8,18 +8,18 @@
 
 namespace skybody {
 
-/// One place where two shapes touch.
+/// One contact point of two shapes.
 template <class Real>
 struct ContactPoint {
   Vec3<Real> point;  ///< W [m]
-  Vec3<Real> out;    ///< the way in which the first placed is pushed off, unit
+  Vec3<Real> out;    ///< push direction on the first shape, unit
   Real depth;        ///< [m]
   MaskOf<Real> touches;
   int bristle;  ///< -1: none
-  int pair;     ///< whose place it is: of ContactWorkspace::near; set by who asked for it
+  int pair;     ///< index of its pair in ContactWorkspace::near; set by the caller
 };
 
-/// Places where things touch, added to a list with room for them (ContactScene::most_places).
+/// A list of contact points with sufficient room (ContactScene::most_places).
 template <class Real>
 struct Manifold {
   ContactPoint<Real>* places;
@@ -27,28 +27,29 @@ struct Manifold {
 
   SKYBODY_INLINE void add(const Vec3<Real>& point, const Vec3<Real>& out, const Real& depth,
                           int bristle, const MaskOf<Real>& touches) {
-    if (none(touches)) return;  // most places of things that touch with the others
+    if (none(touches)) return;  // most points of touching shapes do not touch
     places[count++] = {point, out, depth, touches, bristle, -1};
   }
 };
 
-/// If pairs are left to be looked at after so many places, every loop over the places of a part
-/// finds them again.
+/// Number of contact points after which no further pairs are added. If pairs are left, every loop
+/// over the contact points of a substep computes them again.
 inline constexpr int kKeptPlaces = 256;
 
-/// What to find the places of.
+/// Arguments of a collision query.
 template <class Real>
 struct CollideCall {
   const ContactShape &model_a, &model_b;
   const PlacedShape<Real>&a, &b;
-  const MaskOf<Real>& is_close;  ///< lanes to look at
+  const MaskOf<Real>& is_close;  ///< lanes to test
   Manifold<Real>& out;
 };
 
-/// Adds the places where two shapes touch. @param call  a CollideCall of the width's type of number
+/// Adds the contact points of two shapes. @param call  a CollideCall with the number type of the
+/// width
 using CollideFunction = void(const void* call);
 
-/// @param lanes  1: of doubles; else of packs
+/// @param lanes  1: doubles; otherwise packs
 CollideFunction* collide_function(int lanes);
 
 template <class Real>

@@ -1,4 +1,4 @@
-// Where the obstacles of an environment are and how large, from its parameters.
+// Poses and sizes of an environment's obstacles, from its parameters.
 #include <string>
 
 #include "core/base/error.h"
@@ -13,7 +13,7 @@ namespace {
 /// Half the size of a plane [m].
 constexpr double kEverywhere = 1e30;
 
-/// How many of an obstacle's sizes a kind of shape has.
+/// Number of size parameters of an obstacle's shape.
 int count_sizes(ShapeType type) {
   switch (type) {
     case ShapeType::kBox:

@@ -1,4 +1,4 @@
-// A placed that bodies touch with, where it is at one instant. On double and packs.
+// A collision shape at its pose at one instant. On double and packs.
 #pragma once
 
 #include "core/base/mat3.h"
@@ -8,28 +8,27 @@
 
 namespace skybody {
 
-/// Rounding of a placed that is switched off: everything is far from it.
+/// Rounding of a disabled shape: it is far from everything.
 inline constexpr double kNoShape = -1e30;
 
 /// The heights of a height field, for all environments.
 struct FieldHeights {
   const HeightField* field = nullptr;
-  double reach = 0.0;  ///< how far from the surface distances are exact: the way from the centre of
-                       ///< any body's placed to its farthest point [m]
+  double reach = 0.0;  ///< distances from the surface up to this one are exact: from the centre of
+                       ///< any body's shape to its farthest point, plus a margin [m]
 };
 
-/// A box, cylinder, sphere or capsule about its centre, or a plane or height field above which
-/// there is nothing.
+/// A box, cylinder, sphere or capsule about its centre, or a plane or height field with empty space
+/// above it.
 template <class Real>
 struct PlacedShape {
   ShapeType type = ShapeType::kSphere;
   Vec3<Real> position;  ///< of its centre, W [m]
-  Mat3<Real> axes;      ///< W from the placed's frame
-  Vec3<Real> half;      ///< half its size along its axes; of a sphere 0, of a capsule half the way
-                        ///< between its caps along z; of a plane and a height field z is the
-                        ///< greatest height [m]
-  Real rounding;  ///< what is so near belongs to it: the radius of a sphere or capsule, else 0;
-                  ///< or kNoShape
+  Mat3<Real> axes;      ///< W from the shape's frame
+  Vec3<Real> half;  ///< half its size along its axes. Sphere: 0. Capsule: z is half the distance
+                    ///< between its caps. Plane and height field: z is the greatest height [m]
+  Real rounding;    ///< points this near belong to the shape: the radius of a sphere or capsule,
+                    ///< otherwise 0; kNoShape: disabled
   FieldHeights heights = {};  ///< of a height field
 
   /// @param at  in units of `half`
@@ -39,12 +38,12 @@ struct PlacedShape {
   SKYBODY_INLINE Vec3<Real> to_local(const Vec3<Real>& point) const {
     return transpose_times(axes, point - position);
   }
-  /// How far it reaches from its centre along a unit vector, W; of a cylinder no less than that.
+  /// Extent from its centre along a unit vector, W; an upper bound for a cylinder.
   SKYBODY_INLINE Real extent(const Vec3<Real>& along) const {
     const Vec3<Real> local = transpose_times(axes, along);
     return (abs(local.x) * half.x + abs(local.y) * half.y) + (abs(local.z) * half.z + rounding);
   }
-  /// From its surface, of a point in its frame; the normal is in its frame, too.
+  /// Distance of a point from the surface, and normal; both in the shape's frame.
   SKYBODY_INLINE SurfaceDistance<Real> distance(const Vec3<Real>& local) const {
     SurfaceDistance<Real> d;
     if (type == ShapeType::kBox) {
@@ -65,25 +64,26 @@ struct PlacedShape {
   }
 };
 
-/// A quarter of a placed's least width: how deep anything may get into it, or it into anything [m].
+/// A quarter of a shape's least width: the limit of penetration [m].
 template <class Real>
 SKYBODY_INLINE Real penetration_limit(const Vec3<Real>& half, const Real& rounding) {
   return 0.5 * (min(half.x, min(half.y, half.z)) + rounding);
 }
 
-/// Where a straight line is deepest in a convex placed.
+/// The deepest point of a line segment in a convex shape.
 template <class Real>
 struct EdgeDepth {
-  Real distance;      ///< from the surface there [m]; negative: inside
-  Vec3<Real> normal;  ///< the way out at right angles to the line, unit, in the placed's frame
-  Real share;         ///< of the way from the line's start to its end
-  MaskOf<Real> is_between;  ///< it is deepest between its ends, and not at one of them
+  Real distance;            ///< from the surface at this point [m]; negative: inside
+  Vec3<Real> normal;        ///< the way out, orthogonal to the segment, unit, in the shape's frame
+  Real share;               ///< fraction of the segment from its start
+  MaskOf<Real> is_between;  ///< the deepest point is between the ends, not at one of them
 };
 
-/// The distance is convex along the line, so that its slope changes sign once: bisected, and at
-/// last taken as linear on both sides. Where two faces meet in the point the way out is that mean
-/// of their normals which is at right angles to the line: the normal of the crossing of two edges.
-/// @param start, end  in the placed's frame
+/// The distance is convex along the segment, so its slope changes sign once. Bisects the segment,
+/// then treats the distance as linear on both sides. If two faces meet at the point, the normal is
+/// the weighted mean of their normals that is orthogonal to the segment: the normal of two crossing
+/// edges.
+/// @param start, end  in the shape's frame
 template <class Real>
 SKYBODY_INLINE EdgeDepth<Real> edge_depth(const PlacedShape<Real>& placed, const Vec3<Real>& start,
                                           const Vec3<Real>& end) {

@@ -1,18 +1,20 @@
-// Where the rim of a cylinder touches what is flat. On double and packs.
+// Contact of a cylinder's rim with a flat surface. On double and packs.
 //
-// A rim touches a plane in the one point that lies lowest. Where the cylinder stands upright there
-// is no such point, and where it leans by a little the next ones are about as low: it needs several
-// to stand on. So a rim has eight fixed points and a ninth that lies where the rim is lowest:
+// A rim touches a plane at its lowest point. An upright cylinder has no unique lowest point, and
+// for a slightly tilted one the neighbouring points are about as low: the cylinder needs several
+// points to stand on. A rim therefore has eight fixed points and a ninth at its lowest point:
 //
-//   tilt = sine of the angle between axis and normal    ninth point           eight points
-//   below 0.01                                          from the middle out   at the rim
-//   0.01 to 0.02                                        at the rim            at the rim
-//   0.02 to 0.05                                        at the rim            draw in to the middle
-//   above                                               at the rim            in the middle, aloft
+//   tilt = sine of the angle between axis and normal
 //
-// Places are continuous functions of the attitude. The ninth point has no bristle of its own, but
-// that of the first of the eight: above 0.05 it is the only one to touch. If both touch, the ninth
-// is the second contact of that bristle.
+//   tilt           ninth point                 eight points
+//   below 0.01     moves out from the centre   at the rim
+//   0.01 to 0.02   at the rim                  at the rim
+//   0.02 to 0.05   at the rim                  move in to the centre
+//   above          at the rim                  at the centre, without contact
+//
+// Positions are continuous functions of the attitude. The ninth point shares the bristle of the
+// first of the eight points: above 0.05 only the ninth one touches. If both touch, the ninth is the
+// second contact of that bristle.
 #pragma once
 
 #include <array>
@@ -33,8 +35,8 @@ struct Rim {
   Real radius;        ///< [m]
 };
 
-/// From a rim's middle towards the point that lies farthest against a normal; as long as the sine
-/// of the angle between axis and normal.
+/// Vector from a rim's centre towards its lowest point with respect to a normal. Its length is the
+/// sine of the angle between axis and normal.
 /// @param out  unit: the normal
 template <class Real>
 SKYBODY_INLINE Vec3<Real> way_down(const Vec3<Real>& axis, const Vec3<Real>& out) {
@@ -49,35 +51,36 @@ SKYBODY_INLINE Vec3<Real> lowest_place(const Rim<Real>& rim, const Vec3<Real>& d
   return rim.middle + down * (rim.radius / max(tilt, Real(kAtTheRim)));
 }
 
-/// How far out the eight points are: 1 at the rim, 0 in its middle.
+/// Radial position of the eight points: 1 at the rim, 0 at its centre.
 template <class Real>
 SKYBODY_INLINE Real share_of_fixed(const Real& tilt) {
   constexpr double kUpright = 0.02, kLeaning = 0.05;
   return clamp((kLeaning - tilt) * (1.0 / (kLeaning - kUpright)), Real(0.0), Real(1.0));
 }
 
-/// Calls f(place, k) for the nine points, k the one of the eight whose bristle it has.
-/// @param spoke  spoke(k) is the way from the middle to fixed point k
+/// Calls f(place, k) for the nine points; k is the one of the eight points that has the same
+/// bristle.
+/// @param spoke  spoke(k): the vector from the centre to fixed point k
 template <class Real, class Spoke, class F>
 SKYBODY_INLINE void each_rim_place(const Rim<Real>& rim, const Vec3<Real>& out, const Spoke& spoke,
                                    const F& f) {
   const Vec3<Real> down = way_down(rim.axis, out);
   const Real tilt = norm(down), share = share_of_fixed(tilt);
 #pragma GCC unroll 1
-  for (int k = 0; k <= kRimPoints; ++k) {  // one call of f: it may be long
+  for (int k = 0; k <= kRimPoints; ++k) {  // one call of f, which may be long
     const bool is_fixed = k < kRimPoints;
     f(is_fixed ? rim.middle + spoke(k) * share : lowest_place(rim, down, tilt), is_fixed ? k : 0);
   }
 }
 
-/// A rim of a body that may touch the ground.
+/// A rim of a body, for contact with the ground.
 struct GroundRim {
   Rim<double> rim;                              ///< in the body's frame
-  std::array<Vec3<double>, kRimPoints> spokes;  ///< from its middle to its fixed points
-  int bristle = 0;                              ///< of the first of these
+  std::array<Vec3<double>, kRimPoints> spokes;  ///< from its centre to its fixed points
+  int bristle = 0;                              ///< of the first fixed point
 };
 
-/// Calls f(place, bristle) for all places of a rim, in W, by which it may touch the ground.
+/// Calls f(place, bristle) for all points of a rim, in W, that may touch the ground.
 /// @param motion  of the body: position and axes
 template <class Motion, class F>
 SKYBODY_INLINE void each_ground_place(const GroundRim& rim, const Motion& motion, const F& f) {
@@ -93,7 +96,7 @@ SKYBODY_INLINE void each_ground_place(const GroundRim& rim, const Motion& motion
       [&](const Vec3<Real>& place, int k) SKYBODY_INLINE_LAMBDA { f(place, rim.bristle + k); });
 }
 
-/// How far the lowest point of a rim lies above the body's origin, along W's z.
+/// Height of the lowest point of a rim above the body's origin, along W's z.
 /// @param row  W's z in the body's frame
 template <class Real>
 SKYBODY_INLINE Real lowest_of_rim(const GroundRim& rim, const Vec3<Real>& row) {

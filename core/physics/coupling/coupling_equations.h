@@ -1,18 +1,20 @@
-// Linear equations of couplings in the environments that one Real holds: symmetric, few, and not
-// all of them count.
+// Linear equations of couplings in the environments of one Real: symmetric, few, and only some of
+// them active.
 #pragma once
 
 #include "core/base/math.h"
 
 namespace skybody {
 
-/// The largest pivot that rounding leaves to a row that follows from those before it.
+/// The largest pivot that round-off leaves for a row that depends linearly on earlier rows.
 ///
-/// Two things make rounding. Elimination takes from the row's element what is as large as itself:
-/// that leaves less than 1e-11 of it. And the element is a difference of the accelerations of two
-/// ends: where these cancel, as out of the plane of a planar loop, it is itself rounding, of what a
-/// force does to a single end. That is bounded by what it would do to the end's body if nothing
-/// else held it (`mobility`), since joints only take freedom away.
+/// Round-off has two sources:
+/// 1. Elimination subtracts terms as large as the row's element, which leaves less than 1e-11 of
+///    it.
+/// 2. The element is a difference of the accelerations of two ends. If these cancel, as out of the
+///    plane of a planar loop, the element itself is round-off of a unit force's effect on one end.
+///    That effect is bounded by the mobility of the end's body if it were free (`mobility`), since
+///    joints only remove freedom.
 /// @param element   of the row, on the diagonal [1/kg]
 /// @param mobility  of its two ends [1/kg]
 template <class Real>
@@ -20,21 +22,21 @@ SKYBODY_INLINE Real least_pivot_of(const Real& element, const Real& mobility) {
   return max(1e-11 * element, 1e-13 * mobility);
 }
 
-/// A f = b for the rows that are held, by A = L D L^T. A row that follows from those before it has
-/// no pivot but rounding and gets no force: where the equations agree, the others are met then,
-/// too. What rounding leaves depends on the row (least_pivot): rows between heavy bodies have small
-/// elements, whatever else is in A.
+/// Solves A f = b for the active rows, by A = L D L^T. A row that depends linearly on earlier rows
+/// has a pivot of round-off only and gets no force; if the equations are consistent, it is
+/// satisfied nevertheless. The bound of round-off is per row (least_pivot): rows between heavy
+/// bodies have small elements, independent of the rest of A.
 template <class Real>
 struct CouplingEquations {
   int count;
   const Real* mass;         ///< A, its lower triangle
   Real* factor;             ///< L below the diagonal, L D above it
-  const Real* least_pivot;  ///< per row: a pivot that is no larger is rounding
-  Real* inverse_pivot;      ///< 1 / D; 0 of rows that do not count
+  const Real* least_pivot;  ///< per row: a pivot up to this value is round-off
+  Real* inverse_pivot;      ///< 1 / D; 0 for inactive and dependent rows
   const Real* asked;        ///< b
   Real* force;              ///< f, written
 
-  /// @param is_held  is_held(row): the lanes where it is an equation
+  /// @param is_held  is_held(row): the lanes in which the row is active
   template <class IsHeld>
   SKYBODY_INLINE void solve(const IsHeld& is_held) const {
     factorize(is_held);

@@ -6,7 +6,7 @@
 namespace skybody {
 namespace {
 
-/// One call's work.
+/// The computation of one call.
 template <class Real>
 class CouplingResponse {
  public:
@@ -57,7 +57,7 @@ class CouplingResponse {
     }
   }
 
-  /// A unit force along the row, and its reaction.
+  /// Applies a unit force along the row, and its reaction.
   SKYBODY_INLINE void push(const CouplingConstraint& constraint,
                            const CouplingRow<Real>& row) const {
     const int first = constraint.ends[0].body, second = constraint.ends[1].body;
@@ -65,7 +65,7 @@ class CouplingResponse {
     if (second >= 0) w_.forces[second].add_force_at(row.arm[1], -row.out);
   }
 
-  /// What the force of `constraint` does to the rate of a row.
+  /// Effect of the force of `constraint` on the rate of a row.
   SKYBODY_INLINE Real rate_of(int row, const CouplingConstraint& constraint) const {
     const CouplingConstraint& mine = constraint_of(row);
     Real sum(0.0);
@@ -81,8 +81,8 @@ class CouplingResponse {
     return sum;
   }
 
-  /// What a unit force at an end would do to it if its body were free; no direction has more: the
-  /// part that turns the body is the sum over three directions.
+  /// Mobility of an end for a unit force, if its body were free. An upper bound over all
+  /// directions: the rotational part is the sum over three directions.
   SKYBODY_INLINE Real mobility_of(const Attachment& end) const {
     if (end.body < 0) return Real(0.0);
     const Real* body = w_.bodies + kBodyConstantCount * end.body;

@@ -14,7 +14,7 @@ int rows_of(CouplingKind kind) {
   return kind == CouplingKind::kPoint ? 3 : 1;
 }
 
-/// Robots that a constraint holds together get the same first robot.
+/// Gives all robots that a constraint connects the same first robot.
 void hold_together(const CouplingConstraint& constraint, std::vector<int>& held_with) {
   std::vector<int> robots;
   for (const Attachment& end : constraint.ends) {

@@ -1,5 +1,4 @@
-// What of a world is joined: couplings by the bodies that they hold on to, and the equations that
-// they ask for. Made once.
+// The couplings of a world in its numbering: their bodies and their equations. Made once.
 #pragma once
 
 #include <array>
@@ -9,10 +8,10 @@
 
 namespace skybody {
 
-/// What a coupling holds on to.
+/// Attachment point of one end of a coupling.
 struct Attachment {
   int body = -1;                      ///< world body index; -1: the world
-  int robot = -1;                     ///< likewise
+  int robot = -1;                     ///< world robot index; -1: the world
   Vec3<double> point{0.0, 0.0, 0.0};  ///< in the body's frame, or in W [m]
 };
 
@@ -29,16 +28,16 @@ struct CouplingConstraint {
 struct CouplingScene {
   explicit CouplingScene(const World& world);
 
-  /// Whether robot r is joined to anything by more than springs.
+  /// Whether robot r has a coupling other than springs.
   bool is_held(int robot) const { return held_with[static_cast<std::size_t>(robot)] >= 0; }
 
   const World& world;
-  std::vector<CouplingConstraint> constraints;  ///< one for each of the scenario's couplings
+  std::vector<CouplingConstraint> constraints;  ///< one per coupling of the scenario
   std::vector<int> row_owners;                  ///< per equation: its constraint
   int rope_count = 0;
-  std::vector<int> driven;     ///< bodies: driven bases of robots that are held
-  std::vector<int> held_with;  ///< per robot: the first of the robots that it hangs together with;
-                               ///< -1: none
+  std::vector<int> driven;     ///< bodies: driven bases of constrained robots
+  std::vector<int> held_with;  ///< per robot: the first robot of its connected group; -1: not
+                               ///< constrained
 };
 
 }  // namespace skybody

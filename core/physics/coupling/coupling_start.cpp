@@ -11,7 +11,7 @@
 namespace skybody {
 namespace {
 
-/// What a reset may close [m]: files have rounded numbers.
+/// Largest gap at a reset that is closed silently [m]: numbers in files are rounded.
 constexpr double kSmallestGap = 1e-3;
 
 Vec3<double> place_of(const Attachment& end, const LaneState& start) {
@@ -58,7 +58,7 @@ void fit(Coupling& coupling, double distance) {
   }
 }
 
-/// Why forces do not move an end; empty: they do.
+/// The reason why forces cannot move an end; empty if they can.
 std::string hold_of(const World& world, const CouplingEnd& end) {
   if (end.robot < 0) return "the world";
   if (end.body != 0) return "";

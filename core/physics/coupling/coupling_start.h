@@ -1,16 +1,16 @@
-// Couplings at the start that a scenario describes.
+// Couplings at the initial state of a scenario.
 #pragma once
 
 #include "core/physics/world/world.h"
 
 namespace skybody {
 
-/// Gives couplings without a length the one that the start has.
-/// @throws LocatedError where the ends are elsewhere than the coupling can hold them
+/// Sets missing lengths of couplings to the distance at the initial state.
+/// @throws LocatedError if the positions of the ends violate the coupling
 void fit_couplings(Scenario& scenario);
 
-/// @throws LocatedError where neither end of a coupling can give way, of two that are driven by
-///         controllers, or one that is and one that stands still
+/// @throws LocatedError if neither end of a coupling can move: each is driven by a controller or
+/// fixed
 void check_driven_ends(const World& world);
 
 }  // namespace skybody

@@ -1,5 +1,4 @@
-// What couplings of an environment, or of a pack of them, work on: arrays in a thread's scratch
-// memory.
+// Work arrays for the couplings of one environment or pack, in a thread's scratch memory.
 #pragma once
 
 #include "core/physics/bodies/body_accelerations.h"
@@ -9,7 +8,7 @@
 
 namespace skybody {
 
-/// Where an end is and how it moves, W.
+/// Position and velocity of an end, W.
 template <class Real>
 struct AttachmentMotion {
   Vec3<Real> arm;       ///< from its body's origin [m]
@@ -28,15 +27,15 @@ struct AttachmentMotion {
   }
 };
 
-/// One equation: what it asks of the distance between two points, along a direction.
+/// One equation: a condition on the distance between two points along a direction.
 template <class Real>
 struct CouplingRow {
   Vec3<Real> out;     ///< unit, W: a positive force pushes the first end this way
   Vec3<Real> arm[2];  ///< from the bodies' origins to the ends, W [m]
-  Real gap;           ///< how far the ends are too far apart along `out` [m]
-  Real rounding;      ///< what counts as none [m]
-  Real rate;          ///< at which that grows [m/s]
-  Real bend;          ///< at which the rate grows because `out` turns [m/s^2]
+  Real gap;           ///< excess distance of the ends along `out` [m]
+  Real rounding;      ///< gaps up to this value count as zero [m]
+  Real rate;          ///< rate of the gap [m/s]
+  Real bend;          ///< growth of `rate` due to the rotation of `out` [m/s^2]
 };
 
 template <class Real>
@@ -44,27 +43,27 @@ struct CouplingWorkspace {
   Real* bodies = nullptr;            ///< kBodyConstantCount per body
   Real* lengths = nullptr;           ///< per constraint [m]
   MaskOf<Real>* is_there = nullptr;  ///< per constraint
-  MaskOf<Real>* is_held = nullptr;   ///< per constraint: whether its rows are equations just now
-  MaskOf<Real>* was_held = nullptr;  ///< per constraint: in the last constrain()
-  MaskOf<Real>* is_taut = nullptr;   ///< per constraint: when the step began
-  MaskOf<Real>* is_new = nullptr;    ///< per constraint: a rope that got taut within the step
-  MaskOf<Real>* is_open = nullptr;   ///< per constraint: where the last project() left its gap open
+  MaskOf<Real>* is_held = nullptr;   ///< per constraint: whether its rows are active now
+  MaskOf<Real>* was_held = nullptr;  ///< per constraint: active in the last constrain()
+  MaskOf<Real>* is_taut = nullptr;   ///< per constraint: taut at the start of the step
+  MaskOf<Real>* is_new = nullptr;    ///< per constraint: a rope that became taut within the step
+  MaskOf<Real>* is_open = nullptr;   ///< per constraint: gap left open by the last project()
   Vec3<Real>* coupling_forces = nullptr;  ///< per constraint: force on the first end, W [N]
-  MaskOf<Real>* held_before = nullptr;    ///< per constraint: was_held, as remember() found it
-  Vec3<Real>* forces_before = nullptr;    ///< per constraint: pulls, likewise
+  MaskOf<Real>* held_before = nullptr;    ///< per constraint: was_held, as stored by remember()
+  Vec3<Real>* forces_before = nullptr;    ///< per constraint: coupling_forces, likewise
 
   CouplingRow<Real>* rows = nullptr;
-  Real* change = nullptr;  ///< per row, then per u: what a unit force does to u
-  Real* mass = nullptr;    ///< per row and row: what it does to the rate of another one [1/kg]
-  Real* factor = nullptr;  ///< the same, as L D L^T of the rows that are held
+  Real* change = nullptr;         ///< per row, then per u: effect of a unit force on u
+  Real* mass = nullptr;           ///< per row and row: its effect on another row's rate [1/kg]
+  Real* factor = nullptr;         ///< the same, as L D L^T of the active rows
   Real* inverse_pivot = nullptr;  ///< per row
-  Real* least_pivot = nullptr;    ///< per row: what is no more than that is rounding
-  Real* asked = nullptr;          ///< per row: by how much rates are to grow
-  Real* force = nullptr;          ///< per row: what makes them
+  Real* least_pivot = nullptr;    ///< per row: pivots up to this value are round-off
+  Real* asked = nullptr;          ///< per row: required change of the rate
+  Real* force = nullptr;          ///< per row: the force or impulse that causes it
 
   Real* shift = nullptr;    ///< per u
   Real* nothing = nullptr;  ///< per u: zeros
-  Real* driven = nullptr;   ///< 7 per driven base: its coordinates at a step's end
+  Real* driven = nullptr;   ///< 7 per driven base: its coordinates at the end of a step
   BodyKinematics<Real>* motion = nullptr;
   BodyKinematics<Real>* at_rest = nullptr;
   SpatialForce<Real>* forces = nullptr;

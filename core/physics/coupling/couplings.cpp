@@ -7,11 +7,11 @@
 namespace skybody {
 namespace {
 
-/// A gap and a rate that count as none [m], [m/s].
+/// Tolerance of gaps and rates [m], [m/s].
 inline constexpr double kCouplingTolerance = 1e-10;
-/// A rope is taut if it is no more than so much shorter than its length, or slackens no quicker.
+/// A rope is taut if its slack, and the rate of its slack, are at most this [m], [m/s].
 inline constexpr double kTautTolerance = 1e-9;
-/// What rounding leaves of a gap, of the ends' distance from W's origin.
+/// Round-off of a gap, relative to the distance of the ends from W's origin.
 inline constexpr double kGapRounding = 1e-14;
 
 template <class Real>
@@ -23,8 +23,8 @@ class CouplingSolver {
                                 const CouplingWorkspace<Real>& work)
       : scene_(scene), multibody_(multibody), w_(work) {}
 
-  /// A step begins: which ropes are taut.
-  /// @param motion  at its start
+  /// Starts a step: finds the taut ropes.
+  /// @param motion  at the start of the step
   SKYBODY_INLINE void begin(const Motion* motion) const {
     place(motion);
     each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
@@ -36,9 +36,9 @@ class CouplingSolver {
     });
   }
 
-  /// Makes accelerations what the couplings allow; and the forces that do it.
-  /// @param is_same_place  q is as in the last call
-  /// @param udot           without couplings; overwritten
+  /// Corrects accelerations to satisfy the couplings, and computes the coupling forces.
+  /// @param is_same_place  q is the same as in the last call
+  /// @param udot           in: without couplings; out: with them
   SKYBODY_INLINE void constrain(const Real* q, const Real* u, const Motion* motion,
                                 bool is_same_place, Real* udot) const {
     place(motion);
@@ -60,10 +60,10 @@ class CouplingSolver {
     add_coupling_forces(Real(1.0));
   }
 
-  /// Takes gaps and rates away from q and u. Ropes that pulled in the last constrain() are as rods
-  /// here; others are held where they are too long.
-  /// @param dt  of the step, for the pulls
-  /// @returns the lanes where nothing is left but rounding
+  /// Removes gaps and rates from q and u. Ropes with a force in the last constrain() are treated as
+  /// rods; others are active if they are too long.
+  /// @param dt  of the step, for the forces
+  /// @returns the lanes where gaps are closed up to round-off
   SKYBODY_INLINE MaskOf<Real> project(const MaskOf<Real>& mask, const Real& dt, Real* q,
                                       Real* u) const {
     if (scene_.rope_count > 0) catch_ropes(mask, dt, q, u);
@@ -72,7 +72,7 @@ class CouplingSolver {
     return is_closed;
   }
 
-  /// Takes from accelerations what the pulls of a step did to them.
+  /// Removes the effect of the step's coupling forces from accelerations.
   SKYBODY_INLINE void release(const Real* q, const Motion* motion, Real* udot) const {
     place(motion);
     respond(q, motion);
@@ -87,7 +87,7 @@ class CouplingSolver {
   int u_count() const { return scene_.world.layout.u.size; }
   int owner(int row) const { return scene_.row_owners[static_cast<std::size_t>(row)]; }
 
-  /// Calls f(i, constraint) for those that have equations.
+  /// Calls f(i, constraint) for constraints with equations.
   template <class F>
   SKYBODY_INLINE void each_constraint(const F& f) const {
     int i = 0;
@@ -102,7 +102,7 @@ class CouplingSolver {
       f(r, scene_.constraints[static_cast<std::size_t>(owner(r))]);
     }
   }
-  /// Calls f(index, RobotLayout) for robots that are held.
+  /// Calls f(index, RobotLayout) for constrained robots.
   template <class F>
   SKYBODY_INLINE void each_robot(const F& f) const {
     int i = 0;
@@ -120,9 +120,9 @@ class CouplingSolver {
     if (b >= 0 && b != a) f(b, robots[static_cast<std::size_t>(b)]);
   }
 
-  /// ---- where the ends are
+  /// ---- positions of the ends
 
-  /// The rows: directions, gaps, rates.
+  /// Sets the rows: directions, gaps, rates.
   SKYBODY_INLINE void place(const Motion* motion) const {
     each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       const AttachmentMotion<Real> a(constraint.ends[0], motion), b(constraint.ends[1], motion);
@@ -168,14 +168,14 @@ class CouplingSolver {
     return a.linear + cross(m.axes * a.angular, arm) + cross(w, cross(w, arm));
   }
 
-  /// ---- forces and what they do
+  /// ---- forces and their effects
 
   SKYBODY_INLINE void respond(const Real* q, const Motion* motion) const {
     respond_to_unit_forces(CouplingResponseCall<Real>{scene_, multibody_, w_, q, motion});
   }
 
-  /// Forces that make rates grow as asked, of the rows that are held. Ropes that push more than
-  /// they may are let go, the one that pushes most first.
+  /// Computes the forces of the active rows for the required changes of rates. Ropes with more push
+  /// than allowed are deactivated one by one, the largest push first.
   /// @param most_push  most_push(constraint's index, its row)
   template <class MostPush>
   SKYBODY_INLINE void solve(const MostPush& most_push) const {
@@ -188,7 +188,7 @@ class CouplingSolver {
     }
   }
 
-  /// @returns whether any was let go
+  /// @returns whether any rope was deactivated
   template <class MostPush>
   SKYBODY_INLINE bool let_go(const MostPush& most_push) const {
     Real most(0.0), which(-1.0);
@@ -207,7 +207,7 @@ class CouplingSolver {
     return true;
   }
 
-  /// Adds what the forces do to u's rates, or impulses to u.
+  /// Adds the effect of the forces to the rates of u, or of impulses to u.
   SKYBODY_INLINE void add_change(Real* of_u) const {
     each_row([&](int r, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       const Real* change = w_.change + r * u_count();
@@ -230,9 +230,9 @@ class CouplingSolver {
     });
   }
 
-  /// ---- what a step leaves
+  /// ---- errors after a step
 
-  /// Largest value(row) of those that are held.
+  /// Largest value(row) of the active rows.
   template <class Value>
   SKYBODY_INLINE Real largest(const Value& value) const {
     Real most(-1.0);
@@ -250,9 +250,9 @@ class CouplingSolver {
     place(w_.motion);
   }
 
-  /// Ropes that were slack and are too long now got taut within the step: the bodies go back to
-  /// that instant, are stopped there, and go on from it. To close the gap by a shift instead would
-  /// change the angular momentum by it.
+  /// Handles ropes that became taut within the step, that is, were slack and are now too long. The
+  /// bodies move back to that instant, are stopped there, and move on from it. Closing the gap by a
+  /// shift instead would change the angular momentum.
   SKYBODY_INLINE void catch_ropes(const MaskOf<Real>& mask, const Real& dt, Real* q,
                                   Real* u) const {
     move(q, u);
@@ -270,7 +270,7 @@ class CouplingSolver {
     if (none(is_caught)) return;
     keep_driven(q);
     Real ago(0.0);
-    for (int k = 0; k < 3; ++k) {  // Newton's method: distances grow all but evenly
+    for (int k = 0; k < 3; ++k) {  // Newton's method: distances grow nearly linearly
       Real since(0.0);
       each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
         if (constraint.kind != CouplingKind::kRope) return;
@@ -295,8 +295,8 @@ class CouplingSolver {
     shift(mask, q);
   }
 
-  /// Driven bases go back to a catch with the others, but end where their drives have them, to the
-  /// bit: neither a catch nor a gap moves them.
+  /// Driven bases move back with the other bodies, but must end at their drives' poses, to the bit:
+  /// neither catch_ropes() nor closing a gap moves them.
   SKYBODY_INLINE void keep_driven(const Real* q) const {
     each_driven([&](Real* kept, int at, int count) SKYBODY_INLINE_LAMBDA {
       for (int k = 0; k < count; ++k) kept[k] = q[at + k];
@@ -318,8 +318,8 @@ class CouplingSolver {
     }
   }
 
-  /// The coordinates: Newton's method, lane by lane until the gaps are closed.
-  /// @returns the lanes where they are
+  /// Projects the coordinates: Newton's method, per lane until its gaps are closed.
+  /// @returns the lanes with closed gaps
   SKYBODY_INLINE MaskOf<Real> project_constraints(const MaskOf<Real>& mask, Real* q,
                                                   const Real* u) const {
     constexpr int kMostTries = 20;
@@ -350,7 +350,7 @@ class CouplingSolver {
     }
   }
 
-  /// Whose gaps are open.
+  /// Records the constraints with open gaps.
   SKYBODY_INLINE void note_open() const {
     each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       w_.is_open[i] = MaskOf<Real>(false);
@@ -376,8 +376,8 @@ class CouplingSolver {
     });
   }
 
-  /// The velocities, where the ends are as project_constraints() left them. An impulse may set a
-  /// rope that was at rest in motion: then it is caught, too.
+  /// Projects the velocities, at the positions that project_constraints() left. An impulse may
+  /// tighten a rope that was at rest: it is handled in the next pass.
   SKYBODY_INLINE void stop_parting(const MaskOf<Real>& mask, const Real& dt, const Real* q,
                                    Real* u) const {
     constexpr int kMostPasses = 4;
@@ -409,7 +409,7 @@ class CouplingSolver {
   SKYBODY_INLINE void stop(const MaskOf<Real>& mask, const Real& dt, Real* u) const {
     each_row([&](int r, const CouplingConstraint&)
                  SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].rate; });
-    // Of its impulse over the step, a rope may give all back.
+    // A rope may give back at most its whole impulse of the step.
     solve([&](int i, const CouplingRow<Real>& row) SKYBODY_INLINE_LAMBDA {
       return max(-dot(w_.coupling_forces[i], row.out), Real(0.0)) * dt;
     });

@@ -1,15 +1,15 @@
-// What holds bodies together, in the environments that one Real holds. On double and packs.
+// Constraints and springs between bodies, in the environments of one Real. On double and packs.
 //
-// Rods, ropes and points are equations for the accelerations of the points that they join. Their
+// Rods, ropes and points are equations for the accelerations of the points that they connect. Their
 // forces are the multipliers of
 //   A f = -(J udot + dJ/dt u)        A = J M^-1 J^T
-// with J the derivative of the rows' gaps and udot the accelerations without them (R. Featherstone,
-// Rigid Body Dynamics Algorithms, 2008, section 8.5). Columns of M^-1 J^T are found by the tree's
-// algorithms, one unit force after the other. Rows that others follow from have no pivot left and
-// carry nothing. A rope is an equation while it is taut and pulls.
+// with J the derivative of the rows' gaps and udot the accelerations without couplings (R.
+// Featherstone, Rigid Body Dynamics Algorithms, 2008, section 8.5). The tree's algorithms compute
+// the columns of M^-1 J^T, one unit force after another. Rows that depend linearly on others have
+// no pivot left and carry no force. A rope is an equation while it is taut and its force pulls.
 //
-// What a step's own error leaves of gaps and rates is taken away after it, by the least change that
-// the masses allow (M^-1 J^T again), so that momentum is kept.
+// After a step, gaps and rates due to integration error are removed by the smallest change in the
+// metric of the masses (M^-1 J^T again), so that momentum is conserved.
 #pragma once
 
 #include "core/physics/coupling/coupling_workspace.h"
@@ -18,7 +18,7 @@ namespace skybody {
 
 enum class CouplingOperation { kBegin, kConstrain, kRelease, kProject };
 
-/// What couplings are to do.
+/// Arguments of one operation on couplings.
 template <class Real>
 struct CouplingCall {
   const CouplingScene& scene;
@@ -26,7 +26,7 @@ struct CouplingCall {
   const CouplingWorkspace<Real>& work;
   CouplingOperation operation;
   const Real *at_q = nullptr, *at_u = nullptr;
-  Real *q = nullptr, *u = nullptr;  ///< of kProject
+  Real *q = nullptr, *u = nullptr;  ///< for kProject
   const BodyKinematics<Real>* motion = nullptr;
   Real* udot = nullptr;
   bool is_same_place = false;
@@ -34,11 +34,11 @@ struct CouplingCall {
   MaskOf<Real>* lanes = nullptr;
 };
 
-/// One function for each width of packs, since its code is long.
-/// @param call  a CouplingCall of the width's type of number
+/// The code is long, so each width of packs has one function.
+/// @param call  a CouplingCall with the number type of the width
 using CouplingFunction = void(const void* call);
 
-/// @param lanes  1: of doubles; else of packs
+/// @param lanes  1: doubles; otherwise packs
 CouplingFunction* coupling_function(int lanes);
 
 template <class Real>
@@ -53,7 +53,7 @@ class Couplings {
   /// Whether there are any equations.
   bool any() const { return !scene_.row_owners.empty(); }
 
-  /// The constants of this environment. Nothing has pulled so far.
+  /// Loads the constants of this environment; clears the forces.
   /// @param params  the parameter block; @param bodies  kBodyConstantCount values per body: each a
   ///                pointer, or a view (lane_values.h)
   template <class Values>
@@ -81,17 +81,17 @@ class Couplings {
     }
   }
 
-  /// A step begins: which ropes are taut.
-  /// @param motion  at its start
+  /// Starts a step: finds the taut ropes.
+  /// @param motion  at the start of the step
   SKYBODY_INLINE void begin(const Motion* motion) const {
     CouplingCall<Real> call = make_call(CouplingOperation::kBegin);
     call.motion = motion;
     run(call);
   }
 
-  /// Makes accelerations what the couplings allow; and the forces that do it.
-  /// @param is_same_place  q is as in the last call
-  /// @param udot           without couplings; overwritten
+  /// Corrects accelerations to satisfy the couplings, and computes the coupling forces.
+  /// @param is_same_place  q is the same as in the last call
+  /// @param udot           in: without couplings; out: with them
   SKYBODY_INLINE void constrain(const Real* q, const Real* u, const Motion* motion,
                                 bool is_same_place, Real* udot) const {
     CouplingCall<Real> call = make_call(CouplingOperation::kConstrain);
@@ -103,14 +103,14 @@ class Couplings {
     run(call);
   }
 
-  /// Keeps pulls and ropes as the last constrain() left them.
+  /// Stores the forces and the active ropes of the last constrain().
   SKYBODY_INLINE void remember() const {
     for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
       w_.forces_before[i] = w_.coupling_forces[i];
       w_.held_before[i] = w_.was_held[i];
     }
   }
-  /// Takes them back in the lanes that are not in `mask`: in these, nothing was asked since.
+  /// Restores them in the lanes outside `mask`, for which constrain() has not been called since.
   SKYBODY_INLINE void take_back(const MaskOf<Real>& mask) const {
     for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
       w_.coupling_forces[i] = select(mask, w_.coupling_forces[i], w_.forces_before[i]);
@@ -118,7 +118,7 @@ class Couplings {
     }
   }
 
-  /// Takes from accelerations what the pulls did to them.
+  /// Removes the effect of the coupling forces from accelerations.
   SKYBODY_INLINE void release(const Real* q, const Motion* motion, Real* udot) const {
     CouplingCall<Real> call = make_call(CouplingOperation::kRelease);
     call.at_q = q;
@@ -127,10 +127,10 @@ class Couplings {
     run(call);
   }
 
-  /// Takes gaps and rates away from q and u. Ropes that pulled in the last constrain() are as rods
-  /// here; others are held where they are too long.
-  /// @param dt  of the step, for the pulls
-  /// @returns the lanes where no gap is left; the velocities of others stay
+  /// Removes gaps and rates from q and u. Ropes with a force in the last constrain() are treated as
+  /// rods; others are active if they are too long.
+  /// @param dt  of the step, for the forces
+  /// @returns the lanes with closed gaps; velocities of other lanes stay unchanged
   SKYBODY_INLINE MaskOf<Real> project(const MaskOf<Real>& mask, const Real& dt, Real* q,
                                       Real* u) const {
     MaskOf<Real> lanes = mask;
@@ -167,7 +167,7 @@ class Couplings {
     }
   }
 
-  /// Adds the forces of rods, ropes and points, as the last constrain() found them.
+  /// Adds the forces of rods, ropes and points from the last constrain().
   SKYBODY_INLINE void add_coupling_forces(const Motion* motion, SpatialForce<Real>* forces) const {
     int i = -1;
     for (const CouplingConstraint& constraint : scene_.constraints) {
@@ -187,7 +187,7 @@ class Couplings {
   Vec3<Real>* coupling_forces() const { return w_.coupling_forces; }
   /// Per constraint: the lanes where the last project() left its gap open.
   const MaskOf<Real>* open() const { return w_.is_open; }
-  /// Per constraint: the lanes where its equations held in the last constrain().
+  /// Per constraint: the lanes where its equations were active in the last constrain().
   const MaskOf<Real>* held() const { return w_.was_held; }
 
  private:

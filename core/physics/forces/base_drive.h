@@ -1,5 +1,6 @@
-// Kinematic drives: a robot's free base moves as it is told, whatever the forces. Its u is set when
-// a physics step begins and stays; its accelerations are zero, so joints further out react to it.
+// Kinematic drives: the motion of a robot's free base is prescribed, whatever the forces. Its u is
+// set at the start of a physics step and stays constant. Its accelerations are zero; joints further
+// out react to its motion.
 #pragma once
 
 #include "core/base/math.h"
@@ -8,7 +9,7 @@
 
 namespace skybody {
 
-/// The rotation vector of a unit quaternion: axis times angle [rad], the short way round.
+/// The rotation vector of a unit quaternion: axis times angle [rad], by the shorter way.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> rotation_vector(const Quat<Real>& q) {
   const Real sine = sqrt((q.x * q.x + q.y * q.y) + q.z * q.z);
@@ -19,15 +20,15 @@ SKYBODY_INLINE Vec3<Real> rotation_vector(const Quat<Real>& q) {
   return {q.x * scale, q.y * scale, q.z * scale};
 }
 
-/// Velocity drive: u of a free base from the velocity and angular velocity asked for, base axes.
-/// @param base  the base's present motion
+/// Velocity drive: u of a free base from the desired velocity and angular velocity, base axes.
+/// @param base  the base's current motion
 template <class Real>
 SKYBODY_INLINE void drive_velocity(const BodyKinematics<Real>& base, const Real* drive, Real* u) {
   store(base.axes * load_vec3(drive + kDriveVelocity), u);
   store(load_vec3(drive + kDriveAngularVelocity), u + 3);
 }
 
-/// Pose drive: the constant u that brings a free base from q to `target` within `dt` seconds.
+/// Pose drive: the constant u that moves a free base from q to `target` within `dt` seconds.
 /// @param target  pose in W: position (3), unit quaternion (4)
 template <class Real>
 SKYBODY_INLINE void drive_to_pose(const Real* q, const Real* target, double dt, Real* u) {

@@ -1,5 +1,5 @@
-// Rotors of one body with the body's z as their axis and their hubs at one height: their forces
-// from sums that know nothing of the body's motion. The laws are those of rotor_force.h.
+// Rotors of one body with the body's z axis as their axis and hubs at one height. Their forces come
+// from sums that are independent of the body's motion. The laws are those of rotor_force.h.
 #pragma once
 
 #include "core/base/vec3.h"
@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// A rotor on its body. Where its hub is, its constants say (hub_of).
+/// A rotor's mounting on its body. The hub position is part of its constants (hub_of).
 struct RotorMount {
   Vec3<double> axis;       ///< thrust direction, body axes
   double direction = 1.0;  ///< +1 or -1
@@ -24,15 +24,15 @@ SKYBODY_INLINE Vec3<Real> hub_of(const Constants& constants) {
           Real(constants[kRotorPosition + 2])};
 }
 
-/// A rotor's constants times its place: what CoplanarRotors ask of it. [x], [y]: hub, body axes.
+/// Products of a rotor's constants and its hub position, for CoplanarRotors. x, y: hub, body axes.
 enum RotorFactor : int {
   kThrustFactor = 0,    ///< 3: k_f, k_f x, k_f y
   kMomentFactor = 3,    ///< s k_m
   kDragFactor = 4,      ///< 4: c_d, c_d x, c_d y, c_d (x^2 + y^2)
   kRollingFactor = 8,   ///< 3: s c_r, s c_r x, s c_r y
   kInertiaFactor = 11,  ///< s J
-  kSpeedLimit = 12,     ///< the rotor's own, as it is
-  kHeightFactor = 13,   ///< z of the hub, as it is
+  kSpeedLimit = 12,     ///< the rotor's own speed limit
+  kHeightFactor = 13,   ///< z of the hub
   kRotorFactorCount = 14
 };
 
@@ -61,7 +61,8 @@ SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorMo
   out[kHeightFactor] = constants[kRotorPosition + 2];
 }
 
-/// Where the hubs of rotors whose axes are the body's z, which may be drawn, are at one height.
+/// The lanes in which all hubs are at one height, for rotors whose axes are the body's z axis. Hub
+/// positions may be randomized.
 /// @param height  height(i): of hub i, from 0 on
 template <class Real, class Height>
 SKYBODY_INLINE MaskOf<Real> are_level(int count, const Height& height) {
@@ -70,8 +71,8 @@ SKYBODY_INLINE MaskOf<Real> are_level(int count, const Height& height) {
   return is_level;
 }
 
-/// One quantity of four rotors in rows (are_in_rows), added up with the signs that coordinates of
-/// their hubs have beside the first one's.
+/// Sums of one quantity over four rotors in rows (are_in_rows), with the signs of their hubs'
+/// coordinates relative to the first hub.
 template <class Real>
 struct RowSums {
   Real all, x, y, xy;
@@ -85,13 +86,12 @@ struct RowSums {
   }
 };
 
-/// Whether the first four places are the corners of a rectangle about the body's z axis, at (x, y),
-/// (x, -y), (-x, y) and (-x, -y), and neighbours turn against each other.
-/// @param params  of the environment
+/// Whether the first four rotors are at the corners of a rectangle about the body's z axis, at (x,
+/// y), (x, -y), (-x, y) and (-x, -y), and neighbours spin in opposite directions.
 bool are_in_rows(const RotorMount* rotors, const double* params);
 
-/// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
-/// together, from sums over the rotors that know nothing of the body's motion.
+/// Total force of rotors of one body with the body's z axis as their axis and hubs at one height,
+/// from sums over the rotors that are independent of the body's motion.
 template <class Real>
 class CoplanarRotors {
  public:
@@ -99,7 +99,7 @@ class CoplanarRotors {
 
   /// The first rotor.
   /// @param factors  its kRotorFactorCount values
-  /// @param rotor    its acceleration in any unit that force() is told
+  /// @param rotor    its acceleration in any unit; force() receives that unit
   template <class Factors>
   SKYBODY_INLINE CoplanarRotors(const Factors& factors, const RotorMotion<Real>& rotor) {
     const Real w = rotor.speed, squared = rotor.squared, size = abs(w);
@@ -111,9 +111,9 @@ class CoplanarRotors {
     spin_up_ = factors[kInertiaFactor] * rotor.acceleration;
   }
 
-  /// Four rotors alike, in rows, none of which turns backwards: the same up to rounding, with a
-  /// third of the operations.
-  /// @param factors  of the first
+  /// Four equal rotors in rows, none of which spins backwards. Equal to the general sum up to
+  /// round-off, with a third of the operations.
+  /// @param factors  of the first rotor
   template <class Factors>
   SKYBODY_INLINE CoplanarRotors(const Factors& factors, const RotorMotion<Real> (&r)[4]) {
     const RowSums<Real> squared(r[0].squared, r[1].squared, r[2].squared, r[3].squared);
@@ -134,7 +134,7 @@ class CoplanarRotors {
                ((r[0].acceleration - r[1].acceleration) - (r[2].acceleration - r[3].acceleration));
   }
 
-  /// Another rotor.
+  /// Adds another rotor.
   SKYBODY_INLINE CoplanarRotors& operator+=(const CoplanarRotors& other) {
     for (int k = 0; k < 3; ++k) thrust_[k] += other.thrust_[k];
     moment_ += other.moment_;
@@ -152,7 +152,7 @@ class CoplanarRotors {
   SKYBODY_INLINE SpatialForce<Real> force(const Real& height, double unit,
                                           const Vec3<Real>& velocity,
                                           const Vec3<Real>& spin) const {
-    // Velocity across the axis of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
+    // Velocity across the axis, of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
     const Real hub_x = velocity.x + spin.y * height, hub_y = velocity.y - spin.x * height;
     const Vec3<Real> f{spin.z * drag_[2] - hub_x * drag_[0],
                        -(hub_y * drag_[0] + spin.z * drag_[1]), thrust_[0]};
@@ -193,9 +193,9 @@ class CoplanarRotors {
   Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt
 };
 
-/// Whether four rotors that are nominally in rows have equal constants and are in rows: what the
-/// sum by rows takes for granted.
-/// @param factors  of all, one after another
+/// Whether four rotors that are nominally in rows have equal constants and are in rows in fact: the
+/// precondition of the sum by rows.
+/// @param factors  of all rotors, one after another
 template <class Factors>
 SKYBODY_INLINE auto are_alike(const Factors& factors) {
   auto alike = factors[kThrustFactor] == factors[kThrustFactor];

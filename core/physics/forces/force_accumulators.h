@@ -1,13 +1,11 @@
-// Forces on one body, added up in either of two forms with one interface, so that each force term
+// Sums of the forces on one body, in two forms with one interface, so that each force term
 // (force_terms.h) is written once. On double and packs.
 //
-//   OriginForceAccumulator  about the body's origin, W axes: what the tree's algorithms and Simbody
-//   take FreeBodyForceAccumulator    acceleration of the centre of mass (W) and moment about it
-//   (body axes): what one
-//               free body's equations need, with fewer turns between the axes
+// - OriginForceAccumulator: about the body's origin, W axes. For the tree's algorithms and Simbody.
+// - FreeBodyForceAccumulator: acceleration of the centre of mass (W) and moment about it (body
+//   axes). For the equations of one free body, with fewer rotations between the axes.
 //
-// Where forces act and in which axes they are given is said by the caller; each form turns what it
-// must.
+// The caller specifies the point of action and the axes of a force; each form converts as needed.
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
@@ -19,7 +17,7 @@ namespace skybody {
 enum class Axes { kWorld, kBody };
 
 /// Adds to a SpatialForce. Refers to its arguments.
-/// @tparam Params  how the body's parameters are read: a pointer, or a view (lane_values.h)
+/// @tparam Params  access to the body's parameters: a pointer, or a view (lane_values.h)
 template <class Real, class Params>
 class OriginForceAccumulator {
  public:
@@ -58,8 +56,8 @@ class OriginForceAccumulator {
   SKYBODY_INLINE void add_moment(const Vec3<Real>& moment, Axes axes) {
     sum_.moment += in_world(moment, axes);
   }
-  /// Lets `add` add in the lanes of a mask; others keep their sums untouched, as if alone: adding
-  /// +0 would turn a -0 round.
+  /// Calls `add` for the lanes of a mask. Other lanes keep their sums bit for bit: adding +0 would
+  /// change a -0.
   template <class Add>
   SKYBODY_INLINE void add_where(const MaskOf<Real>& mask, const Add& add) {
     const SpatialForce<Real> before = sum_;
@@ -79,19 +77,19 @@ class OriginForceAccumulator {
   SpatialForce<Real>& sum_;
 };
 
-/// What is known of a free body's constants without reading them: shorter forms, the same values.
+/// Known structure of a free body's constants: allows shorter formulas with the same values.
 struct InertiaStructure {
   bool is_axial = false;         ///< the centre of mass is on the body's z axis
   bool has_no_products = false;  ///< of inertia, nor of its inverse
 };
 
-/// What the velocity of a body's origin (W) and its spin (body axes) change by in a second.
+/// Rates of a free body: of its origin's velocity (W) and of its spin (body axes).
 template <class Real>
 struct FreeAcceleration {
   Vec3<Real> velocity, spin;
 };
 
-/// The same before its parts are brought into one frame.
+/// The same before its parts are converted to one frame.
 template <class Real>
 struct FreeRates {
   Vec3<Real> in_world, in_body;  ///< their sum is the velocity's rate
@@ -101,7 +99,7 @@ struct FreeRates {
     return {in_world + axes * in_body, spin};
   }
   /// The velocity's rate in body axes.
-  /// @param is_upright  `in_world` is known to lie along z, as gravity mostly does
+  /// @param is_upright  `in_world` is known to lie along z, as gravity does in most scenarios
   SKYBODY_INLINE Vec3<Real> velocity_in_body(const Mat3<Real>& axes, bool is_upright) const {
     const Vec3<Real> upright = axes.row(2) * in_world.z;
     if (is_upright) return in_body + upright;
@@ -110,13 +108,14 @@ struct FreeRates {
   }
 };
 
-/// Newton and Euler about the centre of mass of one free body (docs/architecture.md, Dynamics).
+/// Newton-Euler equations about the centre of mass of one free body (docs/architecture.md,
+/// Dynamics).
 /// Refers to its arguments.
-/// @tparam Constants  how kBodyConstantCount values are read: a pointer, or a view
+/// @tparam Constants  access to the kBodyConstantCount values: a pointer, or a view
 template <class Real, class Constants>
 class FreeBodyForceAccumulator {
  public:
-  /// @param gravity  [m/s^2], W; it acts at the centre of mass, and so turns nothing
+  /// @param gravity  [m/s^2], W; it acts at the centre of mass and so causes no moment
   /// @param rotors   about the origin, body axes
   SKYBODY_INLINE FreeBodyForceAccumulator(const BodyKinematics<Real>& body,
                                           const Constants& constants, const InertiaStructure& known,
@@ -152,12 +151,12 @@ class FreeBodyForceAccumulator {
     add_at_com(force, axes);
     moment_ += cross(point - com_, in_body(force, axes));
   }
-  /// At the centre of mass, body axes: there the rotors' force is added up, too.
+  /// At the centre of mass, body axes: part of the sum that contains the rotors' force.
   SKYBODY_INLINE void add_drag(const Vec3<Real>& force) { force_ += force; }
   SKYBODY_INLINE void add_moment(const Vec3<Real>& moment, Axes axes) {
     moment_ += in_body(moment, axes);
   }
-  /// As OriginForceAccumulator has it.
+  /// As OriginForceAccumulator::add_where.
   template <class Add>
   SKYBODY_INLINE void add_where(const MaskOf<Real>& mask, const Add& add) {
     const Vec3<Real> linear = linear_, moment = moment_, force = force_;
@@ -187,8 +186,8 @@ class FreeBodyForceAccumulator {
     return axes == Axes::kBody ? v : transpose_times(body_.axes, v);
   }
 
-  /// `on_axis` where the centre of mass lies on the body's z axis, as most have it; what `general`
-  /// gives elsewhere.
+  /// `on_axis` in lanes with the centre of mass on the body's z axis, the usual case; general() in
+  /// the others.
   template <class General>
   SKYBODY_INLINE Vec3<Real> by_com(const Vec3<Real>& on_axis, const General& general) const {
     if (known_.is_axial) return on_axis;
@@ -197,7 +196,7 @@ class FreeBodyForceAccumulator {
     return select(is_off, general(), on_axis);
   }
 
-  /// A symmetric matrix of the constants times v. Products of inertia are rarely other than zero.
+  /// A symmetric matrix of the constants times v. Products of inertia are mostly zero.
   SKYBODY_INLINE Vec3<Real> times(int matrix, const Vec3<Real>& v) const {
     const SymMat3<Real> m = load_sym_mat3(constants_ + matrix);
     const Vec3<Real> diagonal{m.xx * v.x, m.yy * v.y, m.zz * v.z};
@@ -212,7 +211,7 @@ class FreeBodyForceAccumulator {
   InertiaStructure known_;
   Real inverse_mass_;
   Vec3<Real> com_;
-  Vec3<Real> linear_;  ///< acceleration of the centre of mass by all else, W
+  Vec3<Real> linear_;  ///< acceleration of the centre of mass by all other forces, W
   Vec3<Real> moment_;  ///< about the centre of mass, body axes
   Vec3<Real> force_;   ///< of the rotors and of drag, body axes
 };

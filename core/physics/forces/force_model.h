@@ -1,6 +1,6 @@
-// Every force of ours on the bodies of a world: gravity, rotors, disturbances, wrenches of
-// controllers and effects, joints; contact is on its own (core/physics/contact). Evaluated inside
-// the derivative, one code for all dynamics, for double and packs.
+// All forces of the model on the bodies of a world: gravity, rotors, disturbances, wrenches of
+// controllers and effects, joints. Contact is separate (core/physics/contact). Evaluated inside the
+// derivative. The same code serves all dynamics, double and packs.
 #pragma once
 
 #include <vector>
@@ -15,9 +15,9 @@
 
 namespace skybody {
 
-/// What forces depend on at one instant. Pointers to the values of one environment (or one pack),
-/// in the order of the layout's blocks.
-/// @tparam Params  how parameters are read: a pointer, or a view (lane_values.h)
+/// The arguments of the forces at one instant: pointers to the values of one environment (or one
+/// pack), in the order of the layout's blocks.
+/// @tparam Params  access to parameters: a pointer, or a view (lane_values.h)
 template <class Real, class Params = const Real*>
 struct ForceInputs {
   const Real* q = nullptr;
@@ -26,11 +26,11 @@ struct ForceInputs {
   const RotorMotion<Real>* rotors = nullptr;
   Params params;
   const Real* wrench = nullptr;
-  const Real* joint_targets = nullptr;    ///< per joint drive: where it leads at this instant
+  const Real* joint_targets = nullptr;    ///< per joint drive: its target at this instant
   const HeldLanes<Real>* held = nullptr;  ///< null: no effects
 };
 
-/// A rotor of a world on its body; every one; and the groups that they form.
+/// One rotor's mounting on its body, those of all rotors, and the groups of rotors on one body.
 RotorMount make_rotor_place(const World& world, std::size_t index);
 std::vector<RotorMount> make_rotor_places(const World& world);
 std::vector<RotorGroup> make_rotor_groups(const World& world);
@@ -66,7 +66,7 @@ class ForceModel {
             forces[i]};
   }
 
-  /// Overwrites: the first to be called.
+  /// Overwrites the sums: must be called first.
   template <class Real, class Params>
   SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in,
                                   SpatialForce<Real>* forces) const {

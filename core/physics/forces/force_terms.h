@@ -1,6 +1,5 @@
-// The forces of ours on one body but for its weight and its rotors, each once: every term adds to
-// an OriginForceAccumulator or a FreeBodyForceAccumulator (force_accumulators.h). On double and
-// packs.
+// The terms of the forces on one body, except weight and rotors. Every term adds to an
+// OriginForceAccumulator or a FreeBodyForceAccumulator (force_accumulators.h). On double and packs.
 #pragma once
 
 #include "core/physics/forces/force_accumulators.h"
@@ -9,7 +8,8 @@
 
 namespace skybody {
 
-/// A force at the centre of mass, W axes, and a moment; sums stay untouched where both are zero.
+/// Adds a force at the centre of mass, W axes, and a moment. Sums of lanes in which both are zero
+/// stay unchanged.
 template <class Real, class Load>
 SKYBODY_INLINE void add_at_com_where_any(const Vec3<Real>& force, const Vec3<Real>& moment,
                                          Axes moment_axes, Load& load) {
@@ -21,7 +21,7 @@ SKYBODY_INLINE void add_at_com_where_any(const Vec3<Real>& force, const Vec3<Rea
   });
 }
 
-/// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
+/// Disturbance of paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
 /// @param disturbance  the robot's kRobotParamCount values: a pointer, or a view
 template <class Real, class Params, class Load>
 SKYBODY_INLINE void add_disturbance(const Params& disturbance, Load& load) {
@@ -56,7 +56,7 @@ SKYBODY_INLINE Vec3<Real> air_velocity(const HeldLanes<Real>* held, int index,
   return transpose_times(body.axes, velocity);
 }
 
-/// The drag of a body in the air, at its centre of mass: along each body axis
+/// Aerodynamic drag of a body, at its centre of mass: along each body axis
 ///   F = -(linear + quadratic |v|) v, v the velocity of the centre of mass through the air.
 /// @param drag  three linear coefficients, then three quadratic ones: a pointer, or a view
 template <class Real, class Values, class Load>
@@ -72,14 +72,14 @@ SKYBODY_INLINE void add_body_drag(const Values& drag, const Vec3<Real>& air_velo
   load.add_where(any, [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_drag(force); });
 }
 
-/// The wrench that effects hold of a body.
+/// A body's held wrench (SKYBODY_HELD_WRENCH).
 template <class Real, class Load>
 SKYBODY_INLINE void add_held_wrench(const HeldLanes<Real>& held, int index, Load& load) {
   const LaneValues<Real> wrench = held[SKYBODY_HELD_WRENCH] + 6 * index;
   add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, load);
 }
 
-/// What effects hold of one body: a wrench, and its drag.
+/// The forces of held inputs on one body: wrench and drag.
 template <class Real, class Load>
 SKYBODY_INLINE void add_held_forces(const HeldLanes<Real>& held, int index,
                                     const BodyKinematics<Real>& body, Load& load) {

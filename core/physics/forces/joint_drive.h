@@ -1,4 +1,4 @@
-// Motors in joints: a generalised force on one coordinate, from a command behind a first-order lag.
+// Motors in joints: a generalised force on one coordinate, from a command with a first-order lag.
 #pragma once
 
 #include "core/base/math.h"
@@ -14,7 +14,7 @@ struct JointDriveStep {
   int q = 0, u = 0;  ///< the coordinate and its rate, within the blocks
 };
 
-/// What a drive follows at an instant of the step: r(t) = c + (r(0) - c) exp(-t / tau).
+/// Target of a drive at an instant of the step: r(t) = c + (r(0) - c) exp(-t / tau).
 /// @param state    r(0), at the start of the step
 /// @param command  c, held during the step
 template <class Real>
@@ -30,8 +30,8 @@ SKYBODY_INLINE double target_at_time(double tau, double state, double command, d
   return tau > 0.0 ? command - (command - state) * exp(-time / tau) : command;
 }
 
-/// Along the coordinate [N m] or [N].
-/// @param target  [rad], [rad/s] or [N m]; [m], [m/s] or [N] of a slider
+/// Generalised force along the coordinate [N m] or [N].
+/// @param target  [rad], [rad/s] or [N m]; of a slider [m], [m/s] or [N]
 /// @param q, u    the coordinate and its rate
 template <class Real>
 SKYBODY_INLINE Real drive_force(const JointDrive& drive, const Real& target, const Real& q,

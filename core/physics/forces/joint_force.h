@@ -1,5 +1,5 @@
-// Forces along a joint's own coordinates: viscous damping on all of them, and on pins and sliders a
-// spring, and the law of their stops, which step/joint_stops.h applies.
+// Forces along a joint's own coordinates: viscous damping on all joints, a spring on pins and
+// sliders, and the law of the latters' stops, which step/joint_stops.h applies.
 #pragma once
 
 #include "core/base/math.h"
@@ -13,7 +13,7 @@ inline bool has_stops(const Joint& joint) {
   return has_one_coordinate && joint.limit.enabled;
 }
 
-/// Beyond `lower` or `upper` a spring pushes back and a damper acts, but they never pull inwards.
+/// Spring and damper force beyond `lower` or `upper`. It never points out of the range.
 /// @param constants  the joint's, a pointer or a view
 /// @param q, u       the coordinate [rad] or [m] and its rate
 template <class Real, class Constants>
@@ -29,8 +29,8 @@ SKYBODY_INLINE Real limit_force(const JointLimit& limit, const Constants& consta
   return at_lower - at_upper;
 }
 
-/// Generalised forces of one joint but its stops', one per u [N m] or [N]; conjugate to u as
-/// JointType defines it. Constants of 0 give exactly +0.
+/// Generalised forces of one joint without its stops, one per u [N m] or [N]; conjugate to u as
+/// defined by JointType. Constants of 0 give exactly +0.
 /// @param constants  its joint_constant_count() values, at least one
 template <class Real, class Constants>
 SKYBODY_INLINE void joint_force(const Joint& joint, const Constants& constants, const Real* q,

@@ -1,16 +1,16 @@
-// What a spinning rotor does to its body. F. Furrer, M. Burri, M. Achtelik, R. Siegwart, "RotorS -
+// Forces of a spinning rotor on its body. F. Furrer, M. Burri, M. Achtelik, R. Siegwart, "RotorS -
 // A modular Gazebo MAV simulator framework", 2016, section "Rotor dynamics", after P. Martin and E.
 // Salaun, "The true role of accelerometer feedback in quadrotor control", ICRA 2010. Collective
 // thrust and torque of paper eq. 1 are the sums over a robot's rotors.
 //
-// With w the speed, below 0 of a reversible rotor that turns backwards, n the axis, s = +1 for
-// counter-clockwise about n where w > 0, and v' the hub's velocity across the axis, through the
-// air:
+// With w the speed (negative if a reversible rotor spins backwards), n the axis, s = +1 for
+// counter-clockwise about n where w > 0, and v' the hub's velocity through the air, across the
+// axis:
 //   thrust            F = k_f w |w| n
 //   reaction          M = -s k_m w |w| n
 //   rotor drag        F = -c_d |w| v'
-//   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; which side the advancing
-//                                         blade is on, so the sign, goes with the direction)
+//   rolling moment    M = -s c_r w v'    (RotorS' code omits s; the side of the advancing blade,
+//                                         and so the sign, depends on the direction)
 //   gyroscopic        M = -omega x (s J w n)
 //   spin-up           M = -s J (dw/dt) n
 // The last two vanish for rotor inertia J = 0.
@@ -26,14 +26,14 @@
 
 namespace skybody {
 
-/// Gains act on the first of a rotor's constants, in this order.
+/// Gains scale the first of a rotor's constants, in this order.
 inline constexpr int kGainedConstants = kHeldInputs[SKYBODY_HELD_ROTOR_GAIN].size;
 static_assert(int{kThrustConstant} == SKYBODY_GAIN_THRUST &&
               int{kMomentConstant} == SKYBODY_GAIN_MOMENT &&
               int{kDragConstant} == SKYBODY_GAIN_DRAG &&
               int{kRollingMomentConstant} == SKYBODY_GAIN_ROLLING);
 
-/// A rotor's constants, the first ones of which effects scale.
+/// A rotor's constants; the first of them are scaled by held gains.
 /// @tparam Constants, Gains  pointers, or views
 template <class Constants, class Gains>
 class ScaledRotorConstants {
@@ -49,8 +49,8 @@ class ScaledRotorConstants {
   Gains gains_;
 };
 
-/// Adds one rotor's forces to `sum`, which is about the body's origin like any SpatialForce but in
-/// the axes of the body.
+/// Adds one rotor's forces to `sum`. The sum is about the body's origin, but in body axes, unlike
+/// other SpatialForces.
 /// @param constants  the rotor's kRotorParamCount values
 /// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
 template <class Real, class Constants>
@@ -74,13 +74,13 @@ SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorMount
 /// Consecutive rotors on one body.
 struct RotorGroup {
   int body = 0, first = 0, count = 0;
-  bool is_level = false;  ///< by the nominal places they go as CoplanarRotors
+  bool is_level = false;  ///< the nominal mounting allows the sum by CoplanarRotors
 };
 
-/// What the rotors of any group do to their body, one by one.
+/// Total force of any group of rotors, summed one by one.
 /// @param places     of all rotors of the world
 /// @param constants  constants(i): those of rotor i of the world
-/// @param motion     motion(i) says how it moves
+/// @param motion     motion(i): the motion of rotor i
 /// @param unit       of the rotors' accelerations [rad/s^2]
 /// @param velocity, spin  of the body's origin through the air [m/s] and body [rad/s], body axes
 /// @returns about the body's origin, body axes
@@ -98,7 +98,7 @@ SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const Roto
   return sum;
 }
 
-/// Rotors whose axes are the body's z, where their hubs are at one height.
+/// Total force of rotors whose axes are the body's z axis, for lanes with hubs at one height.
 template <class Real, class Constants, class Motion>
 SKYBODY_INLINE SpatialForce<Real> level_rotor_forces(const RotorGroup& group,
                                                      const RotorMount* places,
@@ -115,8 +115,8 @@ SKYBODY_INLINE SpatialForce<Real> level_rotor_forces(const RotorGroup& group,
   return rotors.force(Real(constants(group.first)[kRotorPosition + 2]), unit, velocity, spin);
 }
 
-/// The same by the quicker way in lanes that have one: of a level group those whose hubs, which may
-/// be drawn, are at one height.
+/// Total force of a group. Uses the faster sum in lanes of a level group whose hubs (which may be
+/// randomized) are at one height, otherwise the sum one by one.
 template <class Real, class Constants, class Motion>
 SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorMount* places,
                                                Constants&& constants, Motion&& motion, double unit,
@@ -134,9 +134,9 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
                 sum_rotors<Real>(group, places, constants, motion, unit, velocity, spin));
 }
 
-/// What the air at the hubs does besides, where effects hold it (core/base/held_inputs.h,
-/// SkybodyRotorFlow): S. Folk, J. Paulos, V. Kumar, "RotorPy: A Python-based multirotor simulator
-/// with aerodynamics for education and research", 2023, section "Rotor aerodynamics".
+/// Further air forces at the hubs, from the held input SkybodyRotorFlow (core/base/held_inputs.h):
+/// S. Folk, J. Paulos, V. Kumar, "RotorPy: A Python-based multirotor simulator with aerodynamics
+/// for education and research", 2023, section "Rotor aerodynamics".
 /// @param params  of the environment: a pointer, or a view
 /// @param flow    of all rotors of the world
 template <class Real, class Params, class Flow, class Motion>
@@ -159,12 +159,12 @@ SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorMount* p
     SpatialForce<Real> with = sum;
     with.add_force_at(position, axis * (c.z * dot(across, across) - c.x * (w * along)));
     with.moment -= cross(hub, axis) * (c.y * w);
-    sum.force = select(any, with.force, sum.force);  // what is neutral leaves a -0 as it is
+    sum.force = select(any, with.force, sum.force);  // zero coefficients leave a -0 unchanged
     sum.moment = select(any, with.moment, sum.moment);
   }
 }
 
-/// The same as rotor_forces() with what effects hold of the rotors, if there are any.
+/// rotor_forces() with the held inputs of the rotors, if any.
 /// @param params  of the environment: a pointer, or a view
 /// @param held    null: no effects
 template <class Real, class Params, class Motion>

@@ -1,6 +1,7 @@
 // First-order rotor lag in closed form, paper eq. 2:
-//   w(t) = w_ref + (w(0) - w_ref) exp(-t / tau), tau = tau_up while speeding up, tau_down else.
-// A time constant of 0 is an immediate jump. The exponentials depend on parameters and dt only, so
+//   w(t) = w_ref + (w(0) - w_ref) exp(-t / tau), tau = tau_up while speeding up, otherwise
+//   tau_down.
+// A time constant of 0 is an immediate jump. The exponentials depend only on parameters and dt, so
 // they are computed once per change of the parameters.
 #pragma once
 
@@ -11,10 +12,11 @@
 
 namespace skybody {
 
-/// Instants of a physics step at which integrators want forces.
+/// Instants of a physics step at which integrators evaluate forces.
 enum StageTime : int { kStepStart = 0, kStepMiddle = 1, kStepEnd = 2, kStageTimeCount = 3 };
 
-/// A rotor at one instant, or its means over a step. Only reversible rotors have speeds below 0.
+/// Motion of a rotor at one instant, or its means over a step. Only reversible rotors have negative
+/// speeds.
 template <class Real>
 struct RotorMotion {
   Real speed;         ///< w [rad/s]
@@ -22,7 +24,7 @@ struct RotorMotion {
   Real squared;       ///< w |w| [rad^2/s^2]: a mean of squares is not the mean's square
 };
 
-/// At an instant.
+/// Motion at an instant.
 template <class Real>
 SKYBODY_INLINE RotorMotion<Real> rotor_motion(const Real& speed, const Real& acceleration) {
   return {speed, acceleration, speed * speed};
@@ -36,16 +38,16 @@ struct LagFactors {
   Real half_mean;               ///< half the mean of exp(-t/tau) over the step
 };
 
-/// Both directions of one rotor.
+/// Lag factors of one rotor, for speeding up and for slowing down.
 template <class Real>
 struct RotorLag {
   LagFactors<Real> up, down;
 };
 
 /// The slopes are those of the exponential, scaled so that Simpson's rule over start, middle and
-/// end gives exactly the change of speed: the spin-up's reaction then carries exactly the rotor's
-/// change of angular momentum, for time constants far below dt as well (for tau >> dt the scale is
-/// 1 + O((dt/tau)^4), so fourth-order integrators keep their order).
+/// end gives exactly the change of speed. The reaction to spin-up then transfers exactly the
+/// rotor's change of angular momentum, even for time constants far below dt. For tau >> dt the
+/// scale is 1 + O((dt/tau)^4), so fourth-order integrators keep their order.
 /// @param tau [s] >= 0
 /// @param dt  physics step [s]
 template <class Real>
@@ -65,7 +67,7 @@ SKYBODY_INLINE LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
     const Real share = select(immediate, one, f.decay[i] / safe_simpson);
     f.slope[i] = mean_slope * share;
   }
-  f.half_mean = (0.5 * tau) * mean_slope;  // 0 where immediate
+  f.half_mean = (0.5 * tau) * mean_slope;  // 0 if immediate
   return f;
 }
 
@@ -77,11 +79,11 @@ SKYBODY_INLINE auto make_rotor_lag(const Values& constants, double dt) {
                         make_lag_factors<Real>(constants[kTauDown], dt)};
 }
 
-/// Numbers in a RotorLag<double>, which is as good as an array of them.
+/// Number of values in a RotorLag<double>, which has the memory layout of an array.
 inline constexpr int kLagSize = 2 * (2 * kStageTimeCount + 1);
 static_assert(sizeof(RotorLag<double>) == kLagSize * sizeof(double));
 
-/// The lag whose numbers `values` holds, in the order of the members.
+/// Loads a lag from `values`, in the order of the members.
 template <class Real, class Values>
 SKYBODY_INLINE RotorLag<Real> load_lag(const Values& values) {
   const auto factors = [](const Values& v) {
@@ -90,15 +92,15 @@ SKYBODY_INLINE RotorLag<Real> load_lag(const Values& values) {
   return {factors(values), factors(values + kLagSize / 2)};
 }
 
-/// What a rotor is asked for, limited to what it can do: [min_speed, max_speed]; NaN stays NaN.
+/// Clamps a rotor's command to [min_speed, max_speed]; NaN stays NaN.
 template <class Real>
 SKYBODY_INLINE Real limit_command(const Real& command, const Real& max_speed,
                                   const Real& min_speed = Real(0.0)) {
   return clamp(command, min_speed, max_speed);
 }
 
-/// The lag of a rotor that may turn backwards, with the time constant of one direction for both:
-/// tau_up where its speed is to grow in size, else tau_down.
+/// The lag of a rotor that may spin backwards, with one time constant in both directions: tau_up if
+/// |speed| is to grow, otherwise tau_down.
 template <class Real>
 SKYBODY_INLINE RotorLag<Real> lag_by_size(const RotorLag<Real>& lag, const Real& speed,
                                           const Real& command) {
@@ -122,20 +124,20 @@ SKYBODY_INLINE RotorMotion<Real> rotor_at(const RotorLag<Real>& lag, const Real&
   const Real decay = select(rising, lag.up.decay[t], lag.down.decay[t]);
   const Real slope = select(rising, lag.up.slope[t], lag.down.slope[t]);
   const Real gap = command - speed;
-  // Exactly the command where the decay is 0, and at the start exactly the speed where it is 1.
+  // Exactly the command for a decay of 0, and exactly the speed at the start for a decay of 1.
   if (t == kStepStart) return rotor_motion<Real>(select(decay == 0.0, command, speed), gap * slope);
   return rotor_motion<Real>(command - gap * decay, gap * slope);
 }
 
-/// Means over the step of the speed and of its square, in closed form; and the change of speed
-/// instead of an acceleration.
+/// Means over the step of the speed and of its square, in closed form. `acceleration` is the change
+/// of speed over the step instead.
 /// @param end  speed at the end of the step [rad/s]
 template <class Real>
 SKYBODY_INLINE RotorMotion<Real> rotor_over_step(const RotorLag<Real>& lag, const Real& speed,
                                                  const Real& command, const Real& end) {
   const auto rising = command > speed;
   // With w = command - gap d, d = exp(-t/tau): w^2 = command^2 - 2 command gap d + gap^2 d^2. The
-  // mean of d^2 is that of d times the mean of d's ends.
+  // mean of d^2 is the mean of d times the mean of d at the two ends.
   const Real lacking = (command - speed) * select(rising, lag.up.half_mean, lag.down.half_mean);
   return {command - (lacking + lacking), end - speed,
           command * command - lacking * ((command + command) + (speed + end))};
@@ -145,7 +147,7 @@ SKYBODY_INLINE RotorMotion<Real> rotor_over_step(const RotorLag<Real>& lag, cons
 ///
 /// With w = c - g d, d = exp(-t / tau), the sign changes where d = z = c / g. Up to there
 ///   (1/dt) integral of w^2 = g^2 (tau / dt) ((1 - z^2) / 2 - 2 z (1 - z) - z^2 log z),
-/// which counts with the sign of the start, and the rest with that of the end.
+/// which gets the sign of the start; the rest gets the sign of the end.
 /// @param lag     lag_by_size()
 /// @param square  mean of w^2
 template <class Real>
@@ -165,13 +167,13 @@ SKYBODY_INLINE Real mean_signed_square(const RotorLag<Real>& lag, const Real& sp
   return select(turns, select(end < 0.0, -rest, rest), signed_square);
 }
 
-/// The rotor at any time of the step by the closed form itself, for integrators that choose their
-/// own instants.
+/// The rotor at any time of the step, by the closed form: for integrators that choose their own
+/// instants.
 /// @param constants the rotor's kRotorParamCount values: a pointer, or a view
 /// @param speed     at the start of the step [rad/s]
 /// @param command   limited command, held during the step [rad/s]
 /// @param time      since the start of the step [s]
-/// @param dt        the step: over it a time constant of 0 spreads the jump's reaction [s]
+/// @param dt        the step [s]; the reaction to a jump (time constant 0) is spread over it
 template <class Values>
 RotorMotion<double> rotor_at_time(const Values& constants, double speed, double command,
                                   double time, double dt) {

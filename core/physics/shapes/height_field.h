@@ -1,5 +1,5 @@
-// Distances from height fields by functions of their own: for each width of packs there is one,
-// which all that asks for distances calls (the code is long).
+// Distances from height fields. The code is long, so each width of packs has one function that all
+// callers share.
 #pragma once
 
 #include "core/base/pack.h"
@@ -8,7 +8,7 @@
 
 namespace skybody {
 
-/// What to find the distance of, and the answer.
+/// Arguments and result of a distance query.
 template <class Real>
 struct HeightFieldCall {
   const HeightField& field;
@@ -18,13 +18,13 @@ struct HeightFieldCall {
   SurfaceDistance<Real> out;
 };
 
-/// Finds a distance. @param call  a HeightFieldCall of the width's type of number
+/// Computes a distance. @param call  a HeightFieldCall with the number type of the width
 using HeightFieldFunction = void(void* call);
 
-/// @param lanes  1: of doubles; else of packs
+/// @param lanes  1: doubles; otherwise packs
 HeightFieldFunction* height_field_function(int lanes);
 
-/// @param reach  distances of up to so much are exact [m]
+/// @param reach  distances up to this one are exact [m]
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> distance_from_heights(const HeightField& field,
                                                            const Real& half_x, const Real& half_y,

@@ -1,11 +1,12 @@
-// How far a point is from the surface of a height field: exactly, to the nearest point of its
+// Distance of a point from the surface of a height field: exact, to the nearest point of its
 // triangles and of the walls at its four sides. On double and packs. Points and normals are in the
 // field's frame.
 //
-// Idea: the point straight below or above gives a bound on the distance, so that only cells within
-// that bound can hold the nearest point; all of them are looked at. Close to the surface these are
-// one to four cells. Lanes look at different cells: each reads heights by its own indices, and
-// cells that a lane has no need of change nothing there, so that it has the bits that it has alone.
+// Algorithm: the point straight below or above gives an upper bound of the distance. Only cells
+// within this bound can contain the nearest point; all of them are tested. Close to the surface
+// these are one to four cells. Lanes test different cells: each reads heights by its own indices.
+// Cells that a lane does not need leave its result unchanged, so each lane has the same bits as
+// when computed alone.
 #pragma once
 
 #include "core/model/height_field.h"
@@ -36,12 +37,12 @@ struct HeightGrid {
     for (int i = 0; i < kLanesOf<Real>; ++i) found[i] = field.heights()[places[i]];
     return load_lanes<Real>(found);
   }
-  /// The corner itself.
+  /// Position of a corner.
   SKYBODY_INLINE Vec3<Real> corner(const Real& column, const Real& row) const {
     return {column * step_x - half_x, row * step_y - half_y, height(column, row)};
   }
-  /// The cell that a coordinate lies in, or the nearest one; NaN counts as 0.
-  /// @param count  of corners along it
+  /// Index of the cell that contains a coordinate, or of the nearest one; NaN counts as 0.
+  /// @param count  number of corners along it
   static SKYBODY_INLINE Real cell(const Real& x, const Real& half, const Real& step, int count) {
     return floor(within((x + half) / step, count - 2.0));
   }
@@ -50,14 +51,14 @@ struct HeightGrid {
   }
   SKYBODY_INLINE Real cell_y(const Real& y) const { return cell(y, half_y, step_y, field.rows()); }
 
-  /// The nearest number from 0 to `most`; NaN counts as 0.
+  /// Clamps x to [0, most]; NaN counts as 0.
   static SKYBODY_INLINE Real within(const Real& x, double most) {
     const Real positive = select(x > 0.0, x, Real(0.0));
     return select(positive < most, positive, Real(most));
   }
 };
 
-/// The surface straight above or below a point of the field's area.
+/// The surface straight above or below a point within the field's area.
 template <class Real>
 struct HeightBelow {
   Real height;      ///< [m]
@@ -82,7 +83,7 @@ SKYBODY_INLINE HeightBelow<Real> height_below(const HeightGrid<Real>& grid, cons
 
 namespace detail {
 
-/// The shortest way from a surface to a point, as far as it is known.
+/// The shortest vector from a surface to a point, among those tested.
 template <class Real>
 struct ShortestWay {
   Vec3<Real> way;  ///< from the surface to the point [m]
@@ -96,17 +97,18 @@ struct ShortestWay {
   }
 };
 
-/// From the nearest point of a straight line between two points.
-/// @param p  from the line's start @param along  from its start to its end, not 0
+/// Vector to a point from the nearest point of a line segment.
+/// @param p  relative to the segment's start @param along  from its start to its end, not 0
 template <class Real>
 SKYBODY_INLINE Vec3<Real> way_from_line(const Vec3<Real>& p, const Vec3<Real>& along) {
   const Real share = clamp(dot(p, along) / dot(along, along), Real(0.0), Real(1.0));
   return p - along * share;
 }
 
-/// The two triangles of a cell and the five lines about them.
-/// @param p  from the cell's corner of least x and y
-/// @param a, b, c  the cell's corners of greater x, of both and of greater y, from the same one
+/// Tests the two triangles of a cell and their five edges.
+/// @param p  relative to the cell's corner of least x and y
+/// @param a, b, c  the cell's corners of greater x, of greater x and y, and of greater y, relative
+/// to the same corner
 template <class Real>
 SKYBODY_INLINE void take_cell(const Vec3<Real>& p, const Vec3<Real>& a, const Vec3<Real>& b,
                               const Vec3<Real>& c, const MaskOf<Real>& counts,
@@ -129,7 +131,7 @@ SKYBODY_INLINE void take_cell(const Vec3<Real>& p, const Vec3<Real>& a, const Ve
   take_face(cross(b, c), false);
 }
 
-/// How far a point is from the box about a cell, squared.
+/// Squared distance of a point from the bounding box of a cell.
 template <class Real>
 SKYBODY_INLINE Real squared_from_box(const Vec3<Real>& p, const Vec3<Real>* corners) {
   const auto beyond = [](const Real& x, const Real& low, const Real& high) {
@@ -142,7 +144,7 @@ SKYBODY_INLINE Real squared_from_box(const Vec3<Real>& p, const Vec3<Real>* corn
   return dot(apart, apart);
 }
 
-/// All cells within `window` of a point along x and along y.
+/// Tests all cells within `window` of a point along x and along y.
 template <class Real>
 SKYBODY_INLINE void take_cells(const HeightGrid<Real>& grid, const Vec3<Real>& p,
                                const Real& window, ShortestWay<Real>& shortest) {
@@ -158,7 +160,7 @@ SKYBODY_INLINE void take_cells(const HeightGrid<Real>& grid, const Vec3<Real>& p
                                      grid.corner(c + 1.0, r + 1.0), grid.corner(c, r + 1.0)};
       const auto counts = logical_and(logical_and(row <= last_y, column <= last_x),
                                       squared_from_box(p, corners) < shortest.squared);
-      if (!none(counts)) {  // most cells are farther off than the point straight below
+      if (!none(counts)) {  // most cells are farther away than the point straight below
         take_cell(p - corners[0], corners[1] - corners[0], corners[2] - corners[0],
                   corners[3] - corners[0], counts, shortest);
       }
@@ -168,7 +170,7 @@ SKYBODY_INLINE void take_cells(const HeightGrid<Real>& grid, const Vec3<Real>& p
   }
 }
 
-/// The walls at the sides, for points of the solid.
+/// Tests the walls at the sides, for points inside the solid.
 template <class Real>
 SKYBODY_INLINE void take_walls(const HeightGrid<Real>& grid, const Vec3<Real>& p,
                                const MaskOf<Real>& is_inside, ShortestWay<Real>& shortest) {
@@ -180,9 +182,9 @@ SKYBODY_INLINE void take_walls(const HeightGrid<Real>& grid, const Vec3<Real>& p
 
 }  // namespace detail
 
-/// The solid below the heights, its sides upright and without a bottom.
-/// @param reach  distances of up to so much are exact [m]; farther off they are no less than that,
-///               and the normal is that of the way straight up or to the side
+/// Distance from the solid below the heights, with upright sides and without a bottom.
+/// @param reach  distances up to this one are exact [m]; larger ones are never below it, and their
+///               normal points straight up or to the side
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> height_field_distance(const HeightGrid<Real>& grid,
                                                            double reach, const Vec3<Real>& p) {
@@ -200,7 +202,7 @@ SKYBODY_INLINE SurfaceDistance<Real> height_field_distance(const HeightGrid<Real
   detail::take_cells(grid, p, min(sqrt(shortest.squared), Real(reach)), shortest);
   const Real length = sqrt(shortest.squared);
   const Real side(select(is_inside, Real(-1.0), Real(1.0)));
-  // On the surface no way tells the normal.
+  // On the surface the vector is zero and has no direction.
   const auto is_on_it = length < 1e-9;
   const Real safe = select(is_on_it, Real(1.0), length);
   return {length * side, select(is_on_it, below.face, shortest.way * (side / safe))};

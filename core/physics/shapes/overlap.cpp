@@ -6,11 +6,11 @@
 namespace skybody {
 namespace {
 
-/// Places along each of a shape's dimensions, from -1 to 1.
+/// Sample positions along each of a shape's dimensions, from -1 to 1.
 constexpr double kPlaces[] = {-1.0, -0.5, 0.0, 0.5, 1.0};
 constexpr int kDirections = 8;
 
-/// Up to what distance from a height field distances are exact: four of its cells [m].
+/// Greatest exact distance from a height field: four of its cells [m].
 double reach_of(const Shape& shape) {
   const HeightField& field = *shape.heights;
   return 4.0 * max(shape.size.x / (field.columns() - 1), shape.size.y / (field.rows() - 1));
@@ -38,7 +38,7 @@ double distance(const Shape& shape, const Vec3<double>& point) {
   return kInfinity;
 }
 
-/// A circle about the z axis, and its centre.
+/// Adds points on a circle about the z axis, and its centre.
 void add_disc(double radius, double z, std::vector<Vec3<double>>& points) {
   points.push_back({0.0, 0.0, z});
   for (int i = 0; i < kDirections; ++i) {
@@ -47,7 +47,7 @@ void add_disc(double radius, double z, std::vector<Vec3<double>>& points) {
   }
 }
 
-/// How deep the deepest of the points lies in the shape.
+/// Greatest depth of the points in the shape.
 double deepest(const std::vector<Vec3<double>>& points, const Pose& their_pose, const Shape& shape,
                const Pose& pose) {
   double depth = 0.0;

@@ -1,4 +1,4 @@
-// How far a point is from the surface of a solid, in closed form. On double and packs. Points and
+// Distance of a point from the surface of a solid, in closed form. On double and packs. Points and
 // normals are in the solid's frame.
 #pragma once
 
@@ -10,13 +10,13 @@ namespace skybody {
 template <class Real>
 struct SurfaceDistance {
   Real distance;      ///< to the nearest point of the surface [m]; negative: inside
-  Vec3<Real> normal;  ///< its gradient, unit: the shortest way out
+  Vec3<Real> normal;  ///< its gradient, unit: points the shortest way out
 };
 
-/// The longest of what is beyond each of two bounds, or the way to the edge where it is beyond
-/// both.
-/// @param x, y        beyond the bounds [m]; negative: within
-/// @param along_x, along_y  unit, at right angles: the ways out
+/// Distance from an edge of two faces: the greater of the distances beyond the faces, or the
+/// distance from the edge if the point is beyond both.
+/// @param x, y        distance beyond the faces [m]; negative: within
+/// @param along_x, along_y  outward normals of the faces: unit, orthogonal
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> corner_distance(const Real& x, const Real& y,
                                                      const Vec3<Real>& along_x,
@@ -31,7 +31,7 @@ SKYBODY_INLINE SurfaceDistance<Real> corner_distance(const Real& x, const Real& 
           select(is_beyond_both, (along_x * x + along_y * y) * (1.0 / safe), flat.normal)};
 }
 
-/// A ball about the origin; at its centre the way out is z.
+/// A sphere about the origin; at its centre the normal is z.
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> sphere_distance(const Real& radius, const Vec3<Real>& p) {
   const Real length = norm(p);
@@ -41,7 +41,7 @@ SKYBODY_INLINE SurfaceDistance<Real> sphere_distance(const Real& radius, const V
 }
 
 /// A box about the origin, along the axes.
-/// @param half  of its edges [m]
+/// @param half  half its edges [m]
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> box_distance(const Vec3<Real>& half, const Vec3<Real>& p) {
   const Real zero(0.0), one(1.0);
@@ -52,8 +52,8 @@ SKYBODY_INLINE SurfaceDistance<Real> box_distance(const Vec3<Real>& half, const 
   return corner_distance<Real>(side.distance, abs(p.z) - half.z, side.normal, z_way);
 }
 
-/// A cylinder about the z axis; on the axis the way to its side is x.
-/// @param half  of its length [m]
+/// A cylinder about the z axis; on the axis the normal of its side is x.
+/// @param half  half its length [m]
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> cylinder_distance(const Real& radius, const Real& half,
                                                        const Vec3<Real>& p) {
@@ -66,9 +66,9 @@ SKYBODY_INLINE SurfaceDistance<Real> cylinder_distance(const Real& radius, const
                                {zero, zero, copysign(one, p.z)});
 }
 
-/// A capsule about the z axis: all within `radius` of a straight line. On that line the way out is
-/// x.
-/// @param half  of the line's length [m]
+/// A capsule about the z axis: all points within `radius` of a line segment. On the segment the
+/// normal is x.
+/// @param half  half the segment's length [m]
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> capsule_distance(const Real& radius, const Real& half,
                                                       const Vec3<Real>& p) {
@@ -80,7 +80,7 @@ SKYBODY_INLINE SurfaceDistance<Real> capsule_distance(const Real& radius, const 
   return {length - radius, select(is_on_line, side, apart * (1.0 / safe))};
 }
 
-/// All below z = 0.
+/// The half-space below z = 0.
 template <class Real>
 SKYBODY_INLINE SurfaceDistance<Real> plane_distance(const Vec3<Real>& p) {
   return {p.z, {Real(0.0), Real(0.0), Real(1.0)}};

@@ -1,15 +1,16 @@
-// Dynamics by Simbody. Forces do not go through Simbody's force subsystems: they are handed to its
-// operator calcAccelerationIgnoringConstraints, which costs little more than half of what
-// realize(Acceleration) with Force::DiscreteForces does, and gives the same accelerations.
+// Dynamics by Simbody. Forces do not go through Simbody's force subsystems. They are passed to its
+// operator calcAccelerationIgnoringConstraints, which costs little more than half of
+// realize(Acceleration) with Force::DiscreteForces and gives the same accelerations.
 //
-// Simbody's coordinates differ from ours (JointType) for two joints:
-//   Free  q = quaternion, position   where ours has position, quaternion
-//         u = angular velocity in F axes, velocity   where ours has velocity, angular velocity in M
-//   Ball  u in F axes                where ours is in M axes
+// Simbody's coordinates differ from those of this simulator (JointType) for two joints:
+//   Free  q = quaternion, position   here: position, quaternion
+//         u = angular velocity in F axes, velocity   here: velocity, angular velocity in M axes
+//   Ball  u in F axes                here: in M axes
 // With R = F from M: w_F = R w_M, and so dw_M/dt = R^T dw_F/dt exactly, since R^T (w_F x w_F) = 0.
-// Generalised forces go like velocities: power is the same in both axes.
+// Generalised forces transform like velocities: power is the same in both axes.
 //
-// Compiled as C++17 and as the Simbody library was (NDEBUG): see cmake/SkybodySimbody.cmake.
+// Compiled as C++17 and with the Simbody library's options (NDEBUG): see
+// cmake/SkybodySimbody.cmake.
 #include <Simbody.h>
 
 #include <algorithm>
@@ -37,23 +38,23 @@ SimTK::Transform to_simbody(const Pose& pose) {
 Vec3<double> from_simbody(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 /// Mass properties about the body's origin from one body's parameters.
-/// @throws Error if no rigid body can have them
+/// @throws Error if they are not physical
 SimTK::MassProperties make_mass(const std::string& name, const double* params) {
   const MassProperties mass = checked_mass(name, params);
   const SymMat3<double> o = mass.inertia + point_inertia(mass.mass, mass.com);
   return {mass.mass, to_simbody(mass.com), SimTK::Inertia(o.xx, o.yy, o.zz, o.xy, o.xz, o.yz)};
 }
 
-/// One body's Simbody coordinates. Ours have the rotation last, Simbody's first.
+/// One body's coordinates in Simbody. The rotation comes first in Simbody, last in this simulator.
 struct Slot {
   JointType type = JointType::kFree;
-  int q = 0, u = 0;  ///< ours
+  int q = 0, u = 0;  ///< in this simulator
   int simbody_q = 0, simbody_u = 0;
   bool is_driven = false;
-  Quat<double> rotation{1.0, 0.0, 0.0, 0.0};  ///< F from M at the present q, for Free and Ball
+  Quat<double> rotation{1.0, 0.0, 0.0, 0.0};  ///< F from M at the current q, for Free and Ball
 
   bool turns() const { return type == JointType::kFree || type == JointType::kBall; }
-  /// Coordinates that are no rotation's, of `count`.
+  /// Number of coordinates, of `count`, that do not belong to the rotation.
   int plain(int count, int of_rotation) const { return turns() ? count - of_rotation : count; }
 
   void put_position(const double* ours, double* simbody) {
@@ -72,7 +73,7 @@ struct Slot {
     }
     std::copy_n(simbody, first, ours);
   }
-  /// Rates, or generalised forces.
+  /// Velocities, or generalised forces.
   void put_velocity(const double* ours, double* simbody) const {
     const int first = plain(velocity_size(type), 3);
     if (turns()) {
@@ -96,7 +97,7 @@ class SimbodySystem {
  public:
   SimbodySystem(const World& world, const std::vector<TreeBody>& tree, const double* params)
       : matter_(system_) {
-    system_.setUseUniformBackground(true);  // no ground plane for a visualizer that is never there
+    system_.setUseUniformBackground(true);  // no ground plane: there is no visualizer
     for (std::size_t i = 0; i < tree.size(); ++i) {
       SimTK::Body::Rigid body(
           make_mass(world.bodies[i].model->name, params + world.layout.body_params[i]));
@@ -176,7 +177,7 @@ class SimbodySystem {
   }
 
  private:
-  /// Bodies are added in our order; 0 is Simbody's ground.
+  /// Bodies are added in the world's order; index 0 is Simbody's ground.
   const SimTK::MobilizedBody& mobilized(std::size_t body) const {
     return matter_.getMobilizedBody(SimTK::MobilizedBodyIndex(static_cast<int>(body) + 1));
   }
@@ -207,7 +208,7 @@ class SimbodySystem {
     }
   }
 
-  /// Simbody's own, of those couplings that are equations.
+  /// Adds Simbody's constraints for couplings that are equations.
   void add_constraints(const World& world, const double* params) {
     const CouplingScene scene(world);
     for (std::size_t i = 0; i < scene.constraints.size(); ++i) {
@@ -229,7 +230,7 @@ class SimbodySystem {
     return matter_.updMobilizedBody(SimTK::MobilizedBodyIndex(body + 1));
   }
 
-  /// Zero acceleration is prescribed to driven bases; what hangs on them still moves.
+  /// Prescribes zero acceleration to driven bases; their subtrees still move.
   void lock_driven_bases(const World& world) {
     for (std::size_t r = 0; r < world.drives.size(); ++r) {
       if (world.drives[r] == DriveKind::kNone) continue;
@@ -285,7 +286,8 @@ class SimbodySystem {
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
   SimTK::State state_;
-  std::vector<std::pair<std::size_t, SimTK::Constraint>> constraints_;  ///< with their coupling
+  std::vector<std::pair<std::size_t, SimTK::Constraint>> constraints_;  ///< with the index of their
+                                                                        ///< coupling
   std::vector<Slot> slots_;
   SimTK::Vector_<SpatialVec> body_forces_, body_accelerations_;
   SimTK::Vector mobility_forces_, udot_;
@@ -300,8 +302,8 @@ std::unique_ptr<SimbodySystem> make_system(const World& world, const std::vector
   }
 }
 
-/// Keeps a SimbodySystem for the present mass properties and builds another one when they change:
-/// in Simbody they belong to the topology.
+/// Keeps a SimbodySystem for the current mass properties and rebuilds it when they change: in
+/// Simbody they belong to the topology.
 class SimbodyDynamics final : public Dynamics {
  public:
   SimbodyDynamics(const World& world, const double* params)
@@ -311,7 +313,7 @@ class SimbodyDynamics final : public Dynamics {
 
   void set_params(const double* params) override {
     if (world_.bodies.empty()) return;
-    // The mass properties of all bodies lie one after another (world_layout.cpp).
+    // The mass properties of all bodies are contiguous (world_layout.cpp).
     const double* masses = params + world_.layout.body_params.front();
     wanted_.assign(masses, masses + kBodyParamCount * world_.bodies.size());
     for (std::size_t i = 0; i < world_.scenario.couplings.size(); ++i) {
@@ -358,7 +360,7 @@ class SimbodyDynamics final : public Dynamics {
     try {
       work();
     } catch (const SimTK::Exception::Base& error) {
-      system_.reset();  // left half-way: the next step starts from a new one
+      system_.reset();  // its state is incomplete: the next step starts from a new system
       throw std::runtime_error(error.what());
     } catch (...) {
       system_.reset();
@@ -368,7 +370,7 @@ class SimbodyDynamics final : public Dynamics {
 
   const World& world_;
   std::vector<TreeBody> tree_;
-  /// Masses of all bodies, lengths of rods and ropes: of the system, and of the last call.
+  /// Masses of all bodies and lengths of rods and ropes: of the built system, and of the last call.
   std::vector<double> built_from_, wanted_;
   std::unique_ptr<SimbodySystem> system_;
 };

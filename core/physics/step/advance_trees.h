@@ -1,4 +1,4 @@
-// Kernels that step any world on the tree's algorithms.
+// Kernels that step any world with the tree's algorithms.
 #pragma once
 
 #include "core/physics/step/group_kernels.h"

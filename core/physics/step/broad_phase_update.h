@@ -1,5 +1,5 @@
-// Which pairs may touch within the step that begins: before every step of every environment, so
-// that it loads position, velocity and spin alone.
+// Broad phase before every step of every environment: the pairs that may touch within the step.
+// Loads only position, velocity and spin.
 #pragma once
 
 #include "core/physics/contact/broad_phase.h"
@@ -7,13 +7,13 @@
 
 namespace skybody {
 
-/// Takes down into StepCall::near the lanes of each pair that may touch.
-/// @tparam Values  how what derives from parameters is read
-/// @tparam Lanes   how the lanes' values are read: a LaneSlice or LaneList
+/// Records in StepCall::near the lanes of each pair that may touch.
+/// @tparam Values  access to values derived from parameters
+/// @tparam Lanes   access to the lanes' values: a LaneSlice or LaneList
 template <class Real, class Values, class Lanes = LaneSlice<Real>>
 class BroadPhaseUpdate {
  public:
-  /// @param lanes  that Real holds
+  /// @param lanes  the lanes of Real
   SKYBODY_INLINE BroadPhaseUpdate(const StepCall& call, const Lanes& lanes, const Values& derived)
       : call_(call),
         lanes_(lanes),
@@ -22,8 +22,8 @@ class BroadPhaseUpdate {
 
   static std::size_t bytes(const StepPlan& plan) { return Arrays(plan.contact, nullptr).bytes; }
 
-  /// @param is_unclear  written: lanes of `mask` whose obstacles measure() is to look at
-  /// @returns lanes of `mask` where something else is near
+  /// @param is_unclear  written: lanes of `mask` that need measure() for their obstacles
+  /// @returns lanes of `mask` with a near pair of another kind
   SKYBODY_INLINE MaskOf<Real> find(const MaskOf<Real>& mask, MaskOf<Real>& is_unclear) const {
     MaskOf<Real> is_near(false);
     is_unclear = search_.find_near(motion(), up(), mask, load_clearances(), take_down(is_near));
@@ -31,7 +31,7 @@ class BroadPhaseUpdate {
   }
 
   /// Finds the obstacles that may be touched.
-  /// @returns lanes of `mask` where one is near
+  /// @returns lanes of `mask` with a near obstacle
   SKYBODY_INLINE MaskOf<Real> measure(const MaskOf<Real>& mask) const {
     MaskOf<Real> is_near(false);
     Clearance<Real>* const known = load_clearances();
@@ -53,7 +53,7 @@ class BroadPhaseUpdate {
     std::size_t bytes;
   };
 
-  /// Of a contact body, as the step begins.
+  /// Motion of a contact body at the start of the step.
   SKYBODY_INLINE auto motion() const {
     return [this](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
       return BodyWay<Real>{vec3(body, 0), vec3(body, 7), vec3(body, 10)};
@@ -65,7 +65,7 @@ class BroadPhaseUpdate {
       return to_mat3(Quat<Real>{value(body, 3), axis.x, axis.y, axis.z}).row(2);
     };
   }
-  /// Values of its motion (StepCall's bodies), from value k on.
+  /// Values of its motion (StepCall's bodies), starting with value k.
   SKYBODY_INLINE Vec3<Real> vec3(const ContactBody& body, int k) const {
     return {value(body, k), value(body, k + 1), value(body, k + 2)};
   }
@@ -75,7 +75,7 @@ class BroadPhaseUpdate {
     return out;
   }
 
-  /// @param is_near  gets the lanes of all pairs
+  /// @param is_near  collects the lanes of all pairs
   SKYBODY_INLINE auto take_down(MaskOf<Real>& is_near) const {
     return [this, &is_near](int m, const MaskOf<Real>& here) SKYBODY_INLINE_LAMBDA {
       if (none(here)) return;

@@ -1,17 +1,16 @@
-// Contact, applied as a correction after the step. The step is taken without contact first, by any
-// integrator. Where something is near enough to touch, it is then gone through again from its
-// start: in parts, each
-//   q moves for half a part at u;  u += h (a + a_c(q, u));  q moves for half a part at u
-// with a the mean acceleration of the step without contact and a_c what the contacts' forces do to
-// the bodies. What is quick is gone through twice, with forces of the mean velocity then. Robots
-// that nothing touched keep the step that they had, bit by bit.
+// Contact, applied as a correction after the step. First, any integrator takes the step without
+// contact. If a pair may touch, the step is then repeated from its start in substeps of length h:
+//   q moves for h/2 at u;  u += h (a + a_c(q, u));  q moves for h/2 at u
+// with a the mean acceleration of the step without contact and a_c the accelerations by contact
+// forces. Fast contacts take a second pass, with forces from mean velocities. Robots without a
+// contact keep their uncorrected step, bit by bit.
 //
-// So contact is one code for all integrators and both dynamics, and the smooth forces are evaluated
-// once however fine the parts are: a multiple-time-step leapfrog (M. Tuckerman, B. J. Berne, G. J.
+// One code thus serves all integrators and both dynamics, and smooth forces are evaluated once for
+// any number of substeps. This is a multiple-time-step leapfrog (M. Tuckerman, B. J. Berne, G. J.
 // Martyna, "Reversible multiple time scale molecular dynamics", 1992, with the slow force spread
-// evenly over the step). Bodies that spin fast, or that a contact makes spin fast, drift by their
-// torque-free motion (high_spin_robots.h), and a is the rest; so do all that are near something
-// where springs lose nothing.
+// evenly over the step). Bodies that spin fast, also due to a contact, drift by their torque-free
+// motion (high_spin_robots.h), and a is the remaining acceleration. The same holds for all bodies
+// with near pairs if springs are lossless.
 #pragma once
 
 #include <algorithm>
@@ -22,13 +21,13 @@
 
 namespace skybody {
 
-/// @tparam Values    how parameters and what derives from them are read
-/// @tparam Response  what forces on the bodies do to their accelerations
-/// @tparam Lanes     how the lanes' values are read: a LaneSlice or LaneList
+/// @tparam Values    access to parameters and to values derived from them
+/// @tparam Response  computes the accelerations that forces on the bodies cause
+/// @tparam Lanes     access to the lanes' values: a LaneSlice or LaneList
 template <class Real, class Values, class Response = TreeResponse, class Lanes = LaneSlice<Real>>
 class ContactCorrection {
  public:
-  /// @param lanes   that Real holds
+  /// @param lanes   the lanes of Real
   /// @param arrays  of the call's scratch memory
   SKYBODY_INLINE ContactCorrection(const StepCall& call, const Lanes& lanes, const Values& params,
                                    const Values& derived, CorrectionArrays<Real>& arrays,
@@ -48,8 +47,8 @@ class ContactCorrection {
         contact_(call.plan->contact, params + call.plan->world.layout.world_params, a_.bodies,
                  derived + call.plan->derived.obstacles, a_.contact) {}
 
-  /// Corrects the step of the lanes in `mask`, whose values are those of its end.
-  /// @returns the lanes that came through; others are as they were, with the step uncorrected
+  /// Corrects the step of the lanes in `mask`. Their values must be those at its end.
+  /// @returns the lanes that succeeded; others keep the uncorrected step
   SKYBODY_INLINE MaskOf<Real> correct(const MaskOf<Real>& mask) {
     load(group_.q, group_.u, a_.end);
     start();
@@ -79,8 +78,8 @@ class ContactCorrection {
     return finish(is_near, mask);
   }
 
-  /// Contacts of the present state, each given to `list` (see ContactStep::act); bristles stay as
-  /// they are.
+  /// Calls `list` for each contact of the current state (see ContactStep::act). Bristles stay
+  /// unchanged.
   template <class List>
   SKYBODY_INLINE void each_contact(const List& list) {
     load(group_.q, group_.u, a_.now);
@@ -91,7 +90,7 @@ class ContactCorrection {
     contact_.begin();
     contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), ContactPass::kStart, list);
   }
-  /// Their sum for each body, likewise.
+  /// Sum of the contact forces on each body, from the last each_contact().
   const SpatialForce<Real>* forces() const { return a_.contact.forces; }
 
  private:
@@ -116,7 +115,7 @@ class ContactCorrection {
     });
   }
 
-  /// The step's start. The rates of driven bases are the drives', from there on.
+  /// Loads the step's start. Driven bases have the rates of their drives from there on.
   SKYBODY_INLINE void start() {
     load(start_.q, start_.u, a_.now);
     contact_.begin();
@@ -128,7 +127,7 @@ class ContactCorrection {
     }
   }
 
-  /// What couplings did in the step is taken from its accelerations: they are asked anew.
+  /// Starts the couplings. Removes their effect from the step's accelerations: they are recomputed.
   SKYBODY_INLINE void begin_couplings() {
     couplings_.load(params_, bodies_);
     lanes_.load(group_.coupling_forces, plan_.world.layout.coupling_forces.size,
@@ -147,7 +146,7 @@ class ContactCorrection {
       const Real step = Real(dt()) / parts, half = 0.5 * step;
       fast_.find_more(p == 0, a_.now, a_.is_robot_near);
       begin_part(half);
-      if (!push(step, parts, is_active)) {  // what touches asks for more: begin again with them
+      if (!push(step, parts, is_active)) {  // a contact needs more substeps: restart with them
         parts = contact_.parts();
         begin_again(p == 0);
         p = -1;
@@ -158,7 +157,7 @@ class ContactCorrection {
     }
   }
 
-  /// @param is_first  the first part of the step is not over: nothing but coordinates has changed
+  /// @param is_first  the first substep has not ended: only coordinates have changed
   SKYBODY_INLINE void begin_again(bool is_first) {
     if (!is_first) {
       start();
@@ -172,7 +171,7 @@ class ContactCorrection {
     });
   }
 
-  /// Half a part of the coordinates, and the motion there.
+  /// Moves coordinates by half a substep, and computes the motion there.
   SKYBODY_INLINE void begin_part(const Real& half) {
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA { a_.before.q[i] = a_.now.q[i]; });
@@ -189,8 +188,8 @@ class ContactCorrection {
     });
   }
 
-  /// The response to the contacts of a part.
-  /// @returns false if some ask for more parts
+  /// The response to the contacts of a substep.
+  /// @returns false if a contact needs more substeps
   SKYBODY_INLINE bool push(const Real& step, const Real& parts, const MaskOf<Real>& is_active) {
     const BodyKinematics<Real>* mean = a_.motion;
 #pragma GCC unroll 1
@@ -225,7 +224,7 @@ class ContactCorrection {
     return true;
   }
 
-  /// Bodies are where they are, with mean velocities.
+  /// Computes the motion at the current positions with mean velocities.
   SKYBODY_INLINE void find_mean_motion(const RobotLayout& robot) const {
     const int first = robot.first_body;
     const TreeBody& base = tree()[static_cast<std::size_t>(first)];
@@ -238,7 +237,7 @@ class ContactCorrection {
     forward_kinematics(tree(), first, first + robot.body_count, a_.now.q, a_.mean_u, a_.mean);
   }
 
-  /// The velocities, and the other half of the coordinates.
+  /// Updates velocities, and moves coordinates by the other half.
   SKYBODY_INLINE void end_part(const Real& step, const Real& half, const MaskOf<Real>& is_active) {
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
@@ -270,7 +269,7 @@ class ContactCorrection {
       a_.has_opened[i] = MaskOf<Real>(false);
     }
   }
-  /// Lanes where bodies that get corrected coordinates are left with an open gap.
+  /// Lanes in which a coupling with corrected coordinates has an open gap.
   SKYBODY_INLINE MaskOf<Real> is_torn() const {
     MaskOf<Real> is_torn(false);
     each_equation([&](std::size_t i, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
@@ -278,7 +277,7 @@ class ContactCorrection {
     });
     return is_torn;
   }
-  /// Calls f(i, robot) for the couplings that have equations, with a robot that they hold.
+  /// Calls f(i, robot) for couplings with equations, with one of their robots.
   template <class F>
   SKYBODY_INLINE void each_equation(const F& f) const {
     for (std::size_t i = 0; i < plan_.couplings.constraints.size(); ++i) {
@@ -290,7 +289,7 @@ class ContactCorrection {
     }
   }
 
-  /// Calls f(robot) for those that are near something in any lane.
+  /// Calls f(robot) for robots with a near pair in any lane.
   template <class F>
   SKYBODY_INLINE void each_near_robot(const F& f) const {
     const bool* is_near = a_.is_robot_near;
@@ -303,13 +302,13 @@ class ContactCorrection {
     for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
       a_.is_robot_near[plan_.contact.bodies[i].robot] |= any(a_.contact.is_body_near[i]);
     }
-    // All couplings of a lane are solved together: what is held takes part whole, wherever in the
-    // pack something is near, so that a lane does what it does alone.
+    // All couplings of a lane are solved together. Constrained robots are always included, wherever
+    // in the pack a pair is near, so that each lane has the same result as when computed alone.
     for (std::size_t r = 0; r < plan_.couplings.held_with.size(); ++r) {
       a_.is_robot_near[r] |= plan_.couplings.is_held(static_cast<int>(r));
     }
   }
-  /// Calls f(i) for places of q and of u, which lie one behind the other.
+  /// Calls f(i) for the indices of q and of u, which are contiguous.
   template <class F>
   SKYBODY_INLINE void each_coordinate(const RobotLayout& robot, const F& f) const {
     for (int i = robot.first_q; i < robot.first_q + robot.q_count; ++i) f(i);
@@ -329,8 +328,7 @@ class ContactCorrection {
     }
   }
 
-  /// Robots that were touched get their corrected coordinates, in lanes where all of them are
-  /// bounded.
+  /// Writes the corrected coordinates of touched robots, in lanes where all of these are bounded.
   SKYBODY_INLINE MaskOf<Real> finish(const MaskOf<Real>& is_near, const MaskOf<Real>& mask) {
     for (const DrivenBase& drive : plan_.drives) {
       const TreeBody& base = tree()[static_cast<std::size_t>(drive.body)];
@@ -380,7 +378,7 @@ class ContactCorrection {
       add(robot);
       return any_body;
     }
-    for (std::size_t r = 0; r < held_with.size(); ++r) {  // what hangs together is moved together
+    for (std::size_t r = 0; r < held_with.size(); ++r) {  // connected robots move together
       if (held_with[r] == held_with[index]) add(plan_.world.layout.robots[r]);
     }
     return any_body;

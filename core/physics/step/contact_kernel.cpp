@@ -1,4 +1,4 @@
-// Kernels of contact, of any world.
+// Contact kernels for any world.
 #include "core/physics/step/broad_phase_update.h"
 #include "core/physics/step/contact_correction.h"
 #include "core/physics/step/group_kernels.h"
@@ -7,9 +7,9 @@
 namespace skybody {
 namespace {
 
-/// Calls f(list, bits) for lists of lanes that hold all of `lanes`: the packs that they lie in, or
-/// lanes gathered from all over the group where these are fewer lists.
-/// @returns what f returns for each list, together: bit i is lane i of the group
+/// Calls f(list, bits) for lists of lanes that together hold all of `lanes`: the packs that contain
+/// them, or gathered lanes if these need fewer lists.
+/// @returns the combined results of f: bit i is lane i of the group
 template <int W, class F>
 SKYBODY_INLINE std::uint32_t each_list(std::uint32_t lanes, const F& f) {
   using Real = RealOf<W>;
@@ -33,7 +33,7 @@ SKYBODY_INLINE std::uint32_t each_list(std::uint32_t lanes, const F& f) {
   return result;
 }
 
-/// Calls f(list, bits, params, derived) for such lists, as for_packs() does.
+/// Calls f(list, bits, params, derived) for such lists, like for_packs().
 template <int W, class F>
 SKYBODY_INLINE std::uint32_t for_lists(const StepCall& call, std::uint32_t lanes, const F& f) {
   using Real = RealOf<W>;

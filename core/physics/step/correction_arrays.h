@@ -1,4 +1,4 @@
-// What a correction of contact works on, and how forces on the bodies change their motion.
+// Work arrays of a contact correction, and the response of bodies to forces.
 #pragma once
 
 #include "core/physics/contact/contact_step.h"
@@ -10,20 +10,20 @@ namespace skybody {
 template <class Real>
 struct CorrectionArrays {
   Coordinates<Real> before, now,
-      end;                   ///< at the part's start; now; as the step without contact has it
+      end;  ///< at the substep's start; current; at the end of the step without contact
   Real *smooth, *no_forces;  ///< per u
-  Real* bodies;              ///< kBodyConstantCount per body, of robots that are near something
-  Real* rates;               ///< per u: of a part, first those that contacts alone make
+  Real* bodies;              ///< kBodyConstantCount per body, of robots with near pairs
+  Real* rates;               ///< per u: of a substep, first by contacts alone
   Real* mean_u;
   Vec3<Real>* coupling_forces;  ///< per coupling: mean over the step so far
-  MaskOf<Real>* has_opened;     ///< per coupling: where a part of the step left its gap open
+  MaskOf<Real>* has_opened;     ///< per coupling: a substep left its gap open
   BodyKinematics<Real>*motion, *mean;
-  BodyKinematics<Real>* at_rest;  ///< the same places, without motion
+  BodyKinematics<Real>* at_rest;  ///< the same positions, at rest
   ContactWorkspace<Real> contact;
   typename MultibodyTree::template Work<Real> multibody;
   CouplingWorkspace<Real> couplings;
   HighSpinRobot<Real>* fast;  ///< per robot
-  bool* is_robot_near;        ///< per robot: what is not is left out
+  bool* is_robot_near;        ///< per robot: robots without near pairs are skipped
 
   SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
     lay_out(plan, memory);
@@ -74,7 +74,7 @@ struct CorrectionArrays {
   }
 };
 
-/// What forces on the bodies do to their accelerations, by the tree's algorithms.
+/// Accelerations caused by forces on the bodies, by the tree's algorithms.
 struct TreeResponse {
   /// @param is_again  only the forces have changed since the last call
   template <class Real>

@@ -6,11 +6,11 @@
 namespace skybody {
 namespace {
 
-/// Effects may hold something: worlds where they do not take the same code, with nothing held.
+/// Held inputs are possible. Worlds without them use the same code, with no input held.
 template <class Real>
 using DualMechanics = Mechanics<Real, ConstantValues<Real>, TreeKind::kAny>;
 
-/// Calls f(mechanics, mask) for every pack that holds any of `lanes`.
+/// Calls f(mechanics, mask) for every pack that contains any of `lanes`.
 template <int W, class F>
 SKYBODY_INLINE void each_dual_pack(const StepCall& call, std::uint32_t lanes, const F& f) {
   using Real = Dual<RealOf<W>>;

@@ -7,12 +7,13 @@
 namespace skybody {
 namespace {
 
-/// Half a step at constant velocities (FreeMotion::drift, drift_and_stretch), and the way back.
+/// Half a step at constant velocities (FreeMotion::drift, drift_and_stretch), and its adjoint.
 template <class Real>
 struct SlowDrift {
-  static constexpr bool kLeavesSpin = true;  ///< what the body's own spin does is in the rates
+  static constexpr bool kLeavesSpin = true;  ///< the rates include the effect of the body's own
+                                             ///< spin
 
-  /// Arguments at the half step's start. @param is_last  it ends the step
+  /// Arguments at the half step's start. @param is_last  it is the second half of the step
   SKYBODY_INLINE SlowDrift(const FreeRobotConstants<Real>&, double half, const MaskOf<Real>&,
                            const Quat<Real>& start, const Vec3<Real>& v, const Vec3<Real>& w,
                            bool is_last)
@@ -44,7 +45,7 @@ struct SlowDrift {
   Real inverse_norm = Real(1.0);
 };
 
-/// The same of lanes that spin fast: torque-free.
+/// The same for lanes that spin fast: torque-free motion.
 template <class Real>
 struct FastDrift : TorqueFreeAdjoint<Real> {
   static constexpr bool kLeavesSpin = false;
@@ -71,7 +72,7 @@ class FreeAdjointLanes {
         to_speed_(adjoints + (group_.rotor_speed - group_.q) + first),
         to_command_(adjoints + (group_.rotor_command - group_.q) + first) {}
 
-  /// Of the step of the lanes in `mask`.
+  /// Adjoint of the step of the lanes in `mask`.
   SKYBODY_INLINE void pull_back(const MaskOf<Real>& mask) const {
     const Vec3<Real> spin = load_vec3(LaneValues<Real>(group_.u + first_) + 3);
     const auto is_fast = squared_norm(spin) > plan_.fast_square;
@@ -97,7 +98,7 @@ class FreeAdjointLanes {
         load_vec3(params_ + plan_.world.layout.world_params + kGravity) +
         load_vec3(params_ + robot_.constants + kDisturbanceForce) * c.inverse_mass;
 
-    // The step once more, up to where it leaves no more to know.
+    // Repeats the step, as far as its values are needed.
     LevelSums<Real> sums;
     for (int i = 0; i < rotors; ++i) add_rotor(i, sums);
     const LaneValues<Real> q(group_.q + first_), u(group_.u + first_);

@@ -1,4 +1,4 @@
-// Kernels of free robots that spin fast, whatever effects hold of them.
+// Kernels of free robots that spin fast, with any held inputs.
 #include "core/physics/step/free_kernels.h"
 
 namespace skybody {
@@ -12,7 +12,7 @@ StepKernel* free_fast_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
     case IntegratorChoice::kSemiImplicitEuler:
       return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler,
                                           HeldInputSet::kAnything, SpinKind::kAny>>(lanes, isa);
-    default:  // rk4 takes them as all others
+    default:  // rk4 handles them in its usual kernel
       return nullptr;
   }
 }

@@ -1,4 +1,4 @@
-// Kernels of free robots that effects hold something of.
+// Kernels of free robots with held inputs.
 #include "core/physics/step/free_kernels.h"
 
 namespace skybody {
@@ -11,7 +11,7 @@ StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
     case IntegratorChoice::kMidpoint:
       return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldInputSet::kAnything>>(
           lanes, isa);
-    default:  // semi-implicit Euler: the others have no kernels
+    default:  // semi-implicit Euler: other integrators have no kernels
       return kernel_for<
           AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldInputSet::kAnything>>(lanes,
                                                                                             isa);

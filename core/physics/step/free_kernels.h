@@ -6,7 +6,7 @@
 
 namespace skybody {
 
-/// A physics step of all robots of the lanes that one Real holds.
+/// A physics step of all robots of the lanes of one Real.
 template <class Real, class Values, IntegratorChoice kIntegrator, HeldInputSet kHeld,
           SpinKind kSpin>
 class FreeLanes {
@@ -30,12 +30,12 @@ class FreeLanes {
         motions_(reinterpret_cast<FreeMotion<Real>*>(call.scratch)),
         end_speeds_(reinterpret_cast<Real*>(motions_ + robots_.robots.size())) {}
 
-  /// @returns those of `lanes` that came through; the others are as they were
+  /// @returns the lanes of `lanes` that succeeded; the others are unchanged
   SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
     const std::vector<FreeRobot>& robots = robots_.robots;
     Real end_speeds[4];
     if constexpr (kHeld == HeldInputSet::kAnything) {
-      return advance_all(lanes);  // one form: each takes the compiler long
+      return advance_all(lanes);  // one variant only: each takes long to compile
     } else if constexpr (kHeld == HeldInputSet::kAir) {
       return advance_one<kMeasured>(robots[0], end_speeds, lanes);
     } else {
@@ -48,7 +48,7 @@ class FreeLanes {
  private:
   static constexpr std::uint32_t kAll = (1u << kLanesOf<Real>)-1u;
   static constexpr bool kIsNominal = std::is_same_v<Values, SharedValues<Real>>;
-  /// The kind of a world's only robot for which, beside any, the step is made to measure.
+  /// The kind of a world's only robot for which a specialised step is compiled, besides kAny.
   static constexpr FreeKind kMeasured =
       kIsNominal ? FreeKind::kPlainQuadrotor : FreeKind::kQuadrotor;
 
@@ -56,7 +56,7 @@ class FreeLanes {
     return kIsNominal ? robot.is_plain_quadrotor : robot.has_four_level_rotors();
   }
 
-  /// The only robot of its world.
+  /// Steps the only robot of a world.
   template <FreeKind kKind>
   SKYBODY_INLINE std::uint32_t advance_one(const FreeRobot& robot, Real* end_speeds,
                                            std::uint32_t lanes) const {
@@ -71,7 +71,7 @@ class FreeLanes {
     return bits_from_mask(through);
   }
 
-  /// Nothing is written before it is known which lanes came through with all their robots.
+  /// Steps all robots first, then writes the lanes in which all of them succeeded.
   SKYBODY_INLINE std::uint32_t advance_all(std::uint32_t lanes) const {
     MaskOf<Real> through = mask_from_bits<Real>(lanes);
     FreeMotion<Real>* at_end = motions_;
@@ -122,7 +122,7 @@ class FreeLanes {
     const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
                              m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
                              m.spin.x,     m.spin.y,     m.spin.z};
-    // All places first: nothing needs to be looked up again between the stores.
+    // All addresses first: no look-up is needed between the stores.
     double* q = lanes_.at(q_, first_place<kKind>(robot.q));
     double* u = lanes_.at(u_, first_place<kKind>(robot.u));
     const int body = first_place<kKind>(robot.body);
@@ -138,13 +138,13 @@ class FreeLanes {
   }
 
   const FreeRobots& robots_;
-  // Copied, so that the compiler knows that stores cannot change them.
+  // Copies, so that the compiler sees that stores cannot change them.
   double *q_, *u_;
-  double* bodies_;  ///< null: the coordinates are the bodies' motion
+  double* bodies_;  ///< null: the bodies' motion is q and u
   double* rotor_speed_;
   LaneSlice<Real> lanes_;
   FreeStepInputs<Real, Values> in_;
-  FreeMotion<Real>* motions_;  ///< at the step's end; only where there are several robots
+  FreeMotion<Real>* motions_;  ///< at the step's end; only for several robots
   Real* end_speeds_;           ///< of all rotors
 };
 

@@ -1,4 +1,4 @@
-// Apart from free_euler_kernel.cpp since each takes the compiler most of a minute.
+// Separate from free_euler_kernel.cpp because each takes most of a minute to compile.
 #include "core/physics/step/free_kernels.h"
 
 namespace skybody {

@@ -1,10 +1,10 @@
-// The adjoint of the midpoint rule's step of a free robot with level rotors (free_robot_step.h), by
-// hand: each phase of the step backwards, with the transpose of its derivative. On double and
-// packs.
+// Hand-written adjoint of the midpoint rule's step of a free robot with level rotors
+// (free_robot_step.h): each phase of the step in reverse order, with the transpose of its
+// derivative. On double and packs.
 //
-// Names: a value `x` of the step has the adjoint `to_x`, the derivative of the sum that is asked
-// about by x. Transposes that are used: with r = q * b (Hamilton's product), to_q = to_r * conj(b)
-// and to_b = conj(q) * to_r; with r = a x b, to_a = b x to_r and to_b = to_r x a.
+// Names: a value `x` of the step has the adjoint `to_x`, the derivative of the scalar objective by
+// x. Transposes used: with r = q * b (Hamilton's product), to_q = to_r * conj(b) and to_b = conj(q)
+// * to_r; with r = a x b, to_a = b x to_r and to_b = to_r x a.
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
@@ -14,7 +14,7 @@
 
 namespace skybody {
 
-/// What the rotors do together (CoplanarRotors), or its adjoint.
+/// Sums over the rotors (CoplanarRotors), or their adjoint.
 template <class Real>
 struct LevelSums {
   Real thrust[3], moment, drag[4], rolling[3], momentum, spin_up;
@@ -48,7 +48,7 @@ struct RotorOverStep {
     squared = command * command - lacking * ((command + command) + (speed + end));
   }
 
-  /// @param to_end  in: of the speed at the step's end; what comes through the means is added
+  /// @param to_end  in: of the speed at the step's end; the gradient through the means is added
   SKYBODY_INLINE void pull_back(const Real& to_squared, const Real& to_mean, const Real& to_change,
                                 Real to_end, Real& to_speed, Real& to_command) const {
     to_end += to_change - lacking * to_squared;
@@ -71,13 +71,13 @@ struct FreeRobotConstants {
 };
 
 /// The equations of motion of such a robot at one point of its step.
-/// @tparam kSpins  with what the body's own spin does; else by forces alone, as fast lanes have it
+/// @tparam kSpins  with the effect of the body's own spin; otherwise forces only, as for fast lanes
 template <class Real, bool kSpins>
 class FreeRatesAdjoint {
  public:
   using Constants = FreeRobotConstants<Real>;
 
-  /// @param air   velocity of the origin through the air; @param spin  both body axes
+  /// @param air   velocity of the origin through the air; @param spin  both in body axes
   SKYBODY_INLINE FreeRatesAdjoint(const Constants& c, const LevelSums<Real>& rotors,
                                   const Vec3<Real>& air, const Vec3<Real>& spin)
       : c_(c), r_(rotors), w_(spin) {
@@ -101,7 +101,7 @@ class FreeRatesAdjoint {
     if constexpr (kSpins) in_body -= cross(w_, cross(w_, c.com));
   }
 
-  Vec3<Real> in_body;    ///< rate of the velocity but for gravity, body axes
+  Vec3<Real> in_body;    ///< rate of the velocity without gravity, body axes
   Vec3<Real> spin_rate;  ///< body axes
 
   /// Adds to to_air, to_spin and to_rotors.
@@ -157,16 +157,16 @@ class FreeRatesAdjoint {
   Real hub_x_, hub_y_;
 };
 
-/// A turn for a time: q * (cosine, sine), both series in the square of half the angle.
+/// A rotation for a time: q * (cosine, sine), both series in the square of half the angle.
 template <class Real>
 struct RotationIncrement {
   Vec3<Real> half;
   Real square, cosine, sine;  ///< the sine over half the angle
   Real cosine_slope, sine_slope;
   double scale;
-  bool stretches;  ///< by integrate_rotation_unnormalized()
+  bool stretches;  ///< as integrate_rotation_unnormalized()
 
-  /// turned(), or integrate_rotation_unnormalized() (bodies/kinematics.h)
+  /// As turned(), or integrate_rotation_unnormalized() (bodies/kinematics.h).
   SKYBODY_INLINE RotationIncrement(const Vec3<Real>& spin, double time, bool does_stretch)
       : half(spin * Real(0.5 * time)),
         square(dot(half, half)),
@@ -187,7 +187,7 @@ struct RotationIncrement {
   SKYBODY_INLINE Quat<Real> factor() const {
     return {cosine, half.x * sine, half.y * sine, half.z * sine};
   }
-  /// Adds to to_spin. @returns that of the quaternion before
+  /// Adds to to_spin. @returns the adjoint of the quaternion before
   SKYBODY_INLINE Quat<Real> pull_back(const Quat<Real>& before, const Quat<Real>& to_after,
                                       Vec3<Real>& to_spin) const {
     const Quat<Real> to_factor = conjugate(before) * to_after;

@@ -1,7 +1,6 @@
-// One step of a robot that is one free body, from its coordinates to its coordinates, with nothing
-// stored in between. On double and packs. The laws are those of every robot (rotor_force.h,
-// force_terms.h, force_accumulators.h, step_rules.h); here they are put together in the axes of the
-// body.
+// One step of a robot of one free body, from coordinates to coordinates, without stored
+// intermediate values. On double and packs. The laws are those of every robot (rotor_force.h,
+// force_terms.h, force_accumulators.h, step_rules.h), combined here in the axes of the body.
 #pragma once
 
 #include "core/physics/bodies/torque_free.h"
@@ -14,8 +13,8 @@
 
 namespace skybody {
 
-/// Coordinates of a free body, as its q and u have them and, in this order, its BodyState; or the
-/// rates of these.
+/// Coordinates of a free body, as in its q and u and, in this order, in its BodyState; or their
+/// rates.
 template <class Real>
 struct FreeMotion {
   Vec3<Real> position;
@@ -52,7 +51,7 @@ struct FreeMotion {
     position += velocity * Real(time);
     rotation = turned(rotation, spin, time);
   }
-  /// The same up to the quaternion's norm.
+  /// The same except for the quaternion's norm.
   SKYBODY_INLINE void drift_and_stretch(double time) {
     position += velocity * Real(time);
     rotation = integrate_rotation_unnormalized(rotation, spin, time);
@@ -64,8 +63,8 @@ struct FreeMotion {
   }
 };
 
-/// What such a step holds.
-/// @tparam Values   how parameters and what derives from them are read: LaneValues, SharedValues
+/// Inputs of the step.
+/// @tparam Values   access to parameters and values derived from them: LaneValues, SharedValues
 template <class Real, class Values>
 struct FreeStepInputs {
   LaneValues<Real> rotor_speed, rotor_command, wrench;
@@ -74,23 +73,23 @@ struct FreeStepInputs {
   Values lags, factors, bodies;  ///< of the whole world
 };
 
-/// What is known of a robot where its step is compiled.
+/// Properties of a robot that are known when its step is compiled.
 enum class FreeKind {
   kAny,
   kQuadrotor,      ///< it has four level rotors
   kPlainQuadrotor  ///< FreeRobot::is_plain_quadrotor, with nominal parameters
 };
 
-/// A place in a block of the world, where the robot's values begin: 0 for the only robot.
+/// Index in a block of the world where the robot's values begin: 0 for the only robot.
 template <FreeKind kKind>
 constexpr int first_place(int place) {
   return kKind == FreeKind::kPlainQuadrotor ? 0 : place;
 }
 
-/// Lanes that fast_spin_square() finds fast are few and have a kernel of their own, which takes
-/// over what others leave: with one for both, lanes that are not fast would pay 6 % of a step.
+/// Lanes that are fast by fast_spin_square() are rare and have their own kernel, which handles the
+/// lanes that other kernels leave. One kernel for both would cost other lanes 6 % of a step.
 enum class SpinKind {
-  kSlow,  ///< fast lanes do not come through
+  kSlow,  ///< fast lanes fail
   kAny
 };
 
@@ -107,12 +106,13 @@ class FreeRobotStep {
         factors_(in.factors + kRotorFactorCount * first_rotor()),
         constants_(in.bodies + kBodyConstantCount * first_place<kKind>(robot.body)) {}
 
-  /// Moves the robot on by dt.
+  /// Advances the robot by dt.
   /// @param load       load() gives the motion at the start of the step
   /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
-  /// @returns where it came through: all of it is finite, and its magnitudes added up are below
-  ///          kLargestState; and of kSlow, where it did not spin fast at the start
+  /// @returns the lanes that succeeded: all values are finite, and the sum of their magnitudes is
+  /// below
+  ///          kLargestState; with kSlow, the spin was also not fast at the start
   template <IntegratorChoice kIntegrator, class Load>
   SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
                                       Real* end_speed) const {
@@ -127,15 +127,15 @@ class FreeRobotStep {
   }
 
  private:
-  /// Parameters are the nominal ones: what FreeRobot knows of them holds.
+  /// Parameters are nominal: the properties in FreeRobot hold.
   static constexpr bool kIsNominal = std::is_same_v<Values, SharedValues<Real>>;
   static constexpr bool kHasFour = kKind != FreeKind::kAny;
   static constexpr bool kIsPlain = kKind == FreeKind::kPlainQuadrotor;
 
-  // What is read again after forget() need not be kept in registers, of which there are too few.
+  // Values read again after forget() need not be kept in registers, which are scarce.
   static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
 
-  /// By a rule that changes velocities by rates alone.
+  /// A rule that changes only velocities by rates.
   /// @param fast  FastSpin, or NoFastSpin
   template <IntegratorChoice kIntegrator, class Fast, class Load>
   SKYBODY_INLINE MaskOf<Real> advance_split(const Fast& fast, const Load& load,
@@ -147,8 +147,8 @@ class FreeRobotStep {
     }
   }
 
-  /// kMidpointRule (step_rules.h); the predictor's velocity stays in body axes, since the axes are
-  /// those of half the step in both evaluations.
+  /// kMidpointRule (step_rules.h). The predictor's velocity stays in body axes, since both
+  /// evaluations use the axes of half the step.
   template <class Fast, class Load>
   SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Fast& fast, const Load& load,
                                                   FreeMotion<Real>& motion, Real* end_speed) const {
@@ -232,7 +232,7 @@ class FreeRobotStep {
   struct FastSpin {
     MaskOf<Real> mask;
   };
-  /// There are none.
+  /// No fast lanes.
   struct NoFastSpin {};
   SKYBODY_INLINE auto drifts(const FreeMotion<Real>& start) const {
     if constexpr (kSpin == SpinKind::kAny) {
@@ -242,8 +242,8 @@ class FreeRobotStep {
     }
   }
 
-  /// Moves the robot for a time in which nothing acts on it.
-  /// @param slowly  slowly(motion) does so in lanes that are not fast
+  /// Moves the robot for a time without forces.
+  /// @param slowly  slowly(motion) moves it in lanes that are not fast
   template <class Slowly>
   SKYBODY_INLINE void drift(const NoFastSpin&, double, FreeMotion<Real>& motion,
                             const Slowly& slowly) const {
@@ -262,7 +262,7 @@ class FreeRobotStep {
     motion.rotation = select(fast.mask, motion.rotation, slow.rotation);
   }
 
-  /// Takes from the rates of fast lanes all that the body's own spin does: drift() does it.
+  /// Subtracts the effect of the body's own spin from the rates of fast lanes; drift() applies it.
   SKYBODY_INLINE void subtract_torque_free_rates(const NoFastSpin&, const BodyKinematics<Real>&,
                                                  FreeRates<Real>&) const {}
   SKYBODY_INLINE void subtract_torque_free_rates(const FastSpin& fast,
@@ -282,12 +282,12 @@ class FreeRobotStep {
   SKYBODY_INLINE bool is_held(int input) const {
     return may_hold(kHeld, input) && in_.held.has(input);
   }
-  /// What accelerates the robot but rotors and drag lies along z of W.
+  /// Forces other than rotors and drag accelerate the robot along z of W only.
   bool is_upright() const { return kIsPlain && !is_held(SKYBODY_HELD_WRENCH); }
   int first_rotor() const { return first_place<kKind>(robot_.rotors.first); }
   int rotor_count() const { return kHasFour ? 4 : robot_.rotors.count; }
 
-  /// @param i  of the robot's rotors
+  /// @param i  index among the robot's rotors
   SKYBODY_INLINE auto rotor_step(int i) const {
     const int rotor = first_rotor() + i;
     if constexpr (may_hold(kHeld, SKYBODY_HELD_ROTOR_RATE)) {
@@ -300,14 +300,14 @@ class FreeRobotStep {
     }
   }
 
-  /// Of a rotor of the world, within the limits that may be held.
+  /// Command of a rotor of the world, clamped to held limits.
   SKYBODY_INLINE Real command(int rotor) const {
     if (!is_held(SKYBODY_HELD_ROTOR_LIMIT)) return in_.rotor_command[rotor];
     const HeldLimits<Real> limits = held_limits(in_.held, rotor);
     return clamp(in_.rotor_command[rotor], limits.lower, limits.upper);
   }
 
-  /// @param run  run(i) says how rotor i of the robot moves
+  /// @param run  run(i): the motion of rotor i of the robot
   template <class Run>
   SKYBODY_INLINE CoplanarRotors<Real> level_rotors(const Run& run) const {
     const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
@@ -327,7 +327,7 @@ class FreeRobotStep {
     return rotors;
   }
 
-  /// The same, by fewer operations in lanes whose rotors are alike and in rows.
+  /// The same, with fewer operations in lanes whose rotors are alike and in rows.
   template <class Run>
   SKYBODY_INLINE CoplanarRotors<Real> quick_level_rotors(const Run& run) const {
     const auto by_rows = [&]() SKYBODY_INLINE_LAMBDA {
@@ -366,7 +366,7 @@ class FreeRobotStep {
   }
 
   /// @param velocity  of the origin through the air, body axes
-  /// @param level  the rotors, where they are level; else run(i) says how each moves
+  /// @param level  the rotors, if level; otherwise run(i) gives the motion of each
   /// @param unit   of the rotors' accelerations [rad/s^2]
   template <class Run>
   SKYBODY_INLINE FreeRates<Real> rates(const BodyKinematics<Real>& body, const Vec3<Real>& velocity,
@@ -393,8 +393,8 @@ class FreeRobotStep {
     return load.rates();
   }
 
-  /// Of rotors that are not level, or whose hubs are drawn to other heights.
-  /// @param run  run(i) says how rotor i of the world moves
+  /// Force of rotors that are not level, or whose hubs are randomized to different heights.
+  /// @param run  run(i): the motion of rotor i of the world
   template <class Run>
   SKYBODY_INLINE SpatialForce<Real> uneven_rotor_forces(const Run& run, double unit,
                                                         const Vec3<Real>& velocity,
@@ -410,7 +410,7 @@ class FreeRobotStep {
     }
   }
 
-  /// Where the hubs of level rotors, which may be drawn, are at one height.
+  /// Lanes in which the hubs of level rotors, which may be randomized, are at one height.
   SKYBODY_INLINE MaskOf<Real> has_even_hubs() const {
     if (!is_level()) return MaskOf<Real>(false);
     return are_level<Real>(rotor_count(), [&](int i) SKYBODY_INLINE_LAMBDA {
@@ -443,15 +443,16 @@ class FreeRobotStep {
     }
   }
 
-  /// Scales the quaternion to norm 1. @returns the square of its norm before
+  /// Normalises the quaternion. @returns the square of its norm before
   static SKYBODY_INLINE Real renormalize(FreeMotion<Real>& motion) {
     const Real squared = squared_norm(motion.rotation);
     motion.rotation = renormalized(motion.rotation, squared);
     return squared;
   }
 
-  /// Scales the quaternion. @returns where all is finite and its magnitudes added up are small.
-  /// Rotors keep within their limits, unless they make a force that is not finite.
+  /// Normalises the quaternion. @returns the lanes in which all values are finite and the sum of
+  /// their magnitudes is bounded. Rotors keep within their limits, unless they cause a force that
+  /// is not finite.
   static SKYBODY_INLINE MaskOf<Real> is_sound(FreeMotion<Real>& motion) {
     const Real squared = renormalize(motion);
     const Vec3<Real>& w = motion.spin;
@@ -459,7 +460,7 @@ class FreeRobotStep {
     return logical_and(logical_and(squared > 0.0, squared < kInfinity), size < kLargestState);
   }
 
-  /// Magnitudes of position and velocity, added up.
+  /// Sum of the magnitudes of position and velocity.
   static SKYBODY_INLINE Real size_of(const FreeMotion<Real>& m) {
     const auto size = [](const Vec3<Real>& v) { return (abs(v.x) + abs(v.y)) + abs(v.z); };
     return size(m.position) + size(m.velocity);

@@ -26,7 +26,7 @@ namespace {
 
 /// FreeRobot::are_rotors_alike.
 /// @param places  of all rotors of the world
-/// @param params  the nominal ones
+/// @param params  nominal parameters
 bool are_nominally_alike(const RotorGroup& group, const std::vector<RotorMount>& places,
                          const double* params) {
   double factors[4 * kRotorFactorCount];

@@ -1,4 +1,4 @@
-// How kernels go through the lanes of a group: pack by pack, or one lane as a double.
+// Loops of kernels over the lanes of a group: pack by pack, or one lane as a double.
 #pragma once
 
 #include "core/base/kernel_width.h"
@@ -7,8 +7,8 @@
 
 namespace skybody {
 
-/// Calls f(first, bits) for every pack of W lanes that holds any of `lanes`.
-/// @returns what f returns for each pack, together: bit i is lane i of the group
+/// Calls f(first, bits) for every pack of W lanes that contains any of `lanes`.
+/// @returns the combined results of f: bit i is lane i of the group
 template <int W, class F>
 SKYBODY_INLINE std::uint32_t each_pack(std::uint32_t lanes, const F& f) {
   constexpr int kLanes = W == 1 ? 1 : kGroupLanes;
@@ -20,8 +20,8 @@ SKYBODY_INLINE std::uint32_t each_pack(std::uint32_t lanes, const F& f) {
   return result;
 }
 
-/// The same with f(first, bits, params, derived): views of the parameters and of what derives from
-/// them, shared where all lanes are nominal.
+/// The same with f(first, bits, params, derived): views of the parameters and of values derived
+/// from them. All lanes share them if all are nominal.
 /// @tparam kNeverShared  each lane reads its own, nominal or not (StepPlan::never_shares)
 template <int W, bool kNeverShared, class F>
 SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes, const F& f) {
@@ -41,7 +41,7 @@ SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes
   });
 }
 
-/// The kernel for groups of a size: of one lane, or of kGroupLanes.
+/// The kernel for groups of one lane, or of kGroupLanes.
 template <class Body>
 StepKernel* kernel_for(int lanes, Isa isa) {
   return lanes == 1 ? &Body::template run<1> : kernel<Body>(isa);

@@ -1,7 +1,7 @@
-// Steps of a group: kernels take all lanes at once on the tree's algorithms. On Simbody, and with
-// integrators that choose their own times, lanes go by themselves (LaneStepper), copied to a group
-// of one lane and back. Where something is near enough to touch, contact corrects the step that has
-// been taken (contact_correction.h).
+// Steps of a group. Kernels take all lanes at once with the tree's algorithms. With Simbody, and
+// with integrators that choose their own times, each lane is stepped alone (LaneStepper): it is
+// copied to a group of one lane and back. If a pair may touch, contact corrects the step afterwards
+// (contact_correction.h).
 #include "core/physics/step/group_stepper.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace skybody {
 
-/// The lanes of a group one at a time.
+/// Steps the lanes of a group one at a time.
 class GroupStepper::ScalarFallback {
  public:
   ScalarFallback(const StepPlan& plan, int lanes)
@@ -28,7 +28,7 @@ class GroupStepper::ScalarFallback {
     values_.resize(static_cast<std::size_t>(total) + 13 * plan.world.bodies.size());
   }
 
-  /// Makes what add_contacts() works with, which then needs no more memory.
+  /// Allocates the memory of add_contacts() in advance.
   void prepare_questions(int lane) { any_stepper(lane); }
 
   bool advance(const StepCall& all, int lane) {
@@ -58,8 +58,8 @@ class GroupStepper::ScalarFallback {
     return *stepper;
   }
 
-  /// One for a question that needs no Simbody system of the lane's own: starts of whole batches may
-  /// ask it, and a stepper for each lane takes memory.
+  /// Any existing stepper, for queries that do not need the lane's own Simbody system. Resets of
+  /// whole batches use such queries, and a stepper for each lane needs memory.
   LaneStepper& any_stepper(int lane) {
     for (auto& stepper : steppers_) {
       if (stepper != nullptr) return *stepper;
@@ -67,7 +67,7 @@ class GroupStepper::ScalarFallback {
     return stepper(lane);
   }
 
-  /// A lane as a group of its own; bodies are left out.
+  /// Copies a lane to a group of its own; without bodies.
   StepCall take(const StepCall& all, int lane) {
     const GroupBlocks& group = *all.group;
     const Layout& layout = plan_.world.layout;
@@ -107,7 +107,7 @@ class GroupStepper::ScalarFallback {
 
   const StepPlan& plan_;
   std::vector<std::unique_ptr<LaneStepper>> steppers_;
-  std::vector<double> values_;  ///< that `one_` points into
+  std::vector<double> values_;  ///< memory of the blocks of `one_`
   std::vector<std::uint32_t> near_;
   GroupBlocks one_;
 };
@@ -181,7 +181,7 @@ bool GroupStepper::fast_reads_derived() const {
   return !plan_.free_robots && kernels().advance_fast != nullptr;
 }
 
-/// What only kernels keep (bodies, spins) is made anew for lanes that went by themselves.
+/// Steps lanes one at a time. Refreshes the values that only kernels keep (bodies, spins).
 std::uint32_t GroupStepper::advance_alone(const StepCall& all, std::uint32_t lanes) {
   std::uint32_t through = 0;
   each_lane(lanes, [&](int l) {
@@ -191,20 +191,21 @@ std::uint32_t GroupStepper::advance_alone(const StepCall& all, std::uint32_t lan
   return through;
 }
 
-/// The lanes where something may touch within the step that begins.
+/// The lanes with a pair that may touch within the coming step.
 std::uint32_t GroupStepper::find_near(const StepCall& all, std::uint32_t lanes) const {
   if (plan_.contact.pairs.empty() || lanes == 0) return 0;
   std::fill_n(all.near, plan_.contact.pairs.size(), 0u);
   return kernels().find_near(all, lanes);
 }
 
-/// Contact in lanes whose step has been taken. @returns those that came through; the others are as
-/// they were before the step
+/// Contact in lanes whose step has been taken. @returns the lanes that succeeded; the others return
+/// to the state before the step
 std::uint32_t GroupStepper::correct(const StepCall& taken, std::uint32_t lanes) {
   if (lanes == 0) return 0;
   StepCall all = taken;
   const double* before = remembered(all);
-  all.start = {before, before + plan_.world.layout.q.size * lanes_};  // their order
+  all.start = {before, before + plan_.world.layout.q.size * lanes_};  // in the order of
+                                                                      // kSteppedBlocks
   std::uint32_t through = 0;
   if (plan_.has_kernels()) {
     through = kernels().correct(all, lanes);
@@ -218,7 +219,7 @@ std::uint32_t GroupStepper::correct(const StepCall& taken, std::uint32_t lanes) 
   return through;
 }
 
-/// Where a copy of what a step changes lies, behind what kernels use.
+/// Copy of the values that a step changes, in scratch memory behind that of the kernels.
 double* GroupStepper::remembered(const StepCall& all) const {
   return reinterpret_cast<double*>(all.scratch + plan_.kernel_bytes);
 }
@@ -260,7 +261,7 @@ void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsSc
   alone().joint_reactions(call(group, scratch), lane, out);
 }
 
-/// Lanes with parameters that no body has fail in their first step: nothing is known of them.
+/// Lanes with unphysical parameters fail in their first step: they have no contacts.
 std::uint32_t GroupStepper::may_touch(const GroupBlocks& group, std::uint32_t lanes,
                                       PhysicsScratch& scratch) {
   return find_near(call(group, scratch), lanes & ~broken_);
@@ -269,13 +270,13 @@ std::uint32_t GroupStepper::may_touch(const GroupBlocks& group, std::uint32_t la
 void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                 std::vector<Contact>& out) {
   const StepCall all = call(group, scratch);
-  alone().prepare_questions(lane);  // at the first call, near or not: later ones allocate nothing
+  alone().prepare_questions(lane);  // at the first call, near or not: later calls do not allocate
   const bool may_touch = plan_.contact.has_idle || find_near(all, 1u << lane) != 0;
   if (may_touch) alone().add_contacts(all, lane, out);
 }
 
 /// Recomputes a lane's body constants if its parameters have changed and are not nominal.
-/// @returns true if the rotors' must follow
+/// @returns true if those of the rotors must be recomputed, too
 bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch) {
   const std::uint32_t bit = 1u << lane;
   const double* mine = group.params + lane;
@@ -292,15 +293,15 @@ bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScra
   placed_ &= ~bit;
   try {
     put_derived(make_bodies(group, lane, scratch), plan_.derived.bodies, lane);
-  } catch (const std::runtime_error&) {  // no body has such masses: this lane's steps fail
+  } catch (const std::runtime_error&) {  // unphysical masses: this lane's steps fail
     broken_ |= bit;
     return false;
   }
   return true;
 }
 
-/// @returns DerivedLayout::size values in scratch, of which the bodies' are made
-/// @throws Error (naming the body) if no rigid body can have the lane's mass properties
+/// @returns DerivedLayout::size values in scratch; only those of bodies and obstacles are set
+/// @throws Error (naming the body) if the lane's mass properties are not physical
 const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
                                         PhysicsScratch& scratch) const {
   auto* params = reinterpret_cast<double*>(scratch.data());
@@ -312,7 +313,7 @@ const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
   return derived;
 }
 
-/// Says that the lane's numbers follow from its present parameters.
+/// Records that the lane's derived values belong to its current parameters.
 void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
   known_ |= 1u << lane;
   for (int k = 0; k < plan_.world.layout.physics_params; ++k) {
@@ -320,7 +321,7 @@ void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
   }
 }
 
-/// Whether parameters that physics reads have the same bits.
+/// Whether the parameters of the physics have the same bits.
 /// @param mine    of one lane of a group
 /// @param stride  of `others`
 bool GroupStepper::are_params(const double* mine, const double* others, int stride) const {
@@ -330,7 +331,7 @@ bool GroupStepper::are_params(const double* mine, const double* others, int stri
   return true;
 }
 
-/// Made where a lane is first drawn: most worlds never need it.
+/// Allocated when parameters of a lane are first randomized: most worlds never need it.
 void GroupStepper::make_derived() {
   if (derived_.size() > 0) return;
   derived_ = AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size * lanes_));
@@ -344,14 +345,14 @@ void GroupStepper::put_nominal(int lane) {
   placed_ |= 1u << lane;
 }
 
-/// The values from place `first` on.
+/// Stores the values from index `first` on.
 void GroupStepper::put_derived(const double* derived, int first, int lane) {
   for (int k = first; k < plan_.derived.size; ++k) {
     derived_[static_cast<std::size_t>(k * lanes_ + lane)] = derived[k];
   }
 }
 
-/// Obstacles may be elsewhere now.
+/// Invalidates clearances: obstacles may have moved.
 void GroupStepper::forget_clearance(int lane) {
   for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
     clearances_[(4 * i + 3) * static_cast<std::size_t>(lanes_) + static_cast<std::size_t>(lane)] =

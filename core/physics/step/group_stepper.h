@@ -14,7 +14,7 @@
 
 namespace skybody {
 
-/// Where the values of a group lie: value k of lane l at k * lanes + l.
+/// The memory of a group's values: value k of lane l is at k * lanes + l.
 struct GroupBlocks {
   int lanes = 1;
   double* q = nullptr;
@@ -24,8 +24,8 @@ struct GroupBlocks {
   const double* wrench = nullptr;
   const double* drive = nullptr;
   const double* params = nullptr;
-  /// 13 per body (BodyState): follows from q and u. Of one free body it is q and u themselves: then
-  /// it may be the same memory.
+  /// 13 per body (BodyState): computed from q and u. For one free body the values are q and u
+  /// themselves, and the memory may be the same.
   double* bodies = nullptr;
   const double* joint_command = nullptr;
   double* joint_state = nullptr;
@@ -34,7 +34,7 @@ struct GroupBlocks {
   const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
 
-/// A block that steps read, and where it lies in state words. Those that effects hold come on top.
+/// A block that steps read, and its block of state words. Held inputs are not in this list.
 struct InputBlock {
   const double* GroupBlocks::*values;
   Block Layout::*place;
@@ -58,65 +58,67 @@ inline constexpr StateBlock kStateBlocks[] = {
     {&GroupBlocks::joint_state, &Layout::joint_state},
     {&GroupBlocks::coupling_forces, &Layout::coupling_forces},
     {&GroupBlocks::bristles, &Layout::bristles}};
-/// Those that a step changes before contact corrects it: the first of them.
+/// The blocks that a step changes before contact corrects it: the first of them.
 inline constexpr std::span kSteppedBlocks = std::span(kStateBlocks).first<5>();
 
-/// Work space of one thread that steps groups of a world. Holds nothing between two calls.
+/// Work memory of one thread that steps groups of a world. Keeps nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;
 
 struct StepCall;
 struct StepKernels;
 struct StepPlan;
 
-/// Physics steps of environments, failed ones included.
+/// Number of physics steps of environments, including failed ones.
 struct StepCounts {
   std::uint64_t all = 0;
-  std::uint64_t near = 0;  ///< those of them in which something was near enough to touch
+  std::uint64_t near = 0;  ///< steps with a pair near enough to touch
 };
 
-/// The physics of one group. Holds only what can be derived from World and the group's values (a
-/// cache): results never depend on which states it saw before. Not thread-safe.
+/// The physics of one group. Keeps only values derived from World and the group's values (a cache):
+/// results never depend on earlier states. Not thread-safe.
 class GroupStepper {
  public:
   /// @param plan   must outlive it
-  /// @param lanes  1, or kGroupLanes where kernels take the steps (StepPlan::has_kernels)
+  /// @param lanes  1, or kGroupLanes if kernels take the steps (StepPlan::has_kernels)
   GroupStepper(const StepPlan& plan, int lanes);
   ~GroupStepper();
 
-  /// Brings quaternions to norm 1 and makes `bodies`, and all else that follows from the values,
-  /// current for these lanes after the values were changed from outside. Every lane is refreshed
-  /// before it is first stepped.
-  /// @param drawn  those of the lanes whose parameters may have been changed, too
+  /// Updates these lanes after their values were changed from outside: normalises quaternions, and
+  /// recomputes `bodies` and all other derived values. Every lane must be refreshed before its
+  /// first step.
+  /// @param drawn  the lanes of these whose parameters may have changed, too
   void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
                PhysicsScratch& scratch);
 
-  /// Advances q, u, rotor speeds, joint states and bodies of these lanes by exactly dt, commands,
-  /// wrenches and drives held.
-  /// @returns the lanes that came through; the others, whose step gave values that are not finite
-  ///          or have diverged ("A fault" in docs/architecture.md), or where the dynamics gave up,
-  ///          are as they were before the call
+  /// Advances q, u, rotor speeds, joint states and bodies of these lanes by exactly dt, with
+  /// constant commands, wrenches and drives.
+  /// @returns the lanes that succeeded. The others keep their values from before the call: their
+  /// step
+  ///          gave values that are not finite or have diverged ("A fault" in docs/architecture.md),
+  ///          or
+  ///          the dynamics failed
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
 
-  /// Generalised accelerations of one lane, which is refreshed, at the present state and t = 0 of
-  /// the step, one per u.
-  /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
+  /// Generalised accelerations of one refreshed lane, at the current state and t = 0 of the step,
+  /// one per u.
+  /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics fails
   void accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch, double* udot);
 
-  /// What joints exert on the bodies that they move, likewise.
+  /// Forces and moments of joints on their bodies, likewise.
   /// @param out  one per body: joint_reactions.h
   void joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                        SpatialForce<double>* out);
-  /// The refreshed lanes where something touches, or is near enough to touch within a step.
+  /// The refreshed lanes with a pair that touches or may touch within a step.
   std::uint32_t may_touch(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
   /// Appends the contacts of one refreshed lane. @throws as accelerations
   void add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                     std::vector<Contact>& out);
 
-  /// The lanes in whose last advance something was near enough to touch.
+  /// The lanes with a pair near enough to touch in the last advance.
   std::uint32_t near() const { return near_; }
-  /// The lanes whose parameters no rigid body has, as of their last refresh(): their steps fail.
+  /// The lanes with unphysical parameters, as of their last refresh(): their steps fail.
   std::uint32_t unphysical() const { return broken_; }
-  /// All steps since it was made. For looking at: nothing depends on them.
+  /// All steps since construction. For statistics only.
   const StepCounts& counts() const { return counts_; }
 
  private:
@@ -143,51 +145,51 @@ class GroupStepper {
 
   const StepPlan& plan_;
   int lanes_;
-  AlignedArray<double> spins_;    ///< per body: angular velocity (W), in lanes; unless the world
-                                  ///< has free robots only
-  AlignedArray<double> derived_;  ///< of all lanes; empty: none was ever drawn
+  AlignedArray<double> spins_;  ///< per body: angular velocity (W), in lanes; not used if the world
+                                ///< has free robots only
+  AlignedArray<double> derived_;  ///< of all lanes; empty: parameters were never randomized
   std::vector<std::uint32_t> near_pairs_;  ///< StepCall's
   AlignedArray<double> clearances_;  ///< StepCall's; empty with four shapes of obstacles or fewer
   AlignedArray<double> made_from_;   ///< parameters, of known lanes
-  std::uint32_t known_ = 0;          ///< lanes whose numbers follow from `made_from_`
-  std::uint32_t drawn_ = 0;          ///< lanes whose parameters are not the nominal ones
-  std::uint32_t placed_ = 0;         ///< lanes of `derived_` that hold what is nominal
-  std::uint32_t broken_ = 0;         ///< lanes with parameters that no body has
-  std::uint32_t open_ = 0;           ///< lanes whose couplings cannot hold where their ends are
+  std::uint32_t known_ = 0;          ///< lanes whose derived values belong to `made_from_`
+  std::uint32_t drawn_ = 0;          ///< lanes whose parameters are not nominal
+  std::uint32_t placed_ = 0;         ///< lanes of `derived_` that hold nominal values
+  std::uint32_t broken_ = 0;         ///< lanes with unphysical parameters
+  std::uint32_t open_ = 0;  ///< lanes whose couplings cannot hold at the positions of their ends
   std::uint32_t near_ = 0;
   StepCounts counts_;
-  std::unique_ptr<ScalarFallback> fallback_;  ///< null: never needed so far
+  std::unique_ptr<ScalarFallback> fallback_;  ///< null: not needed so far
 };
 
-/// Makes steppers for the groups of a world, with what they share. Immutable, thread-safe.
+/// Makes steppers for the groups of a world, with their shared data. Immutable, thread-safe.
 class GroupPhysics {
  public:
   /// @param world  must outlive it
   /// @throws LocatedError as chosen_dynamics
-  /// @throws Error (naming the body) if no rigid body can have the nominal mass properties
+  /// @throws Error (naming the body) if the nominal mass properties are not physical
   explicit GroupPhysics(const World& world);
   GroupPhysics(const World& world, DynamicsBackend use);
   ~GroupPhysics();
 
-  /// Lanes in which the world is best stepped: kGroupLanes where that goes in packs, else 1.
+  /// Best group size for the world: kGroupLanes if it can be stepped in packs, otherwise 1.
   int preferred_lanes() const;
 
-  /// Whether `bodies` is q, then u, value by value (one robot, a free body).
+  /// Whether `bodies` equals q, then u, value by value (one robot, a free body).
   bool bodies_are_coordinates() const;
 
-  /// Work space for any group of the world.
+  /// Work memory for any group of the world.
   PhysicsScratch make_scratch() const;
 
-  /// @param lanes  1, or preferred_lanes(); the bits are the same
+  /// @param lanes  1, or preferred_lanes(); the results have the same bits
   std::unique_ptr<GroupStepper> make_stepper(int lanes) const;
 
  private:
   std::unique_ptr<const StepPlan> plan_;
 };
 
-/// Builds once whatever steppers of this world will ever build.
-/// @throws as GroupPhysics, and Error (naming the body and the reason) where Simbody cannot build
-/// it
+/// Builds once all objects that steppers of this world would build, as a check.
+/// @throws as GroupPhysics, and Error (naming the body and the reason) if Simbody cannot build the
+/// world
 void check_world(const World& world);
 
 }  // namespace skybody

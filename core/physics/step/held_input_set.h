@@ -1,4 +1,4 @@
-// Which held inputs a step kernel is compiled for.
+// The held inputs for which a step kernel is compiled.
 #pragma once
 
 #include "core/model/held_inputs.h"
@@ -8,12 +8,12 @@ namespace skybody {
 
 enum class HeldInputSet {
   kNothing,
-  kAir,      ///< of a plain quadrotor, by the midpoint rule: what may_hold() names
-  kAnything  ///< of any world
+  kAir,      ///< inputs of may_hold(), of a plain quadrotor with the midpoint rule
+  kAnything  ///< any inputs, of any world
 };
 
-/// Whether a world of this kind may have something that holds the input. Air is what most flights
-/// have: wind, drag of the body and a battery.
+/// Whether worlds of this kind may hold an input. kAir covers the most common inputs: wind, drag of
+/// the body and a battery.
 constexpr bool may_hold(HeldInputSet kind, int input) {
   if (kind != HeldInputSet::kAir) return kind == HeldInputSet::kAnything;
   return input == SKYBODY_HELD_WIND || input == SKYBODY_HELD_BODY_DRAG ||

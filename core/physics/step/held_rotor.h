@@ -1,4 +1,4 @@
-// A rotor that effects hold during a physics step.
+// A rotor with held inputs during a physics step.
 #pragma once
 
 #include "core/physics/step/step_rules.h"
@@ -12,27 +12,27 @@ struct HeldLimits {
   Real lower, upper;
 };
 
-/// Of rotor i of the world, where effects hold limits.
+/// Limits of rotor i of the world; the limits must be held.
 template <class Real>
 SKYBODY_INLINE HeldLimits<Real> held_limits(const HeldLanes<Real>& held, int i) {
   const LaneValues<Real> limits = held[SKYBODY_HELD_ROTOR_LIMIT] + 2 * i;
   return {limits[0], limits[1]};
 }
 
-/// What effects hold of a rotor.
+/// Held inputs of a rotor.
 template <class Real>
 struct HeldRotor : HeldLimits<Real> {
-  Real rate;  ///< its acceleration [rad/s^2]; NaN: its lag holds
+  Real rate;  ///< its acceleration [rad/s^2]; NaN: use the lag
 };
 
-/// A rotor that effects hold: its command stays within their limits, or it gains speed at their
-/// rate, linearly up to the same limits at the end of the step. What is beyond the limits at the
-/// start comes to them no quicker than by its lag.
+/// A rotor with held inputs. Its command is clamped to the held limits, or its speed changes at the
+/// held rate: linearly, up to the same limits at the end of the step. A speed beyond the limits at
+/// the start returns to them at most as fast as by the lag.
 template <class Real>
 struct HeldRotorStep {
   RotorStep<Real> lagged;
   MaskOf<Real> is_linear;
-  Real change;  ///< of the speed, where it runs linearly [rad/s]
+  Real change;  ///< of the speed, if it changes linearly [rad/s]
   double dt;
 
   SKYBODY_INLINE HeldRotorStep(const RotorLag<Real>& lag, const Real& start, const Real& command,
@@ -57,7 +57,7 @@ struct HeldRotorStep {
     return {select(is_linear, start + change * 0.5, lag.speed), lag.acceleration,
             select(is_linear, squared, lag.squared)};
   }
-  /// Mean of w |w|; of a linear run from a to b (|b|^3 - |a|^3) / (3 (b - a)).
+  /// Mean of w |w|; for a linear change from a to b: (|b|^3 - |a|^3) / (3 (b - a)).
   /// @param square  mean of w^2
   SKYBODY_INLINE Real mean_signed_square(const Real& end, const Real& square) const {
     const Real& start = lagged.speed;
@@ -77,21 +77,21 @@ struct HeldRotorStep {
     const Real by_lag = lagged.at(kStepEnd).speed;
     return clamp(speed, min(held.lower, by_lag), max(held.upper, by_lag));
   }
-  /// @param share  of the step that is over
+  /// @param share  elapsed fraction of the step
   SKYBODY_INLINE RotorMotion<Real> choose(const RotorMotion<Real>& lag, double share) const {
     return rotor_motion<Real>(select(is_linear, lagged.speed + change * share, lag.speed),
                               select(is_linear, change / dt, lag.acceleration));
   }
 };
 
-/// Limits of a rotor that may turn backwards: with a least speed of 0, the neutral one, the
-/// greatest one holds in both senses.
+/// Limits of a rotor that may spin backwards: if the lower limit is 0, the neutral value, the upper
+/// limit holds in both directions.
 template <class Real>
 SKYBODY_INLINE void limit_both_senses(HeldLimits<Real>& limits) {
   limits.lower = select(limits.lower == 0.0, -limits.upper, limits.lower);
 }
 
-/// Of rotor i of the world; what is not held has its neutral value.
+/// Held inputs of rotor i of the world; inputs that are not held have neutral values.
 template <class Real>
 SKYBODY_INLINE HeldRotor<Real> held_rotor(const HeldLanes<Real>& held, int i) {
   HeldRotor<Real> rotor{{Real(0.0), Real(kInfinity)}, Real(kNan)};

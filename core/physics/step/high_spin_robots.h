@@ -1,6 +1,6 @@
-// Robots that spin fast (fast_spin_square in step_rules.h), in the environments that one Real
-// holds. Their bases drift by the torque-free motion of the robot with its joints locked, and that
-// motion's own rates are taken from the accelerations: what is left of them is small and may be
+// Robots that spin fast (fast_spin_square in step_rules.h), in the environments of one Real. Their
+// bases drift by the torque-free motion of the robot with locked joints, and the rates of that
+// motion are subtracted from the accelerations. The remaining accelerations are small and may be
 // evaluated in mid-step. On double, packs and dual numbers.
 #pragma once
 
@@ -13,42 +13,43 @@ namespace skybody {
 /// One robot of the world.
 template <class Real>
 struct HighSpinRobot {
-  MaskOf<Real> mask;      ///< lanes where it is fast
-  MaskOf<Real> at_start;  ///< lanes where it was when the step began
-  bool has_any;           ///< lanes in `mask`
+  MaskOf<Real> mask;      ///< lanes in which it is fast
+  MaskOf<Real> at_start;  ///< lanes in which it was fast at the start of the step
+  bool has_any;           ///< `mask` is not empty
   LockedBody<Real> body;
-  Real base[13];  ///< q and u of its base, while they are moved
+  Real base[13];  ///< q and u of its base, during a move
 };
 
-/// Robots with joints that spin faster than fast_spin_square take a step in parts, since what moves
-/// at joints is not torque-free: of at most this angle on the average from kFastPartSpin on, below
-/// that parts grow as 1 / spin (0.05 rad at 30 rad/s).
+/// Robots with joints and a spin above fast_spin_square take a step in substeps, because motion at
+/// joints is not torque-free. The mean angle per substep is at most this one from kFastPartSpin on;
+/// at lower spins the angle grows as 1 / spin (0.05 rad at 30 rad/s).
 inline constexpr double kFastPartAngle = 0.015;  // [rad]
 inline constexpr double kFastPartSpin = 100.0;   // [rad/s]
-/// Where one part is not enough, parts go by fives: four of the first share of their time and one
-/// back of the second, whose errors of third order cancel (M. Suzuki, "Fractal decomposition of
-/// exponential operators", Physics Letters A 146, 1990: order 4 of any symmetric step of order 2).
-/// With couplings all parts are equal: what a rope does cannot be undone.
+/// If one substep is not enough, substeps are in groups of five: four forward with the first share
+/// of the time and one backward with the second. Their errors of third order cancel (M. Suzuki,
+/// "Fractal decomposition of exponential operators", Physics Letters A 146, 1990: order 4 from any
+/// symmetric step of order 2). With couplings all substeps are equal: the effect of a rope cannot
+/// be undone.
 inline constexpr int kFastPartGroup = 5;
 inline constexpr double kFastPartShare = 0.4144907717943757;  // 1 / (4 - cbrt(4))
 inline constexpr double kFastPartShareBack = 1.0 - 4.0 * kFastPartShare;
-/// No more parts are taken: faster robots turn by more in each.
+/// Maximum number of substeps: faster robots rotate by a larger angle in each.
 inline constexpr int kMostFastParts = 130;
 
 template <class Real>
 class HighSpinRobots {
  public:
-  /// @param robots     one for each of the world
-  /// @param constants  kBodyConstantCount values per body, of those that are fast
+  /// @param robots     one per robot of the world
+  /// @param constants  kBodyConstantCount values per body, of fast robots
   /// @param motion     one per body, overwritten
   SKYBODY_INLINE HighSpinRobots(const StepPlan& plan, HighSpinRobot<Real>* robots,
                                 const Real* constants, BodyKinematics<Real>* motion)
       : plan_(plan), robots_(robots), constants_(constants), motion_(motion) {}
 
-  /// Finds them at the step's start.
+  /// Finds the fast robots at the step's start.
   /// @param motion     of all bodies
-  /// @param is_wanted  per robot: others are left out; null: all count
-  /// @param always     lanes where all that count are fast
+  /// @param is_wanted  per robot: skips the others; null: skips none
+  /// @param always     lanes in which all robots that are not skipped count as fast
   SKYBODY_INLINE void find(const BodyKinematics<Real>* motion, const bool* is_wanted = nullptr,
                            const MaskOf<Real>& always = MaskOf<Real>(false)) {
     has_any_ = has_more_ = false;
@@ -70,9 +71,9 @@ class HighSpinRobots {
     }
   }
 
-  /// Adds those whose bases have become fast within the step.
-  /// @param is_first   the step begins, maybe again: those that find() found alone
-  /// @param is_wanted  per robot: others are left out
+  /// Adds robots whose bases have become fast within the step.
+  /// @param is_first   the step starts or restarts: back to the robots from find()
+  /// @param is_wanted  per robot: skips the others
   template <class Coordinates>
   SKYBODY_INLINE void find_more(bool is_first, const Coordinates& at, const bool* is_wanted) {
     if (is_first) return forget_more();
@@ -91,7 +92,7 @@ class HighSpinRobots {
     }
   }
 
-  /// The step begins again, with those that find() found.
+  /// Restarts the step with the robots from find().
   SKYBODY_INLINE void forget_more() {
     if (!has_more_) return;
     has_any_ = has_more_ = false;
@@ -102,8 +103,8 @@ class HighSpinRobots {
     }
   }
 
-  /// Takes from the mean accelerations of a step, by any integrator, what drift() does to the
-  /// velocities. @param from, to  the step's start and end
+  /// Subtracts the effect of drift() on the velocities from the mean accelerations of a step by any
+  /// integrator. @param from, to  the step's start and end
   template <class Coordinates>
   SKYBODY_INLINE void keep_mean_forces(double dt, const Coordinates& from, const Coordinates& to,
                                        Real* udot) const {
@@ -123,9 +124,9 @@ class HighSpinRobots {
     });
   }
   bool has_any() const { return has_any_; }
-  /// Lanes where a robot with joints is fast: one evaluation in mid-step is not enough there.
+  /// Lanes with a fast robot with joints: one evaluation in mid-step is not enough there.
   SKYBODY_INLINE MaskOf<Real> iterates() const { return jointed_square_ > plan_.fast_square; }
-  /// The parts that a step is cut into for these: 1, or fives; elsewhere 1.
+  /// Number of substeps of the step in these lanes: 1, or a multiple of five; 1 in other lanes.
   SKYBODY_INLINE Real parts(double dt) const {
     const double group = goes_back() ? kFastPartGroup : 1;
     const Real spin = sqrt(jointed_square_);
@@ -134,7 +135,7 @@ class HighSpinRobots {
     const Real groups = clamp(floor(wanted * (1.0 / group)) + 1.0, 1.0, kMostFastParts / group);
     return select(logical_and(iterates(), wanted > 1.0), group * groups, Real(1.0));
   }
-  /// The time of one of them. @param part  counted from 0
+  /// The time of one substep. @param part  counted from 0
   SKYBODY_INLINE Real part_time(double dt, const Real& parts, int part) const {
     const Real mean = Real(dt) / parts;
     if (!goes_back()) return mean;
@@ -152,7 +153,7 @@ class HighSpinRobots {
     }
   }
 
-  /// Locks the joints where they are, for drift() and subtract_torque_free_rates().
+  /// Locks the joints at their current positions, for drift() and subtract_torque_free_rates().
   template <class Coordinates>
   SKYBODY_INLINE void lock_all(const Coordinates& at) const {
     if (!has_any_) return;
@@ -160,9 +161,9 @@ class HighSpinRobots {
                   SKYBODY_INLINE_LAMBDA { lock_joints(robot, at, fast); });
   }
 
-  /// Moves all robots for a time in which nothing acts on them.
-  /// @param locks   locks their joints where slowly() has moved them, for later calls, too
-  /// @param slowly  slowly() moves them as if none was fast
+  /// Moves all robots for a time without forces.
+  /// @param locks   locks the joints at their positions after slowly(), also for later calls
+  /// @param slowly  slowly() moves the robots as if none were fast
   template <class Coordinates, class Slowly>
   SKYBODY_INLINE void drift(const Real& time, bool locks, const Coordinates& at,
                             const Slowly& slowly) const {
@@ -184,7 +185,7 @@ class HighSpinRobots {
     });
   }
 
-  /// Takes from accelerations what drift() does to the velocities.
+  /// Subtracts the effect of drift() on the velocities from accelerations.
   /// @param motion  of all bodies
   SKYBODY_INLINE void subtract_torque_free_rates(const BodyKinematics<Real>* motion, const Real* u,
                                                  Real* udot) const {
@@ -204,7 +205,7 @@ class HighSpinRobots {
  private:
   bool goes_back() const { return plan_.couplings.constraints.empty(); }
 
-  /// Calls f(fast, robot) for those whose base floats.
+  /// Calls f(fast, robot) for fast robots with a floating base.
   template <class F>
   SKYBODY_INLINE void each_base(const F& f) const {
     int r = 0;
@@ -246,7 +247,7 @@ class HighSpinRobots {
   BodyKinematics<Real>* motion_;
   Real jointed_square_ = Real(0.0);  ///< largest spin of the robots with joints, squared
   bool has_any_ = false;
-  bool has_more_ = false;  ///< some that have become so within the step
+  bool has_more_ = false;  ///< some robots have become fast within the step
 };
 
 }  // namespace skybody

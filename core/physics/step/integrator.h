@@ -1,4 +1,4 @@
-// Integrators that choose steps of their own within a physics step: those of SUNDIALS.
+// Integrators that choose their own steps within a physics step: those of SUNDIALS.
 #pragma once
 
 #include <functional>
@@ -9,22 +9,22 @@
 namespace skybody {
 
 /// dq/dt and du/dt at a time since the start of the step [s].
-/// @throws std::runtime_error if the dynamics gives up there
+/// @throws std::runtime_error if the dynamics fails there
 using Rates =
     std::function<void(const double* q, const double* u, double time, double* qdot, double* udot)>;
 
-/// Advances q and u by dt. Keeps work space only: no memory outlives a step.
+/// Advances q and u by dt. Keeps only work memory: no state outlives a step.
 class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  /// Quaternions come out unnormalised.
+  /// Quaternions are not normalised.
   /// @param q, u  coordinates at the start, overwritten with those at the end
-  /// @throws std::runtime_error if it gives up
+  /// @throws std::runtime_error if it fails
   virtual void advance(const Rates& rates, double* q, double* u) = 0;
 };
 
-/// The one that the scenario asks for, with its solver settings; null for those with fixed steps
+/// The integrator of the scenario, with its solver settings; null for those with fixed steps
 /// (step_rules.h).
 std::unique_ptr<Integrator> make_integrator(const World& world);
 

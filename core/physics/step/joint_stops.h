@@ -1,12 +1,13 @@
-// Stops of joints, applied as a correction at the end of a physics step of any integrator. A stop
-// is a spring and a damper that act beyond a limit, by implicit Euler: with g the way beyond the
+// Joint stops, applied as a correction at the end of a physics step of any integrator. A stop is a
+// spring and a damper beyond a limit, integrated by implicit Euler. With g the penetration of the
 // limits at the end of the step without stops, v its rate there, and M the inertia of all
 // coordinates, the velocities change by
 //   (M + dt C + dt^2 K) du = -dt (K g + C v)     where K g + C v > 0: a stop never pulls
-// and the coordinates move on by dt du. So at a configuration the energy of motion and springs
-// falls by at least dt v' C v', v' the rate that is left, with every dt, stiffness and damping: the
-// forces are slopes of a convex energy where the step ends. What is added to M is diagonal, the
-// pivots of the articulated-body algorithm, which so solves for all stops of a robot at once.
+// and the coordinates by dt du. At a given configuration the energy of motion and springs therefore
+// falls by at least dt v' C v', with v' the remaining rate, for every dt, stiffness and damping:
+// the forces are gradients of a convex energy at the end of the step. The matrix added to M is
+// diagonal. It is added to the pivots of the articulated-body algorithm, which then solves for all
+// stops of a robot at once.
 #pragma once
 
 #include <vector>
@@ -16,7 +17,7 @@
 
 namespace skybody {
 
-/// What stops work on: arrays with a place per u, or per body, of the world.
+/// Work arrays of stops, one entry per u, or per body, of the world.
 template <class Real>
 struct JointStopWorkspace {
   Real* force = nullptr;    ///< -(K g + C v)
@@ -34,12 +35,12 @@ class JointStops {
 
   bool any() const { return !robots_.empty(); }
 
-  /// Calls f(robot, where, change) for robots of which a joint is at a stop in any lane of `mask`:
-  /// `where` is the lanes, `change` the acceleration of its coordinates by the stops' forces, one
-  /// per u of the world.
+  /// Calls f(robot, where, change) for robots with a joint at a stop in any lane of `mask`: `where`
+  /// is the lanes, `change` the acceleration of its coordinates by the stops' forces, one per u of
+  /// the world.
   /// @param multibody     the world's
   /// @param constants  kBodyConstantCount values per body: a pointer, or a view
-  /// @param q          the coordinates at which the inertias are taken
+  /// @param q          the coordinates at which the inertias are computed
   /// @param end_q, end_u  at the end of the step without stops; only those of joints with stops are
   ///                   read
   template <class Real, class Params, class Constants, class F>
@@ -69,7 +70,7 @@ class JointStops {
  private:
   struct Robot {
     int index;
-    std::vector<int> bodies;  ///< whose joints have stops
+    std::vector<int> bodies;  ///< bodies whose joints have stops
   };
 
   template <class Real>
@@ -83,7 +84,7 @@ class JointStops {
     }
   }
 
-  /// Of the joint of body i. @returns lanes where it is at a stop
+  /// Sets the force and inertia of the joint of body i. @returns the lanes at a stop
   template <class Real, class Params>
   SKYBODY_INLINE MaskOf<Real> push(int i, const Params& params, double dt, const Real* q,
                                    const Real* u, const JointStopWorkspace<Real>& work) const {
@@ -99,7 +100,7 @@ class JointStops {
   }
 
   const World& world_;
-  std::vector<Robot> robots_;  ///< that have any
+  std::vector<Robot> robots_;  ///< robots with stops
 };
 
 }  // namespace skybody

@@ -11,7 +11,7 @@ namespace {
 
 /// Accelerations by Simbody, or by the tree's algorithms.
 struct ChosenAccelerations {
-  Dynamics* simbody;  ///< null: the tree's
+  Dynamics* simbody;  ///< null: the tree's algorithms
 
   void operator()(const StepPlan& plan, const LaneValues<double>& derived,
                   const StepArrays<double>& a, const double* q, const double* u,
@@ -23,8 +23,8 @@ struct ChosenAccelerations {
     }
   }
 
-  /// With Simbody's own constraints in place of ours.
-  /// @param held  per coupling: whether it is an equation
+  /// Replaces the accelerations by those with Simbody's own constraints, if Simbody is used.
+  /// @param held  per coupling: whether it is an active equation
   void constrain(const StepArrays<double>& a, const double* q, const double* u, const bool* held,
                  double* udot) const {
     if (simbody == nullptr) return;
@@ -38,7 +38,7 @@ struct ChosenAccelerations {
   }
 };
 
-/// What forces do to accelerations: by the tree's algorithms or Simbody.
+/// Response to forces, by the tree's algorithms or Simbody.
 struct ChosenResponse {
   Dynamics* simbody;
 
@@ -51,7 +51,7 @@ struct ChosenResponse {
   }
 };
 
-/// What works on one lane by itself, with its arrays.
+/// An algorithm on a single lane, with its arrays.
 template <class Work, class Arrays>
 class OneLane {
  public:
@@ -71,7 +71,7 @@ class OneLane {
   Work work_;
 };
 
-/// In the form for any world: where none of its cases is, with the bits of the usual form.
+/// The variant for any world. In worlds without rare cases it gives the bits of the usual variant.
 using LaneMechanics =
     OneLane<Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>,
             StepArrays<double>>;
@@ -98,9 +98,8 @@ Dynamics* LaneStepper::dynamics(const StepCall& lane) {
   return simbody_.get();
 }
 
-/// Dynamics throw where they give up (a singular matrix, a NaN in a rotation, masses that no body
-/// has): a failed step, not the end of the program. Bugs (std::logic_error) and lack of memory are
-/// no such thing and pass.
+/// Dynamics throw on failure (a singular matrix, a NaN in a rotation, unphysical masses): the step
+/// fails, but the program continues. Bugs (std::logic_error) and lack of memory are passed on.
 bool LaneStepper::advance(const StepCall& lane) {
   try {
     LaneMechanics mechanics(lane, scratch_, dynamics(lane));

@@ -1,5 +1,5 @@
-// One environment by itself: steps on Simbody, steps of integrators that choose their own times,
-// and questions about one instant.
+// A single environment: steps with Simbody, steps of integrators that choose their own times, and
+// queries about one instant.
 #pragma once
 
 #include <memory>
@@ -14,27 +14,27 @@
 
 namespace skybody {
 
-/// Holds caches and work space only: no result depends on earlier calls. Not thread-safe.
+/// Keeps only caches and work memory: no result depends on earlier calls. Not thread-safe.
 class LaneStepper {
  public:
   /// @param plan     must outlive it
-  /// @param simbody  null: made when first needed, which takes time and memory
+  /// @param simbody  null: created when first needed, which takes time and memory
   explicit LaneStepper(const StepPlan& plan, std::unique_ptr<Dynamics> simbody = nullptr);
 
   /// One physics step of a group of one lane, without contact. Its scratch is not used.
-  /// @returns false if the lane is as it was: the step gave a value that is not finite or beyond
-  ///          kLargestState, or the dynamics gave up (a std::runtime_error)
+  /// @returns false if the lane is unchanged: the step gave a value that is not finite or beyond
+  ///          kLargestState, or the dynamics failed (a std::runtime_error)
   bool advance(const StepCall& lane);
 
-  /// What contact makes of a step that has been taken (contact_correction.h).
+  /// Contact, applied as a correction after the step (contact_correction.h).
   /// @returns false likewise, with the step uncorrected
   bool correct(const StepCall& lane);
 
-  /// Generalised accelerations at the present state and t = 0 of the step, one per u.
-  /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
+  /// Generalised accelerations at the current state and t = 0 of the step, one per u.
+  /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics fails
   void accelerations(const StepCall& lane, double* udot);
 
-  /// What joints exert on the bodies that they move (joint_reactions.h), at the same instant.
+  /// Forces and moments of joints on their bodies (joint_reactions.h), at the same instant.
   /// @param out  one per body
   /// @throws as accelerations
   void joint_reactions(const StepCall& lane, SpatialForce<double>* out);
@@ -49,7 +49,7 @@ class LaneStepper {
   std::unique_ptr<Integrator> integrator_;  ///< null: fixed steps
   std::unique_ptr<Dynamics> simbody_;
   AlignedArray<std::byte> scratch_, contact_scratch_;
-  // Of joint_reactions(); empty until then.
+  // For joint_reactions(); empty before its first call.
   std::vector<double> udot_;
   std::vector<BodyAcceleration> accelerations_;
 };

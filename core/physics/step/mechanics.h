@@ -1,6 +1,5 @@
-// The equations of motion of the environments that one Real holds, and a physics step of theirs: of
-// one (double) or of some of a group side by side (a pack), with the same operations in the same
-// order.
+// The equations of motion, and a physics step, of the environments of one Real: one environment
+// (double) or several of a group side by side (a pack), with the same operations in the same order.
 #pragma once
 
 #include <type_traits>
@@ -10,7 +9,7 @@
 
 namespace skybody {
 
-/// Accelerations by the tree's algorithms. Couplings need nothing more.
+/// Accelerations by the tree's algorithms. Couplings need no extra computation here.
 struct TreeAccelerations {
   template <class... Args>
   SKYBODY_INLINE void constrain(const Args&...) const {}
@@ -26,21 +25,21 @@ struct TreeAccelerations {
   }
 };
 
-/// Kinds of kernels for trees. Rare cases have a kernel of their own: compiled into the usual one,
-/// their code costs a tenth of a step.
+/// Kinds of kernels for trees. Rare cases have their own kernel: compiled into the usual one, their
+/// code costs a tenth of a step.
 enum class TreeKind {
-  kUsual,  ///< no effect holds anything, no rotor turns backwards, no joint has stops; packs in
-           ///< which a body spins fast do not come through
+  kUsual,  ///< no held inputs, no rotor that may spin backwards, no joint stops; packs with a fast
+           ///< spinning body fail
   kAny     ///< all worlds and lanes
 };
 
-/// @tparam Values         how parameters and what derives from them are read: LaneValues,
+/// @tparam Values         access to parameters and values derived from them: LaneValues,
 ///                        SharedValues
-/// @tparam Accelerations  what turns forces into accelerations
+/// @tparam Accelerations  computes accelerations from forces
 template <class Real, class Values, TreeKind kKind, class Accelerations = TreeAccelerations>
 class Mechanics {
  public:
-  /// @param first   of the lanes that Real holds
+  /// @param first   of the lanes of Real
   /// @param arrays  of the call's scratch memory
   SKYBODY_INLINE Mechanics(const StepCall& call, int first, const Values& params,
                            const Values& derived, StepArrays<Real>& arrays,
@@ -57,7 +56,7 @@ class Mechanics {
         couplings_(plan_.couplings, plan_.multibody, a_.couplings),
         fast_(plan_, a_.fast, a_.fast_bodies, a_.motion) {}
 
-  /// Quaternions to norm 1; bodies and spins from q and u.
+  /// Normalises quaternions; computes bodies and spins from q and u.
   SKYBODY_INLINE void refresh(const MaskOf<Real>& mask) {
     load_coordinates();
     for (const TreeBody& body : tree()) make_unit(body.type, a_.now.q + body.q);
@@ -66,14 +65,14 @@ class Mechanics {
     put_motion(mask);
   }
 
-  /// The same of coordinates that are as they should be.
+  /// The same for coordinates that are already normalised.
   SKYBODY_INLINE void find_motion(const MaskOf<Real>& mask) {
     load_coordinates();
     update_motion(a_.now.q, a_.now.u);
     put_motion(mask);
   }
 
-  /// Coordinates as couplings allow them. @returns the lanes of `mask` where that can be
+  /// Projects coordinates onto the couplings. @returns the lanes of `mask` in which this succeeded
   SKYBODY_INLINE MaskOf<Real> project_constraints(const MaskOf<Real>& mask) {
     load_coordinates();
     couplings_.load(params_, derived_ + plan_.derived.bodies);
@@ -85,7 +84,7 @@ class Mechanics {
     return is_closed;
   }
 
-  /// One physics step of the lanes in `mask` by a fixed rule; returns those that came through.
+  /// One physics step of the lanes in `mask` by a fixed rule; returns the lanes that succeeded.
   SKYBODY_INLINE MaskOf<Real> advance(const MaskOf<Real>& mask) {
     const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
     begin_step();
@@ -113,7 +112,7 @@ class Mechanics {
   }
 
   /// The same with an integrator that chooses its own times.
-  /// @param advance  advance(rates, q, u), with rates as integrator.h has them
+  /// @param advance  advance(rates, q, u), with rates as in integrator.h
   template <class Advance>
   SKYBODY_INLINE MaskOf<Real> advance_by(const Advance& advance, const MaskOf<Real>& mask) {
     begin_step();
@@ -125,7 +124,7 @@ class Mechanics {
       each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command) {
         a_.joint_targets[kStepMiddle][i] = target_at_time(d.drive.tau, state, command, time);
       });
-      has_motion_ = false;  // its points are not ours
+      has_motion_ = false;  // it evaluates at other points
       accelerate(q, u, kStepMiddle, udot);
       position_rates_of(q, u, qdot);
     };
@@ -133,8 +132,8 @@ class Mechanics {
     return end_step(mask);
   }
 
-  /// Accelerations at the step's start; of stops those that they will have over a step.
-  /// @param contact  forces of contact, one per body; null: none
+  /// Accelerations at the step's start; those by stops are means over a step.
+  /// @param contact  contact forces, one per body; null: none
   SKYBODY_INLINE void accelerations(const SpatialForce<Real>* contact, Real* udot) {
     contact_ = contact;
     begin_step();
@@ -143,7 +142,7 @@ class Mechanics {
     if (plan_.stops.any()) add_stops(udot);
     if (couplings_.any()) couplings_.add_coupling_forces(a_.motion, a_.forces);
   }
-  /// What the last evaluation had: motion of the bodies, and all forces on them but those of
+  /// Values of the last evaluation: motion of the bodies, and all forces on them except those of
   /// joints.
   const BodyKinematics<Real>* motion() const { return a_.motion; }
   SpatialForce<Real>* forces() const { return a_.forces; }
@@ -169,7 +168,7 @@ class Mechanics {
     }
   }
 
-  /// In parts where robots with joints spin fast; a lane keeps its state behind its last part.
+  /// Takes substeps if robots with joints spin fast; a lane keeps its state after its last substep.
   template <class Rates>
   SKYBODY_INLINE void advance_in_parts(const MaskOf<Real>& mask, const Rates& rates) {
     const Real parts = fast_.parts(dt());
@@ -196,7 +195,7 @@ class Mechanics {
     }
   }
 
-  /// Moves the robots for a time in which nothing acts on them: see HighSpinRobots::drift.
+  /// Moves the robots for a time without forces: see HighSpinRobots::drift.
   template <class Slowly>
   SKYBODY_INLINE void drift(const Real& time, bool locks, const Slowly& slowly) const {
     if constexpr (kIsAny) {
@@ -207,9 +206,9 @@ class Mechanics {
   }
 
   /// Finds robots that spin fast at the step's start.
-  /// @returns the lanes whose step this kind takes. kUsual leaves the whole pack if a lane of
-  /// `mask`
-  ///          is fast: kAny computes all of its lanes anyway, with the same bits for slow ones
+  /// @returns the lanes whose step this kind takes. kUsual rejects the whole pack if a lane of
+  /// `mask` is
+  ///          fast: kAny computes all of its lanes anyway, with the same bits for slow ones
   SKYBODY_INLINE MaskOf<Real> find_fast(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
       fast_.find(a_.motion);
@@ -231,12 +230,12 @@ class Mechanics {
     }
   }
 
-  /// Brings the second evaluation's velocities to the mean of the step, where robots with joints
-  /// spin fast: with them the rule is the implicit midpoint rule, whose energy does not grow.
-  /// @param half  half the part's time
+  /// Moves the velocities of the second evaluation to the mean of the step, if robots with joints
+  /// spin fast. The rule then becomes the implicit midpoint rule, whose energy does not grow.
+  /// @param half  half the substep's time
   /// @returns whether they still change in any lane
   SKYBODY_INLINE bool approach_mean(const Real& half) {
-    constexpr double kSmall = 1e-9;  // the remaining error is this times the part's angle
+    constexpr double kSmall = 1e-9;  // the remaining error is this times the substep's angle
     if (none(is_open_)) return false;
     Real* const point = a_.stages.point.u;
     MaskOf<Real> changes(false);
@@ -253,7 +252,7 @@ class Mechanics {
     return true;
   }
 
-  /// Coordinates, commands and motion as the step finds them.
+  /// Loads coordinates, commands and motion at the step's start.
   SKYBODY_INLINE void begin_step() {
     begin_motion();
     lanes_.load(group_.wrench, layout().wrench.size, a_.wrench);
@@ -286,7 +285,7 @@ class Mechanics {
     has_motion_ = false;
   }
 
-  /// Coordinates, and the motion that belongs to them.
+  /// Loads coordinates and their motion.
   SKYBODY_INLINE void begin_motion() {
     load_coordinates();
     if (spins_ != nullptr) {
@@ -306,7 +305,7 @@ class Mechanics {
     return params_ + layout().rotor_params[static_cast<std::size_t>(i)];
   }
 
-  /// Calls f(i, rotor's step) for every rotor of the world.
+  /// Calls f(i, step of the rotor) for every rotor of the world.
   template <class F>
   SKYBODY_INLINE void each_rotor(const F& f) const {
     for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
@@ -327,7 +326,7 @@ class Mechanics {
     }
   }
 
-  /// Calls f(i, rotor's step) for a rotor that may turn backwards.
+  /// Calls f(i, step of the rotor) for a rotor that may spin backwards.
   template <class F>
   SKYBODY_INLINE void run_reversible(int i, const RotorLag<Real>& lag, const Real& speed,
                                      const Real& command, const Real& max_speed,
@@ -351,7 +350,8 @@ class Mechanics {
     }
   }
 
-  /// For rules that evaluate in mid-step alone: with the change of speed over the step.
+  /// Computes rotor motions. Rules with evaluations in mid-step only use the change of speed over
+  /// the step.
   SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
     const double rate = 1.0 / dt();
     each_rotor([&](int i, const auto& rotor) SKYBODY_INLINE_LAMBDA {
@@ -404,7 +404,7 @@ class Mechanics {
   }
 
   /// Calls f(robot, where, change) for robots at stops: see JointStops::act.
-  /// @param end  what the step without stops leads to
+  /// @param end  the end of the step without stops
   template <class F>
   SKYBODY_INLINE void push_at_stops(const MaskOf<Real>& mask, const Coordinates<Real>& end,
                                     const F& f) const {
@@ -412,7 +412,7 @@ class Mechanics {
                     end.q, end.u, a_.multibody, a_.stops, f);
   }
 
-  /// The step's end without stops becomes that with them.
+  /// Corrects the step's end for stops.
   SKYBODY_INLINE void stop_joints(const MaskOf<Real>& mask) {
     push_at_stops(mask, a_.now,
                   [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
@@ -425,7 +425,7 @@ class Mechanics {
                         move_on(robot, where, step);
                       });
   }
-  /// Coordinates of a robot go on for dt with rates `u`.
+  /// Moves the coordinates of a robot for dt at rates `u`.
   SKYBODY_INLINE void move_on(const RobotLayout& robot, const MaskOf<Real>& where,
                               const Real* u) const {
     for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
@@ -441,7 +441,7 @@ class Mechanics {
     }
   }
 
-  /// Adds what stops do over the step that begins.
+  /// Adds the accelerations by stops over the coming step.
   SKYBODY_INLINE void add_stops(Real* udot) const {
     const Coordinates<Real>& end = a_.stages.point;
     for (const TreeBody& body : tree()) {
@@ -458,8 +458,8 @@ class Mechanics {
                       });
   }
 
-  /// Joints stopped, quaternions to norm 1, pose-driven bases exactly where they were told to be;
-  /// writes the lanes whose values are bounded.
+  /// Ends the step: applies stops, normalises quaternions, and sets pose-driven bases exactly to
+  /// their targets. Writes the lanes whose values are bounded.
   SKYBODY_INLINE MaskOf<Real> end_step(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
       if (plan_.stops.any()) stop_joints(mask);
@@ -484,7 +484,7 @@ class Mechanics {
       through &= is_bounded(a_.joint_targets[kStepEnd][i]);
     }
     update_motion(a_.now.q, a_.now.u);
-    if (all(through)) {  // the usual case, without reading what is overwritten
+    if (all(through)) {  // the usual case, without reading the old values
       store_step(AllLanes());
     } else {
       store_step(through);
@@ -510,7 +510,7 @@ class Mechanics {
     forward_kinematics(tree(), q, u, a_.motion);
   }
 
-  /// The motion that the step before left: that of q and u.
+  /// Loads the motion from the previous step, which belongs to q and u.
   SKYBODY_INLINE void load_motion() {
     for (int i = 0; i < body_count(); ++i) {
       const LaneValues<Real> b(lanes_.at(group_.bodies, 13 * i));
@@ -540,10 +540,10 @@ class Mechanics {
   const SpatialForce<Real>* contact_ = nullptr;
   Couplings<Real> couplings_;
   HighSpinRobots<Real> fast_;
-  MaskOf<Real> is_open_;       ///< lanes where the mean velocity is not found yet
+  MaskOf<Real> is_open_;       ///< lanes with a mean velocity that has not converged
   bool stays_ = false;         ///< all evaluations of the step are at the same q
-  bool has_response_ = false;  ///< what couplings do there is known
-  bool has_motion_ = false;    ///< `motion` belongs to the point that is evaluated next
+  bool has_response_ = false;  ///< the response of couplings at this q is computed
+  bool has_motion_ = false;    ///< `motion` belongs to the next point of evaluation
 };
 
 }  // namespace skybody

@@ -5,7 +5,7 @@
 
 namespace skybody {
 
-/// Adjoint of to_mat3 (quat.h). @param to  of the matrix
+/// Adjoint of to_mat3 (quat.h). @param to  adjoint of the matrix
 template <class Real>
 SKYBODY_INLINE Quat<Real> pull_back_axes(const Quat<Real>& q, const Mat3<Real>& to) {
   const auto& m = to.m;
@@ -18,7 +18,7 @@ SKYBODY_INLINE Quat<Real> pull_back_axes(const Quat<Real>& q, const Mat3<Real>& 
           twice(q.w * skew.z + q.x * xz + q.y * yz - twice(q.z * (m[0] + m[4])))};
 }
 
-/// Component by component.
+/// Sum by components.
 template <class Real>
 SKYBODY_INLINE Quat<Real> sum(const Quat<Real>& a, const Quat<Real>& b) {
   return {a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
@@ -33,7 +33,7 @@ SKYBODY_INLINE Quat<Real> pull_back_norm(const Quat<Real>& to, const Quat<Real>&
           (to.y - unit.y * along) * inverse_norm, (to.z - unit.z * along) * inverse_norm};
 }
 
-/// a b^T: the adjoint of a matrix in `matrix b`, with a that of the product.
+/// a b^T: the adjoint of the matrix in the product `matrix b`, with a the adjoint of the product.
 template <class Real>
 SKYBODY_INLINE Mat3<Real> outer(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {{a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y,

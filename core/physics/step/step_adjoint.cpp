@@ -23,7 +23,7 @@ AlignedArray<double> StepAdjoint::make_derived() const {
   return AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size) * kGroupLanes +
                               static_cast<std::size_t>(world.layout.physics_params) +
                               kBodyConstantCount *
-                                  world.bodies.size());  // the rest for one lane's own
+                                  world.bodies.size());  // the rest is work memory for one lane
 }
 
 void StepAdjoint::derive(const double* params, std::uint32_t lanes,

@@ -1,4 +1,4 @@
-// Derivatives of physics steps of a lane group, for learning through the dynamics.
+// Gradients of physics steps of a lane group, for learning through the dynamics.
 #pragma once
 
 #include <cstdint>
@@ -8,31 +8,33 @@
 
 namespace skybody {
 
-/// Goes back through steps of groups of kGroupLanes lanes. Immutable, thread-safe.
+/// Adjoint of steps of groups of kGroupLanes lanes. Immutable, thread-safe.
 class StepAdjoint {
  public:
   /// @param world  must outlive it
-  /// @throws Error if steps choose their own times, or Simbody takes them
+  /// @throws Error if the integrator chooses its own times, or the dynamics is Simbody
   explicit StepAdjoint(const World& world);
 
   const StepPlan& plan() const { return plan_; }
-  /// Whether pull_back() knows this world: one free robot with level rotors, stepped by the
-  /// midpoint rule, of which effects hold nothing. Others go on dual numbers (dual_kernels.h).
+  /// Whether pull_back() supports this world: one free robot with level rotors, stepped by the
+  /// midpoint rule, without held inputs. Other worlds use dual numbers (dual_kernels.h).
   bool has_closed_form() const { return has_closed_form_; }
 
-  /// Room for what derives from the parameters of a group.
+  /// Allocates memory for the values derived from a group's parameters.
   AlignedArray<double> make_derived() const;
 
-  /// Makes ready for the parameters of a group. Before pull_back() wherever they may be others.
+  /// Computes the values derived from a group's parameters. Must precede pull_back() after a change
+  /// of parameters.
   /// @param params  the parameter block, in lanes
   void derive(const double* params, std::uint32_t lanes, AlignedArray<double>& derived) const;
 
-  /// Where has_closed_form().
-  /// @param values    state words from `q` on, up to the parameters, as they were before the step,
-  ///                  commands as in it, in lanes
+  /// Adjoint of one step; requires has_closed_form().
+  /// @param values    state words from `q` on, up to the parameters, as before the step, with the
+  ///                  step's commands, in lanes
   /// @param params    the parameter block, in lanes
-  /// @param adjoints  of the same words: derivatives of a sum by what they are after the step;
-  ///                  overwritten by those by what they were before it. Lanes beyond `lanes` stay
+  /// @param adjoints  of the same words: in: derivatives of a scalar by their values after the
+  /// step;
+  ///                  out: by their values before it. Lanes that are not in `lanes` stay unchanged
   void pull_back(const double* values, const double* params, const AlignedArray<double>& derived,
                  std::uint32_t lanes, double* adjoints) const;
 

@@ -1,4 +1,4 @@
-// What a step works on, in a thread's scratch memory: coordinates, and arrays for them.
+// Work arrays of a step, in a thread's scratch memory, and coordinates.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace skybody {
 
-/// Takes arrays from memory, one after another.
+/// Allocates arrays in a block of memory, one after another.
 struct StepArena {
   std::byte* memory;
   std::size_t used = 0;
@@ -30,7 +30,7 @@ struct StepArena {
 template <class Real>
 struct Coordinates {
   const std::vector<TreeBody>* tree = nullptr;
-  Real *q = nullptr, *u = nullptr;  ///< u behind q
+  Real *q = nullptr, *u = nullptr;  ///< u follows q
   int q_count = 0, u_count = 0;
 
   /// start + time rate, element by element.
@@ -54,7 +54,7 @@ struct Coordinates {
   SKYBODY_INLINE void copy(const Coordinates& from) const {
     for (int i = 0; i < q_count + u_count; ++i) q[i] = from.q[i];
   }
-  /// What `other` has, but in the lanes of a mask.
+  /// Copies `other` in the lanes outside a mask.
   SKYBODY_INLINE void keep(const MaskOf<Real>& mask, const Coordinates& other) const {
     for (int i = 0; i < q_count + u_count; ++i) q[i] = select(mask, q[i], other.q[i]);
   }
@@ -93,7 +93,7 @@ struct StepArrays {
   CouplingWorkspace<Real> couplings;
   JointStopWorkspace<Real> stops;
   HighSpinRobot<Real>* fast;  ///< per robot
-  Real* fast_bodies;          ///< kBodyConstantCount per body, of robots that are fast
+  Real* fast_bodies;          ///< kBodyConstantCount per body, of fast robots
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -104,7 +104,7 @@ struct StepArrays {
  private:
   StepArrays() = default;
 
-  /// @returns the bytes that it takes
+  /// @returns the number of bytes used
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
     const Layout& layout = plan.world.layout;
     const std::size_t bodies = plan.world.bodies.size();
@@ -136,8 +136,7 @@ struct StepArrays {
   }
 };
 
-/// Writes the motion of bodies `first` to before `last` as GroupBlocks::bodies and StepCall::spins
-/// have it.
+/// Writes the motion of the bodies [first, last) to GroupBlocks::bodies and StepCall::spins.
 /// @param lanes  a LaneSlice or LaneList
 /// @param mask   lanes to write, or AllLanes
 template <class Real, class Lanes, class Mask>

@@ -17,14 +17,14 @@ DerivedLayout::DerivedLayout(const World& world)
 
 namespace {
 
-/// Of free robots that effects hold nothing of.
+/// The kernel for free robots without held inputs.
 StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   switch (integrator) {
     case IntegratorChoice::kRk4:
       return free_rk4_kernel(lanes, isa);
     case IntegratorChoice::kMidpoint:
       return free_midpoint_kernel(lanes, isa);
-    default:  // semi-implicit Euler: the others have no kernels
+    default:  // semi-implicit Euler: other integrators have no kernels
       return free_euler_kernel(lanes, isa);
   }
 }

@@ -1,5 +1,4 @@
-// What stepping a world needs besides the values of a group: made once, shared by all groups of the
-// world.
+// The constant data of stepping a world: made once, shared by all groups of the world.
 #pragma once
 
 #include <cstddef>
@@ -27,9 +26,9 @@ struct DrivenBase {
   int value = 0;  ///< first of its values within the drive block
 };
 
-/// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each) and
-/// factors (kRotorFactorCount each), then the bodies' constants (kBodyConstantCount each) and the
-/// obstacles' (kShapeConstantCount each).
+/// Layout of the values derived from the parameters of one environment: the rotors' lags (kLagSize
+/// each) and factors (kRotorFactorCount each), then the constants of the bodies (kBodyConstantCount
+/// each) and of the obstacles' shapes (kShapeConstantCount each).
 struct DerivedLayout {
   explicit DerivedLayout(const World& world);
   int lags = 0;
@@ -39,9 +38,9 @@ struct DerivedLayout {
   int size = 0;
 };
 
-/// The rotors' part of them, the rest being the bodies' and the obstacles'.
-/// @param params  of one environment, or of as many as Real has lanes: a pointer, or a view
-/// @param store   store(k, value) for every place k of the rotors
+/// Computes the derived values of the rotors; those of bodies and obstacles are computed elsewhere.
+/// @param params  of one environment, or of the lanes of Real: a pointer, or a view
+/// @param store   store(k, value): called for every index k of the rotors
 template <class Values, class Store>
 SKYBODY_INLINE void derive_rotors(const World& world, const DerivedLayout& layout,
                                   const Values& params, Store&& store) {
@@ -64,7 +63,7 @@ SKYBODY_INLINE void derive_rotors(const World& world, const DerivedLayout& layou
 struct StepPlan;
 struct GroupBlocks;
 
-/// Coordinates of a group at the start of a step that has been taken.
+/// Coordinates of a group at the start of a completed step.
 struct StepStart {
   const double* q = nullptr;
   const double* u = nullptr;
@@ -78,38 +77,38 @@ struct StepCall {
   double* derived;       ///< DerivedLayout::size values in lanes; null: all lanes are nominal
   std::byte* scratch;    ///< StepPlan::scratch_bytes
   StepStart start = {};  ///< for `correct`
-  /// For `find_near`: Clearance of each contact body, four values in lanes; null: none are kept
+  /// For `find_near`: Clearance of each contact body, four values in lanes; null: not kept
   double* clearances = nullptr;
-  /// Per CollisionPair of the contact scene: the lanes where it is near, which `find_near` adds to
-  /// and `correct` looks at; those that nothing moves in are left out
+  /// Per CollisionPair of the contact scene: the lanes in which it is near. `find_near` adds lanes,
+  /// `correct` reads them. Pairs that forces do not move are left out
   std::uint32_t* near = nullptr;
 };
 
-/// Does one thing to the lanes in `lanes`. @returns the lanes where it succeeded or holds
+/// One operation on the lanes in `lanes`. @returns the lanes in which it succeeded or is true
 using StepKernel = std::uint32_t(const StepCall& call, std::uint32_t lanes);
 
 /// The kernels for groups of one size.
 struct StepKernels {
-  /// Bodies and spins from q and u.
+  /// Computes bodies and spins from q and u.
   StepKernel* refresh = nullptr;
-  /// One physics step; the lanes that came through: the others are as they were.
+  /// One physics step; returns the lanes that succeeded. The others are unchanged.
   StepKernel* advance = nullptr;
-  /// The same for the lanes that `advance` leaves: of free robots those in which one spins fast, of
-  /// trees all lanes of a pack with such a one. Null: it leaves none.
+  /// The same for the lanes that `advance` leaves: for free robots, lanes with a fast robot; for
+  /// trees, all lanes of a pack that contains such a lane. Null: it leaves none.
   StepKernel* advance_fast = nullptr;
-  /// The lanes where something may touch within the step that begins.
+  /// The lanes with a pair that may touch within the coming step.
   StepKernel* find_near = nullptr;
-  /// Takes away what the values, changed from outside, leave of the gaps of couplings; the lanes
-  /// where that can be.
+  /// Closes the gaps of couplings after a change of values from outside; returns the lanes in which
+  /// this succeeded.
   StepKernel* project_constraints = nullptr;
-  /// What contact makes of the step that has been taken (contact_correction.h); the lanes that came
-  /// through: the others keep the step without contact.
+  /// Contact, applied as a correction after the step (contact_correction.h); returns the lanes that
+  /// succeeded. The others keep the step without contact.
   StepKernel* correct = nullptr;
-  /// Derives what belongs to the rotors, into memory that StepCall::derived points to.
+  /// Derives the values of the rotors, into the memory of StepCall::derived.
   StepKernel* derive = nullptr;
 };
 
-/// Kernels of one kind, for groups of kGroupLanes lanes by an instruction set, or of one lane.
+/// Kernels of one kind: for groups of kGroupLanes lanes with an instruction set, or for one lane.
 StepKernel* refresh_kernel(int lanes, Isa isa);
 StepKernel* near_kernel(int lanes, Isa isa);
 StepKernel* contact_kernel(int lanes, Isa isa);
@@ -127,24 +126,24 @@ StepKernel* free_fast_kernel(IntegratorChoice integrator, int lanes, Isa isa);
 
 /// Immutable; refers to the world, which must outlive it.
 struct StepPlan {
-  /// @throws Error (naming the body) if no rigid body can have the nominal mass properties
+  /// @throws Error (naming the body) if the nominal mass properties are not physical
   StepPlan(const World& world, DynamicsBackend use);
 
-  /// Whether tree's steps are taken by kernels: an error-controlled integrator's steps depend on
-  /// the state, so that lanes part.
+  /// Whether kernels take the steps. Steps of an error-controlled integrator depend on the state,
+  /// so that lanes diverge in their control flow.
   bool has_kernels() const {
     return !is_error_controlled(world.scenario.stepping.integrator) &&
            use != DynamicsBackend::kSimbody;
   }
   bool has_held() const { return held != HeldInputSet::kNothing; }
-  /// Whether trees take the kernel for any world: TreeKind in mechanics.h.
+  /// Whether trees use the kernel for any world: see TreeKind in mechanics.h.
   bool has_rare_cases() const { return has_held() || stops.any() || has_reversible_rotors; }
-  /// Whether lanes read their own parameters even where these are nominal: a second kernel would
+  /// Whether lanes read their own parameters even if these are nominal: a second kernel would
   /// double the compile time.
   bool never_shares() const {
     return free_robots ? held == HeldInputSet::kAnything : has_rare_cases();
   }
-  /// Those for groups of kGroupLanes lanes, or of one.
+  /// The kernels for groups of kGroupLanes lanes, or of one.
   const StepKernels& kernels(int lanes) const {
     return lanes == 1 ? kernels_of_one : kernels_of_all;
   }
@@ -156,7 +155,7 @@ struct StepPlan {
   ContactScene contact;
   CouplingScene couplings;
   JointStops stops;
-  std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
+  std::optional<FreeRobots> free_robots;  ///< set if all robots are free bodies: a faster step
   std::vector<DrivenBase> drives;
   double fast_square;  ///< fast_spin_square()
   HeldInputSet held = HeldInputSet::kNothing;
@@ -164,9 +163,9 @@ struct StepPlan {
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
-  std::vector<WideValue> shared_params, shared_derived;  ///< the same, as packs read them
-  std::size_t kernel_bytes = 0;   ///< enough for a step of the widest pack, and for deriving
-  std::size_t scratch_bytes = 0;  ///< that, and a copy of what a step changes
+  std::vector<WideValue> shared_params, shared_derived;  ///< the same, in the form that packs read
+  std::size_t kernel_bytes = 0;   ///< sufficient for a step of the widest pack, and for deriving
+  std::size_t scratch_bytes = 0;  ///< kernel_bytes, and a copy of the values that a step changes
   StepKernels kernels_of_all, kernels_of_one;
 };
 

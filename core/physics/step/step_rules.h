@@ -1,5 +1,5 @@
-// What happens within one physics step whoever computes it: how rotors run, how drives set a base's
-// coordinates, and the explicit integration rules. On double and packs.
+// Rules common to all kernels of a physics step: rotor motion, coordinates of driven bases, and the
+// explicit integration rules. On double and packs.
 #pragma once
 
 #include "core/physics/forces/base_drive.h"
@@ -11,26 +11,26 @@ namespace skybody {
 /// faster than any rotor.
 inline constexpr double kLargestState = 1e6;
 
-/// Where the square of a body's spin [rad^2/s^2] is larger, rules with one evaluation in mid-step
-/// move it by its torque-free motion (bodies/torque_free.h), and forces alone change its
-/// velocities.
+/// Threshold of the square of a body's spin [rad^2/s^2]. Above it, rules with one evaluation in
+/// mid-step move the body by its torque-free motion (bodies/torque_free.h), and only forces change
+/// its velocities.
 ///
-/// Below, midpoint takes the body's own gyroscopic torque explicitly: of a wobble, whose frequency
-/// is at most the spin w, the energy grows by (w dt)^4 / 4 a step, which is here 1 % a minute at
-/// most (29 rad/s at 1 ms, 10 rad/s at 4 ms).
+/// Below it, the midpoint rule integrates the body's gyroscopic torque explicitly. The energy of a
+/// wobble, whose frequency is at most the spin w, grows by (w dt)^4 / 4 per step. At the threshold
+/// this is at most 1 % per minute (29 rad/s at 1 ms, 10 rad/s at 4 ms).
 SKYBODY_INLINE double fast_spin_square(double dt) {
   constexpr double kGrowth = 0.01 / 60.0;  // of energy [1/s]
   return sqrt(4.0 * kGrowth / (dt * dt * dt));
 }
 
-/// A rotor's command during one step, ready to be asked how the rotor runs.
+/// A rotor's command during one step; computes the rotor's motion.
 template <class Real>
 struct RotorStep {
   RotorLag<Real> lag;
   Real speed;    ///< at the start of the step [rad/s]
-  Real command;  ///< held, and what the rotor can do [rad/s]
+  Real command;  ///< constant, within the rotor's limits [rad/s]
 
-  /// @param command  as held; @param max_speed, min_speed  what the rotor can do
+  /// @param held  the command; @param max_speed, min_speed  the rotor's limits
   SKYBODY_INLINE RotorStep(const RotorLag<Real>& l, const Real& start, const Real& held,
                            const Real& max_speed, const Real& min_speed = Real(0.0))
       : lag(l), speed(start), command(limit_command(held, max_speed, min_speed)) {}
@@ -38,7 +38,7 @@ struct RotorStep {
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
     return rotor_at(lag, speed, command, time);
   }
-  /// Speed in mid-step, and the change of speed over the step instead of an acceleration.
+  /// Speed in mid-step, with the change of speed over the step instead of an acceleration.
   /// @param end  speed at the end of the step
   SKYBODY_INLINE RotorMotion<Real> in_middle(const Real& end) const {
     return rotor_motion<Real>(at(kStepMiddle).speed, end - speed);
@@ -58,7 +58,7 @@ struct RotorStep {
   }
 };
 
-/// A rotor that may turn backwards: its squares have a sign.
+/// A rotor that may spin backwards: its squares have a sign.
 /// @tparam Step  RotorStep or HeldRotorStep, with a lag_by_size()
 template <class Real, class Step>
 struct ReversibleRotorStep {
@@ -85,7 +85,7 @@ struct ReversibleRotorStep {
   }
 };
 
-/// Sets the rates of a driven base for the step that begins.
+/// Sets the rates of a driven base for the coming step.
 /// @param values  the drive's kDriveSize values
 /// @param q, u    the base's own
 /// @param target  pose drives: the base's coordinates at the step's end, seven, written
@@ -102,27 +102,28 @@ SKYBODY_INLINE void begin_drive(DriveKind kind, const BodyKinematics<Real>& base
   drive_to_pose(q, target, dt, u);
 }
 
-/// An explicit one-step rule as its stages: where each evaluates the rates.
+/// An explicit one-step rule as its stages: the points at which it evaluates the rates.
 struct StepRule {
   IntegratorChoice integrator;
   int stages;
   StageTime time[4];  ///< of the rotors
-  double reach[4];    ///< from the step's start with the rates of the stage before [dt]
+  double reach[4];    ///< from the step's start with the rates of the previous stage [dt]
 
-  /// Whether only velocities are changed by rates, coordinates by velocities.
+  /// Whether rates change only velocities, and velocities change coordinates.
   constexpr bool is_split() const { return integrator != IntegratorChoice::kRk4; }
 };
-/// Half a step of the coordinates at the velocities of the start, a step of the velocities by the
-/// explicit midpoint rule at those coordinates, half a step of the coordinates at the velocities of
-/// the end: order 2. Where forces depend on coordinates alone this is the leapfrog (E. Hairer, C.
-/// Lubich, G. Wanner, "Geometric Numerical Integration", 2006, section I.1.4), with the
-/// oscillator's energy bounded up to two radians a step. Rotors count with their means over the
-/// step.
+/// The midpoint rule, order 2:
+/// 1. half a step of the coordinates at the initial velocities,
+/// 2. a step of the velocities by the explicit midpoint rule at these coordinates,
+/// 3. half a step of the coordinates at the final velocities.
+/// If forces depend only on coordinates, this is the leapfrog (E. Hairer, C. Lubich, G. Wanner,
+/// "Geometric Numerical Integration", 2006, section I.1.4); the oscillator's energy is bounded up
+/// to two radians per step. Rotors enter with their means over the step.
 inline constexpr StepRule kMidpointRule{
     IntegratorChoice::kMidpoint, 2, {kStepMiddle, kStepMiddle}, {0.0, 0.5}};
-/// Most evaluations of a step by kMidpointRule, of which two are the usual case.
+/// Maximum number of evaluations of a step by kMidpointRule; two are the usual case.
 inline constexpr int kMostEvaluations = 14;
-/// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors count with
+/// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors enter with
 /// their speed in mid-step.
 inline constexpr StepRule kSemiImplicitEulerRule{
     IntegratorChoice::kSemiImplicitEuler, 1, {kStepMiddle}, {0.0}};
@@ -132,26 +133,27 @@ inline constexpr StepRule kRungeKutta4Rule{IntegratorChoice::kRk4,
                                            {kStepStart, kStepMiddle, kStepMiddle, kStepEnd},
                                            {0.0, 0.5, 0.5, 1.0}};
 
-/// Of an integrator with fixed steps.
+/// The rule of an integrator with fixed steps.
 SKYBODY_INLINE const StepRule& step_rule(IntegratorChoice integrator) {
   if (integrator == IntegratorChoice::kRk4) return kRungeKutta4Rule;
   return integrator == IntegratorChoice::kMidpoint ? kMidpointRule : kSemiImplicitEulerRule;
 }
 
-/// Where a rule keeps its rates.
+/// Work memory for a rule's rates.
 template <class State>
 struct StageRates {
-  State point;               ///< a stage's
-  State outer, inner, rate;  ///< of the first stage, the second, and those behind
+  State point;               ///< state of a stage
+  State outer, inner, rate;  ///< of the first stage, the second, and the later ones
 };
 
-/// One step by a rule whose first stage is the step's start: not kMidpointRule. A split rule's
-/// rates are left in `work.outer`, with the state as it was.
+/// One step by a rule whose first stage is the step's start, that is, not kMidpointRule. The rates
+/// of a split rule are left in `work.outer`, and the state stays unchanged.
 /// @tparam State  has set(start, rate, time): start + time rate, element by element, where start
 ///                may be the state itself; and add(rate)
-/// @param rates   rates(state, time, rate) writes what the state changes by in a second. It is
-///                evaluated at one place in the loop, since its code is large
-/// @param state   at the step's start; written: at its end
+/// @param rates   rates(state, time, rate) writes the state's rate of change. Called at one place
+/// in
+///                the loop, since its code is large
+/// @param state   in: at the step's start; out: at its end
 template <class State, class Rates>
 SKYBODY_INLINE void step_by_stages(const StepRule& rule, double dt, const Rates& rates,
                                    State& state, StageRates<State>& work) {
@@ -169,12 +171,12 @@ SKYBODY_INLINE void step_by_stages(const StepRule& rule, double dt, const Rates&
 }
 
 /// One step by kMidpointRule.
-/// @tparam State  has change_velocity(rate, time), and kick(start, rate, time): start, its velocity
-///                changed
-/// @param rates   as for step_by_stages, evaluated at one place; only the velocity's are asked for
+/// @tparam State  has change_velocity(rate, time), and kick(start, rate, time): copies start and
+///                changes its velocity
+/// @param rates   as for step_by_stages, called at one place; only rates of velocity are used
 /// @param drift   drift(is_first) moves the state for half a step at its velocities
-/// @param goes_on  goes_on() says after the second evaluation, and those behind it, whether there
-///                is to be one more, at a point that it has brought nearer to the mean velocity
+/// @param goes_on  goes_on() is called after the second and each later evaluation: whether another
+///                evaluation follows, at a point that it has moved closer to the mean velocity
 template <class Time, class State, class Rates, class Drift, class GoesOn>
 SKYBODY_INLINE void step_by_midpoint(const Time& dt, const Rates& rates, const Drift& drift,
                                      const GoesOn& goes_on, State& state, StageRates<State>& work) {

@@ -1,7 +1,7 @@
 // CVODE and ARKODE of SUNDIALS on q and u: A. C. Hindmarsh et al., "SUNDIALS: Suite of nonlinear
-// and differential/algebraic equation solvers", ACM TOMS 31(3), 2005. They begin anew at every
-// physics step, where commands jump, so that nothing they remember outlives a step: results depend
-// on the state alone. Only here is SUNDIALS included.
+// and differential/algebraic equation solvers", ACM TOMS 31(3), 2005. They are reinitialised at
+// every physics step, where commands jump. No internal history outlives a step: results depend only
+// on the state. This is the only file that includes SUNDIALS.
 #include <arkode/arkode_arkstep.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
@@ -24,7 +24,7 @@
 namespace skybody {
 namespace {
 
-/// What a function of SUNDIALS returned while something was made.
+/// Checks the return value of a SUNDIALS function during construction.
 void demand(int flag, const char* function) {
   if (flag < 0) throw Error(std::string(function) + " failed: " + std::to_string(flag));
 }
@@ -50,7 +50,7 @@ void free_nonlinear_solver(SUNNonlinearSolver solver) { SUNNonlinSolFree(solver)
 void free_cvode(void* memory) { CVodeFree(&memory); }
 void free_arkode(void* memory) { ARKStepFree(&memory); }
 
-/// What a user would read on stderr is a fault of the environment.
+/// Suppresses messages on stderr: an error is reported as a fault of the environment.
 void keep_silent(int, const char*, const char*, char*, void*) {}
 
 SUNContext new_context() {
@@ -59,7 +59,7 @@ SUNContext new_context() {
   return context;
 }
 
-/// What CVODE and ARKODE share: y = (q, u), its derivative, and matrices for implicit methods.
+/// Common part of CVODE and ARKODE: y = (q, u), its derivative, and matrices for implicit methods.
 class SundialsIntegrator : public Integrator {
  public:
   explicit SundialsIntegrator(const World& world)
@@ -80,17 +80,17 @@ class SundialsIntegrator : public Integrator {
     std::memcpy(y + q_count_, u, u_count_ * sizeof(double));
     const int flag = solve();
     if (error_) std::rethrow_exception(error_);
-    // Too many steps of its own, or an error that no step size meets.
+    // Too many internal steps, or no step size meets the tolerance.
     if (flag < 0) throw std::runtime_error("SUNDIALS gave up: " + std::to_string(flag));
     std::memcpy(q, y, q_count_ * sizeof(double));
     std::memcpy(u, y + q_count_, u_count_ * sizeof(double));
   }
 
  protected:
-  /// From y at 0 to y at dt. @returns SUNDIALS' flag, < 0 where it gave up
+  /// Integrates y from time 0 to dt. @returns SUNDIALS' flag, < 0 on failure
   virtual int solve() = 0;
 
-  /// dy/dt for SUNDIALS; 1 asks it to try another point (or makes it give up), -1 stops it.
+  /// dy/dt for SUNDIALS. Returns 1 to request another point (or a failure), -1 to stop.
   static int derivative(realtype time, N_Vector y, N_Vector rates, void* self) {
     auto& me = *static_cast<SundialsIntegrator*>(self);
     const double* q = N_VGetArrayPointer(y);
@@ -101,7 +101,7 @@ class SundialsIntegrator : public Integrator {
     try {
       (*me.rates_)(q, u, time, qdot, qdot + me.q_count_);
       if (!are_finite(qdot, count)) return 1;
-    } catch (const std::runtime_error&) {  // the dynamics gives up there
+    } catch (const std::runtime_error&) {  // the dynamics fails there
       return 1;
     } catch (...) {  // must not pass through C
       me.error_ = std::current_exception();
@@ -135,12 +135,12 @@ class SundialsIntegrator : public Integrator {
   Owned<N_Vector, &N_VDestroy> y_;
   Owned<SUNMatrix, &SUNMatDestroy> matrix_;                    ///< null: explicit
   Owned<SUNLinearSolver, &free_linear_solver> linear_solver_;  ///< likewise
-  const Rates* rates_ = nullptr;                               ///< of the step under way
+  const Rates* rates_ = nullptr;                               ///< of the current step
   std::exception_ptr error_;                                   ///< thrown in `derivative`
 };
 
 /// Adams-Moulton of orders 1 to 12 with fixed-point iteration, or BDF of orders 1 to 5 with
-/// Newton's.
+/// Newton's method.
 class Cvode final : public SundialsIntegrator {
  public:
   explicit Cvode(const World& world)
@@ -173,7 +173,7 @@ class Cvode final : public SundialsIntegrator {
   }
 
   Owned<SUNNonlinearSolver, &free_nonlinear_solver> fixed_point_;
-  Owned<void*, &free_cvode> memory_;  ///< the first to go: it uses the solvers
+  Owned<void*, &free_cvode> memory_;  ///< destroyed first: it uses the solvers
 };
 
 /// Runge-Kutta methods of order 4: Zonneveld's explicit one, or the diagonally implicit one of
@@ -212,7 +212,7 @@ class Arkode final : public SundialsIntegrator {
     return ARKStepEvolve(memory_.get(), dt(), y(), &reached, ARK_NORMAL);
   }
 
-  Owned<void*, &free_arkode> memory_;  ///< the first to go: it uses the solvers
+  Owned<void*, &free_arkode> memory_;  ///< destroyed first: it uses the solvers
 };
 
 }  // namespace

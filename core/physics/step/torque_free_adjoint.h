@@ -1,4 +1,4 @@
-// The adjoint of torque-free motion (bodies/torque_free.h), by hand. Names as in
+// Hand-written adjoint of torque-free motion (bodies/torque_free.h). Names as in
 // free_robot_adjoint.h: a value `x` has the adjoint `to_x`. On double and packs.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-/// A body that has moved freely for a time, and the way back.
+/// A body after free motion for a time, and the adjoint of that motion.
 template <class Real>
 class TorqueFreeAdjoint {
  public:
@@ -35,8 +35,8 @@ class TorqueFreeAdjoint {
   Quat<Real> rotation;
   Vec3<Real> velocity, spin;
 
-  /// From adjoints of the end to those of the start, each in its place; that of the position is the
-  /// same for both.
+  /// Converts adjoints of the end to those of the start, in place; that of the position is the same
+  /// for both.
   SKYBODY_INLINE void pull_back(const Vec3<Real>& to_position, Quat<Real>& to_rotation,
                                 Vec3<Real>& to_velocity, Vec3<Real>& to_spin) const {
     const Vec3<Real> last_lever = cross(spin, com_);
@@ -53,7 +53,8 @@ class TorqueFreeAdjoint {
   }
 
  private:
-  /// Part by part from the last on: the midpoint rule is its own inverse for the negative time.
+  /// Substep by substep, from the last one: the midpoint rule with negative time is its own
+  /// inverse.
   SKYBODY_INLINE void pull_back_turn(Quat<Real>& to_rotation, Vec3<Real>& to_spin) const {
     const Real& half = parts_.half;
     Quat<Real> q = rotation;

@@ -1,4 +1,4 @@
-// Apart from tree_kernel.cpp since each takes the compiler most of a minute.
+// Separate from tree_kernel.cpp because each takes most of a minute to compile.
 #include "core/physics/step/advance_trees.h"
 
 namespace skybody {

@@ -1,11 +1,11 @@
-// Kernels of any world: what steps ask for.
+// Kernels for any world.
 #include "core/physics/step/group_kernels.h"
 #include "core/physics/step/mechanics.h"
 
 namespace skybody {
 namespace {
 
-/// For what asks for no parameters.
+/// Mechanics for operations that use no parameters.
 template <class Real>
 SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, TreeKind::kUsual> motion_of(
     const StepCall& call, int first, StepArrays<Real>& arrays) {
@@ -40,7 +40,7 @@ struct CloseGaps {
   }
 };
 
-/// The exponentials of the rotors' lags are most of what a reset with drawn constants costs.
+/// The exponentials of the rotors' lags are most of the cost of a reset with randomized constants.
 struct DeriveRotors {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {

@@ -1,9 +1,9 @@
-// Accelerations of a tree of rigid bodies by the articulated-body algorithm: R. Featherstone, Rigid
-// Body Dynamics Algorithms, 2008, section 7.3, on double and packs.
+// Accelerations of a tree of rigid bodies by the articulated-body algorithm, on double and packs:
+// R. Featherstone, Rigid Body Dynamics Algorithms, 2008, section 7.3.
 //
 // All vectors are in W axes. Spatial quantities of a body are about the origin O of its own frame,
-// as SpatialForce is, with the acceleration `linear` that of the point O itself (not Featherstone's
-// spatial acceleration): then gravity, the state's velocities and Simbody's body forces need no
+// as SpatialForce is. The acceleration `linear` is that of the point O (not Featherstone's spatial
+// acceleration). Gravity, the state's velocities and Simbody's body forces therefore need no
 // conversion. For one body with mass m, centre of mass c from O and inertia I about O
 //   moment = I alpha + m c x a + w x (I w)
 //   force  = m a - m c x alpha + m w x (w x c)
@@ -47,7 +47,7 @@ SKYBODY_INLINE ArticulatedInertia<Real> rigid_inertia(const Real& mass, const Ve
       inertia + point_inertia(mass, com), skew(com * mass), {mass, mass, mass, zero, zero, zero}};
 }
 
-/// The force that the body's own rotation asks for, besides its accelerations.
+/// Velocity-dependent force of a body: the force that its rotation needs besides its accelerations.
 template <class Real>
 SKYBODY_INLINE SpatialForce<Real> velocity_force(const Real& mass, const Vec3<Real>& com,
                                                  const SymMat3<Real>& angular,
@@ -55,7 +55,7 @@ SKYBODY_INLINE SpatialForce<Real> velocity_force(const Real& mass, const Vec3<Re
   return {cross(w, angular * w), cross(w, cross(w, com)) * mass};
 }
 
-/// About a point that is `arm` before O (O = point + arm), for a body that moves with it.
+/// The inertia about a point that moves with the body: O = point + arm.
 template <class Real>
 SKYBODY_INLINE ArticulatedInertia<Real> shifted(const ArticulatedInertia<Real>& i,
                                                 const Vec3<Real>& arm) {
@@ -78,12 +78,12 @@ SKYBODY_INLINE SpatialForce<Real> shifted(const SpatialForce<Real>& f, const Vec
   return {f.moment + cross(arm, f.force), f.force};
 }
 
-/// What one body's elimination leaves for the way back to the leaves.
+/// Results of one body's elimination, kept for the pass from the base to the leaves.
 template <class Real>
 struct ArticulatedBodyCache {
-  ArticulatedInertia<Real> inertia;  ///< of the body and all that hangs on it
-  SpatialForce<Real> bias;           ///< force that it takes where nothing accelerates
-  SpatialAcceleration<Real> drift;   ///< acceleration at O with udot and the parent's zero
+  ArticulatedInertia<Real> inertia;  ///< of the body and its subtree
+  SpatialForce<Real> bias;           ///< force needed at zero acceleration
+  SpatialAcceleration<Real> drift;   ///< acceleration at O with zero udot and a parent at rest
   Vec3<Real> arm;                    ///< from the parent's O to this one
   SpatialAcceleration<Real> column[6];
   SpatialForce<Real> reduced[6];  ///< rows of L^-1 (inertia S)^T
@@ -148,11 +148,11 @@ SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>*
   }
 }
 
-/// How a joint's coordinates move their body.
+/// The effect of a joint's coordinates on its body.
 template <int N, bool kTurns>
 struct JointColumns {
   static constexpr int kCount = N;
-  /// About axes through O: columns have no linear part.
+  /// Rotations about axes through O: the columns have no linear part.
   static constexpr bool kTurnsAboutOrigin = kTurns;
 
   template <class Real>
@@ -169,8 +169,8 @@ struct JointColumns {
   }
 };
 
-/// Takes a joint's coordinates out of the inertia of its body.
-/// @param own  inertias of the coordinates themselves, one each; null: they have none
+/// Eliminates a joint's coordinates from the inertia of its body.
+/// @param own  inertias of the coordinates themselves, one each; null: none
 template <class Columns, class Real>
 SKYBODY_INLINE void eliminate(const Real* own, ArticulatedBodyCache<Real>& work) {
   for (int k = 0; k < Columns::kCount; ++k) {
@@ -191,7 +191,7 @@ SKYBODY_INLINE void eliminate(const Real* own, ArticulatedBodyCache<Real>& work)
   }
 }
 
-/// Takes them out of the forces on it.
+/// Eliminates a joint's coordinates from the forces on its body.
 template <class Columns, class Real>
 SKYBODY_INLINE void leave_residual(const Real* joint_force, ArticulatedBodyCache<Real>& work) {
   for (int k = 0; k < Columns::kCount; ++k) {
@@ -201,8 +201,8 @@ SKYBODY_INLINE void leave_residual(const Real* joint_force, ArticulatedBodyCache
   }
 }
 
-/// Acceleration of a body that nothing holds, from what it and all that hangs on it ask for: the
-/// linear part is taken out first.
+/// Acceleration of a floating body from its articulated inertia and force. Eliminates the linear
+/// part first.
 template <class Real>
 SKYBODY_INLINE SpatialAcceleration<Real> free_acceleration(const ArticulatedInertia<Real>& inertia,
                                                            const SpatialForce<Real>& force) {
@@ -219,7 +219,7 @@ SKYBODY_INLINE SpatialAcceleration<Real> free_acceleration(const ArticulatedIner
   return {angular, linear.solve(force.force - transpose_times(c, angular))};
 }
 
-/// Adds what the joint's coordinates pass on of the forces.
+/// Adds the part of the forces that the joint's coordinates transmit.
 template <class Columns, class Real>
 SKYBODY_INLINE void pass_on(const ArticulatedBodyCache<Real>& work, SpatialForce<Real>& bias) {
   for (int k = 0; k < Columns::kCount; ++k) {
@@ -229,7 +229,7 @@ SKYBODY_INLINE void pass_on(const ArticulatedBodyCache<Real>& work, SpatialForce
   }
 }
 
-/// inertia and bias as they are felt through the joint.
+/// inertia and bias as transmitted through the joint.
 template <class Columns, class Real>
 SKYBODY_INLINE void reduce(const ArticulatedBodyCache<Real>& work,
                            ArticulatedInertia<Real>& inertia, SpatialForce<Real>& bias) {
@@ -250,7 +250,8 @@ SKYBODY_INLINE void reduce(const ArticulatedBodyCache<Real>& work,
   pass_on<Columns>(work, bias);
 }
 
-/// udot of a joint whose body would accelerate by `a` if they were zero; adds what they do to `a`.
+/// udot of a joint. `a` is the body's acceleration for udot = 0; the contribution of udot is added
+/// to it.
 template <class Columns, class Real>
 SKYBODY_INLINE void substitute(const ArticulatedBodyCache<Real>& work, SpatialAcceleration<Real>& a,
                                Real* udot) {

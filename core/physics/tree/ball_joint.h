@@ -1,7 +1,7 @@
-// A ball joint in the articulated-body algorithm. It holds its body by a point, M's origin, and
-// passes a force and no moment but its own joint force's: the body's three rotations are taken out
-// at once, in W axes, and what is left of body and subtree is an inertia for that point alone. With
-// the motion about M's origin, whose acceleration is a,
+// A ball joint in the articulated-body algorithm. It holds its body at a point, M's origin. It
+// transmits a force, and no moment except its own joint force. All three rotations of the body are
+// eliminated at once, in W axes; the body and its subtree then act as an inertia at that point
+// alone. With the motion about M's origin, whose acceleration is a,
 //   tau = A alpha + C a + b_m        so  alpha = A^-1 (tau - b_m) - A^-1 C a
 //   f   = C^T alpha + L a + b_f      so  f = (L - C^T A^-1 C) a + b_f + C^T A^-1 (tau - b_m)
 #pragma once
@@ -10,13 +10,13 @@
 
 namespace skybody {
 
-/// What taking out a ball joint leaves for the way back to the leaves.
+/// Results of a ball joint's elimination, kept for the pass from the base to the leaves.
 template <class Real>
 struct BallJointCache {
   Mat3<Real> axes;       ///< of M, in W
   Vec3<Real> lever;      ///< from M's origin to O, W axes [m]
-  Vec3<Real> free_turn;  ///< A^-1 (tau - b_m): alpha where a is zero [rad/s^2]
-  Mat3<Real> follow;     ///< A^-1 C: what a takes away from alpha [rad/m]
+  Vec3<Real> free_turn;  ///< A^-1 (tau - b_m): alpha for a = 0 [rad/s^2]
+  Mat3<Real> follow;     ///< A^-1 C: reduction of alpha per a [rad/m]
 };
 
 /// Drift and arm of the joint, both to M's origin.
@@ -41,7 +41,7 @@ SKYBODY_INLINE void open_ball(const TreeBody& tree, const BodyKinematics<Real>* 
   work.drift = {cross(w, body.angular_velocity - w), cross(w, cross(w, work.arm))};
 }
 
-/// Acceleration of O where a and alpha are zero: the lever's centripetal one.
+/// Acceleration of O for a = 0 and alpha = 0: the centripetal acceleration at the lever.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body,
                                 const BallJointCache<Real>& ball) {
@@ -49,10 +49,10 @@ SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body,
   return cross(w, cross(w, ball.lever));
 }
 
-/// Takes the joint out of the equations of its body.
+/// Eliminates the joint from the equations of its body.
 /// @param force  of the joint on its body, M axes [N m]
-/// @param linear  overwritten: the inertia that M's origin feels
-/// @param bias    overwritten: about M's origin, what it takes where the parent does not accelerate
+/// @param linear  overwritten: the inertia at M's origin
+/// @param bias    overwritten: about M's origin, the force needed if the parent does not accelerate
 template <class Real>
 SKYBODY_INLINE void take_out_ball(const TreeBody& tree, const BodyKinematics<Real>& body,
                                   const Real* force, const ArticulatedBodyCache<Real>& work,
@@ -81,7 +81,7 @@ SKYBODY_INLINE void take_out_ball(const TreeBody& tree, const BodyKinematics<Rea
   bias.force += transpose_times(c, ball.free_turn) + linear * work.drift.linear;
 }
 
-/// The inertia that a point feels, as its parent's origin feels it.
+/// The inertia of a point, seen from the parent's origin.
 /// @param arm  from the parent's origin to the point
 template <class Real>
 SKYBODY_INLINE ArticulatedInertia<Real> carried(const SymMat3<Real>& linear,

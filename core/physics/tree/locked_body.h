@@ -1,4 +1,5 @@
-// A robot as one rigid body: its joints locked where they are. On double, packs and dual numbers.
+// A robot as one rigid body: all joints locked at their present positions. On double, packs and
+// dual numbers.
 #pragma once
 
 #include <vector>
@@ -13,8 +14,7 @@ struct LockedBody {
   SymMat3<Real> inertia;  ///< about the centre of mass, base axes [kg m^2]
   Vec3<Real> com;         ///< from the base's origin, base axes [m]
 
-  /// What the body's own spin does to its rates, with nothing acting on it
-  /// (docs/architecture.md, Dynamics).
+  /// Torque-free rates that the body's own spin causes (docs/architecture.md, Dynamics).
   /// @param axes  of the base, W
   /// @param velocity  written: rate of the origin's velocity, W
   /// @returns the rate of the spin
@@ -35,14 +35,14 @@ struct LockedBody {
   }
 };
 
-/// A robot whose LockedBody is asked for. Refers to its arguments.
+/// Computes the LockedBody of one robot. Refers to its arguments.
 template <class Real>
 struct LockedBodyCall {
   const std::vector<TreeBody>& tree;
-  int first, last;               ///< its bodies: from first to before last
+  int first, last;               ///< its bodies: [first, last)
   const Real* constants;         ///< kBodyConstantCount per body of the world
-  const Real *q, *u;             ///< of the world
-  BodyKinematics<Real>* motion;  ///< per body of the world: of these, overwritten
+  const Real *q, *u;             ///< of the whole world
+  BodyKinematics<Real>* motion;  ///< per body of the world; this robot's entries are overwritten
   LockedBody<Real>& out;
 
   SKYBODY_INLINE void run() const {
@@ -75,10 +75,10 @@ struct LockedBodyCall {
   }
 };
 
-/// Runs a call of the width's type of number.
+/// Runs a call with the number type of the width.
 using LockedBodyFunction = void(const void* call);
 
-/// @param lanes  1: of doubles; else of packs
+/// @param lanes  1: doubles; otherwise packs
 LockedBodyFunction* locked_body_function(int lanes);
 
 template <class Real>

@@ -1,5 +1,5 @@
 // Generalised accelerations of robots that are trees of rigid bodies, under given forces, on double
-// and packs: by the articulated-body algorithm, or in closed form for a robot of one free body.
+// and packs. Uses the articulated-body algorithm, and a closed form for a robot of one free body.
 #pragma once
 
 #include <vector>
@@ -14,14 +14,14 @@ namespace skybody {
 /// The trees of a world. Immutable.
 class MultibodyTree {
  public:
-  /// Drives are read from `world.drives`.
+  /// Reads the drives from `world.drives`.
   explicit MultibodyTree(const World& world);
 
   const std::vector<TreeBody>& bodies() const { return bodies_; }
-  /// Whether a robot's base moves freely, its joint's frames being W's and its own.
+  /// Whether a robot's base moves freely, with the frames of its joint equal to W and its own.
   bool floats(int robot) const { return tree_of(robot).floats; }
 
-  /// What an evaluation works on: arrays with a place per body of the world.
+  /// Work arrays of an evaluation, one entry per body of the world.
   template <class Real>
   struct Work {
     ArticulatedBodyCache<Real>* body = nullptr;
@@ -33,7 +33,7 @@ class MultibodyTree {
   /// @param constants     kBodyConstantCount values per body: a pointer, or a view
   /// @param forces        per body; @param joint_forces  per u
   /// @param udot          per u, overwritten; zero for driven bases
-  /// @param is_wanted     per robot: others are left out; null: none is
+  /// @param is_wanted     per robot: skips the others; null: skips none
   template <class Real, class Constants>
   SKYBODY_INLINE void accelerations(const Real* q, const Real* u,
                                     const BodyKinematics<Real>* motion, const Constants& constants,
@@ -52,8 +52,8 @@ class MultibodyTree {
     }
   }
 
-  /// Repeats accelerations() for new forces on bodies at rest. Positions, constants and `work` are
-  /// those of that call.
+  /// Repeats accelerations() for new forces on bodies at rest. Positions, constants and `work` must
+  /// be those of that call.
   /// @param nothing  zeros: velocities and joint forces, one per u
   template <class Real, class Constants>
   SKYBODY_INLINE void accelerations_again(const BodyKinematics<Real>* at_rest,
@@ -71,8 +71,9 @@ class MultibodyTree {
     }
   }
 
-  /// Makes ready for respond(): all that depends on where a robot's bodies are, and not on forces.
-  /// @param robot    its bodies' arrays are those of the world
+  /// Prepares respond(): computes all quantities that depend on the positions of a robot's bodies
+  /// and not on forces.
+  /// @param robot    index; the arrays of bodies are those of the world
   /// @param at_rest  motion of all bodies, without velocities
   /// @param nothing  zeros: velocities and joint forces, one per u
   /// @param no_force  zeros: one per body
@@ -86,7 +87,7 @@ class MultibodyTree {
     gather(tree, at_rest, nothing, work);
   }
 
-  /// What forces on the bodies of one robot do to their accelerations: `udot`, and
+  /// The accelerations that forces on the bodies of one robot cause: writes `udot`, and
   /// Work::acceleration of each body.
   template <class Real, class Constants>
   SKYBODY_INLINE void respond(int robot, const BodyKinematics<Real>* at_rest,
@@ -103,10 +104,10 @@ class MultibodyTree {
     respond(tree, at_rest, nothing, forces, work, udot);
   }
 
-  /// What forces in the joints of one robot do to its accelerations.
+  /// The accelerations that forces in the joints of one robot cause.
   /// @param no_force       zeros: one per body
   /// @param joint_forces   per u
-  /// @param joint_inertia  per u: on top of what the bodies have
+  /// @param joint_inertia  per u: added to the inertia of the bodies
   template <class Real, class Constants>
   SKYBODY_INLINE void respond_to_joints(int robot, const Real* q,
                                         const BodyKinematics<Real>* at_rest,
@@ -127,10 +128,10 @@ class MultibodyTree {
     int begin = 0, end = 0;
     bool is_free_body = false;
     bool is_driven = false;  ///< the base's coordinates are prescribed, with no acceleration
-    bool floats = false;     ///< the base moves freely, its joint's frames being W's and its own
+    bool floats = false;  ///< the base moves freely, with its joint's frames equal to W and its own
   };
 
-  /// Of a robot that is one free body; arrays as accelerations() has them.
+  /// Accelerates a robot of one free body; arrays as for accelerations().
   template <class Real, class Constants>
   SKYBODY_INLINE void accelerate_free_body(const Tree& tree, const BodyKinematics<Real>* motion,
                                            const Constants& constants,
@@ -171,7 +172,7 @@ class MultibodyTree {
   }
   static bool is_held(const Tree& tree, int i) { return tree.is_driven && i == tree.begin; }
 
-  /// Every body by itself, with its joint's columns.
+  /// Initialises every body by itself, with its joint's columns.
   template <class Real, class Constants>
   SKYBODY_INLINE void open(const Tree& tree, const Real* q, const Real* u,
                            const BodyKinematics<Real>* motion, const Constants& constants,
@@ -197,14 +198,15 @@ class MultibodyTree {
     }
   }
 
-  /// From the leaves to the base: what each body and all that hangs on it asks of its parent.
-  /// @param joint_inertia  per u: of coordinates themselves, but those of ball joints; null: none
+  /// Pass from the leaves to the base: inertia and bias of each subtree, as its parent receives
+  /// them.
+  /// @param joint_inertia  per u: of the coordinates themselves, except of ball joints; null: none
   template <class Real>
   SKYBODY_INLINE void gather(const Tree& tree, const BodyKinematics<Real>* motion,
                              const Real* joint_forces, const Work<Real>& work,
                              const Real* joint_inertia = nullptr) const {
     for (int i = tree.end; i-- > tree.begin;) {
-      if (i == tree.begin && tree.floats) continue;  // spread() takes it as it is
+      if (i == tree.begin && tree.floats) continue;  // spread() solves the floating base directly
       const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
       ArticulatedBodyCache<Real>& w = work.body[i];
       if (body.type == JointType::kBall) {
@@ -234,7 +236,7 @@ class MultibodyTree {
     }
   }
 
-  /// Responds to forces on a robot that is more than one free body.
+  /// Responds to forces on a robot other than one free body.
   template <class Real>
   SKYBODY_INLINE void respond(const Tree& tree, const BodyKinematics<Real>* at_rest,
                               const Real* nothing, const SpatialForce<Real>* forces,
@@ -246,7 +248,7 @@ class MultibodyTree {
     spread(tree, at_rest, nothing, work, udot);
   }
 
-  /// gather() for other forces on bodies that are at rest.
+  /// gather() for other forces on bodies at rest.
   template <class Real>
   SKYBODY_INLINE void regather(const Tree& tree, const BodyKinematics<Real>* at_rest,
                                const Real* nothing, const Work<Real>& work) const {
@@ -288,7 +290,7 @@ class MultibodyTree {
     add_to_parent(bias, arm, parent);
   }
 
-  /// From the base to the leaves: what each body does, its parent's acceleration known.
+  /// Pass from the base to the leaves: the acceleration of each body from its parent's.
   template <class Real>
   SKYBODY_INLINE void spread(const Tree& tree, const BodyKinematics<Real>* motion,
                              const Real* joint_forces, const Work<Real>& work, Real* udot) const {

@@ -1,5 +1,5 @@
-// Lanes from all over a group as one Real takes them: where few lanes need a long kernel, they are
-// gathered, so that it runs once for them and not once for each of the packs that they lie in.
+// Lanes from all over a group, gathered into one Real. A long kernel that few lanes need runs once
+// for the gathered lanes instead of once for each pack that contains one of them.
 #pragma once
 
 #include <bit>
@@ -9,17 +9,17 @@
 
 namespace skybody {
 
-/// The lanes that one Real holds: neighbours, or any lanes of the group. It is used as a LaneSlice
-/// is.
+/// The lanes that one Real holds: neighbours, or any lanes of the group. Has the interface of
+/// LaneSlice.
 template <class Real>
 class LaneList {
  public:
   /// @param first  of a row of lanes
   explicit LaneList(int first) : first_(first), is_row_(true) {}
 
-  /// Takes the lowest lanes out of `lanes`, as many as Real holds at most. If fewer are left, the
-  /// last is repeated; repeated places are not in `taken` and never stored.
-  /// @param taken  written: the places that hold a lane, as bits
+  /// Removes the lowest lanes from `lanes`, at most as many as Real holds. If fewer are left, the
+  /// last one is repeated; repeated places are not in `taken` and are never stored.
+  /// @param taken  written: bits of the places that hold a lane
   static LaneList take(std::uint32_t& lanes, std::uint32_t& taken) {
     LaneList list(0);
     list.is_row_ = false;
@@ -36,10 +36,10 @@ class LaneList {
     return list;
   }
 
-  /// The first lane of a row; 0 of gathered lanes.
+  /// The first lane of a row; 0 for gathered lanes.
   int first() const { return first_; }
 
-  /// Bits of its places as bits of the group's lanes.
+  /// Converts bits of places to bits of the group's lanes.
   std::uint32_t in_group(std::uint32_t bits) const {
     if (is_row_) return bits << first_;
     std::uint32_t all = 0;
@@ -47,7 +47,8 @@ class LaneList {
     return all;
   }
 
-  /// The other way; places that hold no lane of their own follow the one that they repeat.
+  /// Converts bits of the group's lanes to bits of places. Repeated places follow the lane that
+  /// they repeat.
   std::uint32_t of_group(std::uint32_t lanes) const {
     if (is_row_) return lanes >> first_;
     std::uint32_t bits = 0;
@@ -55,7 +56,7 @@ class LaneList {
     return bits;
   }
 
-  /// Where value k of a block begins, for all lanes of the group.
+  /// Pointer to value k of a block, for all lanes of the group.
   template <class T>
   static SKYBODY_INLINE T* block(T* values, int k) {
     return values + k * kLaneStride<Real>;
@@ -108,7 +109,7 @@ class LaneList {
   std::uint8_t lanes_[kLanesOf<Real>] = {};
 };
 
-/// Values that each lane has of its own: value k of the lanes of a list.
+/// Values stored per lane: value k of the lanes of a list.
 template <class Real>
 class ListedValues {
  public:

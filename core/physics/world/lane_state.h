@@ -1,4 +1,4 @@
-// One environment's physical values, contiguous: the state that a reset starts from.
+// One environment's physical values, contiguous: the initial state of a reset.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace skybody {
 
-/// Position and motion of one body frame. 13 doubles in this order everywhere (plugins included).
+/// Position and motion of one body frame. 13 doubles in this order everywhere, including plugins.
 struct BodyState {
   Vec3<double> position{0.0, 0.0, 0.0};          ///< origin in W [m]
   Quat<double> rotation{1.0, 0.0, 0.0, 0.0};     ///< W from B
@@ -24,10 +24,11 @@ struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
   std::vector<double> joint_command, joint_state, coupling_forces, bristles;
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< in the order of SkybodyHeldInput
-  std::vector<BodyState> bodies;                             ///< those of q and u
+  std::vector<BodyState> bodies;  ///< poses and velocities that belong to q and u
 };
 
-/// A block of state words as a lane state has it. Those that effects hold come on top.
+/// A block of state words and its vector in LaneState. The blocks of held inputs are not in this
+/// list.
 struct LaneBlock {
   std::vector<double> LaneState::*values;
   Block Layout::*place;

@@ -1,4 +1,4 @@
-// Values of a lane group as code on doubles or packs reads and writes them.
+// Access to the values of a lane group from code on doubles or packs.
 #pragma once
 
 #include "core/base/dual.h"
@@ -13,15 +13,15 @@ inline constexpr int kGroupLanes = 32;
 inline constexpr int kWidestPack = 8;
 static_assert(kGroupLanes % kWidestPack == 0 && kGroupLanes <= 32, "masks have 32 bits");
 
-/// How far apart the rows of a group lie. A double works on a group of one lane.
+/// Distance between the rows of a group. A group of one lane is used with double.
 template <class Real>
 inline constexpr std::ptrdiff_t kRowStride = kLanesOf<Real> == 1 ? 1 : kGroupLanes;
-/// How far apart the values of one lane lie: dual numbers take two rows each, that of the values
-/// and behind it that of the tangents.
+/// Distance between the values of one lane. Dual numbers take two rows each: first the values, then
+/// the tangents.
 template <class Real>
 inline constexpr std::ptrdiff_t kLaneStride = kRowsOf<Real>* kRowStride<Real>;
 
-/// Values that each lane has of its own: value k of the lanes that `Real` holds.
+/// Values stored per lane: value k of the lanes that `Real` holds.
 template <class Real>
 class LaneValues {
  public:
@@ -38,8 +38,7 @@ class LaneValues {
   const double* data_;
 };
 
-/// Values of plain lanes as dual numbers that are constants: parameters, which nothing is
-/// differentiated by.
+/// Values of plain lanes as constant dual numbers: parameters, which are not differentiated.
 template <class Real>
 class ConstantValues {
  public:
@@ -53,16 +52,16 @@ class ConstantValues {
   LaneValues<ValueOf<Real>> values_;
 };
 
-/// What effects hold for the lanes that `Real` holds.
+/// Held inputs of the lanes that `Real` holds.
 template <class Real>
 class HeldLanes {
  public:
-  /// @param held   where the blocks of the group begin, in the order of SkybodyHeldInput; null:
-  ///               nothing holds it
+  /// @param held   starts of the group's blocks, in the order of SkybodyHeldInput; null: no effect
+  ///               holds this input
   /// @param first  of the lanes, within the group
   HeldLanes(const double* const* held, int first) : held_(held), first_(first) {}
   SKYBODY_INLINE bool has(int input) const { return held_[input] != nullptr; }
-  /// Of what it has: all values.
+  /// All values of an input; requires has(input).
   SKYBODY_INLINE LaneValues<Real> operator[](int input) const {
     return LaneValues<Real>(held_[input] + first_);
   }
@@ -72,8 +71,8 @@ class HeldLanes {
   int first_;
 };
 
-/// One value in each lane of the widest pack: packs of any kind load it as it lies, which an
-/// operation does by itself, where to spread one word takes an instruction.
+/// One value in each lane of the widest pack. Packs of any kind load it directly as an operand,
+/// without an instruction that broadcasts one word.
 struct alignas(kWidestPack * sizeof(double)) WideValue {
   double lanes[kWidestPack];
 
@@ -94,21 +93,22 @@ class SharedValues {
   const WideValue* data_;
 };
 
-/// Stands for a mask with all lanes set: stores need not read what they overwrite.
+/// Stands for a mask with all lanes set: stores need not read the old values.
 struct AllLanes {};
 
-/// Where the lanes that one Real holds lie in the blocks of a group.
+/// Location of the lanes of one Real in the blocks of a group.
 template <class Real>
 class LaneSlice {
  public:
   /// @param first  of the lanes, within the group
   SKYBODY_INLINE LaneSlice(int first) : first_(first) {}
 
-  /// Bits of these lanes as bits of the group's; and the other way, with others above them.
+  /// Converts bits of these lanes to bits of the group's lanes, and back. The way back keeps higher
+  /// lanes as higher bits.
   std::uint32_t in_group(std::uint32_t bits) const { return bits << first_; }
   std::uint32_t of_group(std::uint32_t lanes) const { return lanes >> first_; }
 
-  /// Where value k of a block begins, for all lanes of the group.
+  /// Pointer to value k of a block, for all lanes of the group.
   static SKYBODY_INLINE double* block(double* values, int k) {
     return values + k * kLaneStride<Real>;
   }

@@ -36,7 +36,8 @@ std::vector<WorldRotor> number_rotors(const Scenario& scenario) {
   return rotors;
 }
 
-/// A free base's q is its pose in W, its u its velocity: plugins write them as such.
+/// A free base's q must be its pose in W and its u its velocity, because plugins write them as
+/// such.
 void demand_plain_free_bases(const Topology& topology) {
   int robot = -1;
   for (const WorldBody& body : topology.bodies) {
@@ -51,7 +52,7 @@ void demand_plain_free_bases(const Topology& topology) {
   }
 }
 
-/// The drives, each on a coordinate of its own.
+/// The drives, checked: each must have a coordinate of its own.
 std::vector<JointDrive> checked_drives(const Topology& topology, std::vector<JointDrive> drives) {
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const JointDrive& drive = drives[i];

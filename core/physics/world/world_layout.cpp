@@ -8,8 +8,8 @@
 namespace skybody {
 namespace {
 
-/// The values of a thing as EnvParams: the first, as many as `nominal` has.
-/// @param alias  another path; empty: there is none
+/// Appends the first values of a table as EnvParams, as many as `nominal` has.
+/// @param alias  another path; empty: none
 /// @returns the index of the first
 int add_constants(Layout& layout, const std::string& path, std::span<const ConstantRow> rows,
                   std::span<const double> nominal, const std::string& alias = "") {
@@ -26,7 +26,7 @@ int add_constants(Layout& layout, const std::string& path, std::span<const Const
   return first;
 }
 
-/// Values of kObstacleConstants, as many as the shape has dimensions for.
+/// Values of kObstacleConstants, as many as the shape's dimensions need.
 std::vector<double> obstacle_constants(const Shape& shape) {
   const Vec3<double>&p = shape.pose.position, &size = shape.size;
   const Quat<double>& q = shape.pose.rotation;
@@ -103,7 +103,7 @@ void add_physical_constants(Layout& layout, const Topology& world) {
   layout.physics_params = static_cast<int>(layout.param_info.size());
 }
 
-/// Where the coordinates of one robot lie.
+/// Ranges of one robot's coordinates.
 RobotLayout make_robot_layout(const Topology& world, int robot) {
   RobotLayout out;
   bool found = false;

@@ -1,4 +1,5 @@
-// Makes the layout of a world: the physics' blocks first; what plugins need is added by core/env.
+// Makes the layout of a world. The blocks of the physics come first; core/env adds those of
+// plugins.
 #pragma once
 
 #include "core/physics/world/world.h"
@@ -12,14 +13,14 @@ Layout physics_layout(const Topology& topology);
 /// Appends one randomizable value. @returns its index within the parameter block.
 int add_param(Layout& layout, const EnvParam& param);
 
-/// The plan's layout with the sizes of wrench, drive, joint drives, held inputs and params, the
-/// offsets of all blocks and the number of words. World's constructor calls it.
+/// The plan's layout, completed: sizes of wrench, drive, joint drives, held inputs and params,
+/// offsets of all blocks, and the number of words. Called by World's constructor.
 Layout finish_layout(const WorldPlan& plan);
 
-/// Words of an input that effects hold (SkybodyHeldInput), were it used.
+/// Number of words of a held input (SkybodyHeldInput), whether or not the plan holds it.
 int held_size(const WorldPlan& plan, int input);
 
-/// Number of robots whose base is driven; kDriveSize values of each lie in the drive block, in
+/// Number of robots with a driven base. The drive block contains kDriveSize values of each, in
 /// robot order.
 int count_driven(const std::vector<DriveKind>& drives);
 

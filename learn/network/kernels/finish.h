@@ -1,4 +1,4 @@
-// Activations and their slopes, on a tile's sums.
+// Activations and their slopes, applied to the sums of a tile.
 #pragma once
 
 #include "learn/network/kernels/functions.h"
@@ -11,7 +11,7 @@ SKYBODY_KERNEL Floats finished(const Floats& sum, const float* output) {
   if constexpr (kFinish == Finish::kTanh) {
     return tanh(sum);
   } else if constexpr (kFinish == Finish::kRelu) {
-    return max(zero, sum);  // of NaN: NaN
+    return max(zero, sum);  // NaN gives NaN
   } else if constexpr (kFinish == Finish::kElu) {
     return select(zero < sum, sum, expm1_of_negative(min(zero, sum)));
   } else {
@@ -33,7 +33,8 @@ inline void finish_rows(const MultiplyCall& call, int row, int rows, int column,
   }
 }
 
-/// Of sums that are complete: `rows` rows from `row` on, `vectors` vectors from `column` on.
+/// Applies the activation to complete sums: `rows` rows from `row` on, `vectors` vectors from
+/// `column` on.
 inline void finish_tile(const MultiplyCall& call, int row, int rows, int column, int vectors) {
   switch (call.finish) {
     case Finish::kNone:

@@ -1,6 +1,6 @@
-// Sixteen floats, whatever the registers: one zmm, two ymm, four xmm, or an array. Every operation
-// rounds each lane as IEEE 754 says, so the bits are the same on all sets, but that v2 and
-// `portable` have no fused multiply-add.
+// Sixteen floats in one zmm, two ymm, four xmm, or an array. Every operation rounds each lane by
+// IEEE 754, so the bits are the same on all sets, except that v2 and `portable` have no fused
+// multiply-add.
 #pragma once
 
 #include "learn/network/kernels/kernel_set.h"
@@ -23,7 +23,7 @@ inline constexpr int kParts = kLanes / kPartLanes;
 struct Floats {
   Part part[kParts];
 };
-/// Signed, 32 bits, wrapping round.
+/// Signed, 32 bits, with wrap-around.
 struct Ints {
   PartInts part[kParts];
 };
@@ -56,12 +56,12 @@ SKYBODY_KERNEL Floats operator*(const Floats& a, const Floats& b) {
 SKYBODY_KERNEL Floats operator/(const Floats& a, const Floats& b) {
   SKYBODY_EACH_PART(Floats, part_div(a.part[i], b.part[i]));
 }
-/// a b + c, rounded once where the set can.
+/// a b + c, rounded once if the set has fused multiply-add.
 SKYBODY_KERNEL Floats fma(const Floats& a, const Floats& b, const Floats& c) {
   SKYBODY_EACH_PART(Floats, part_fma(a.part[i], b.part[i], c.part[i]));
 }
 SKYBODY_KERNEL Floats sqrt(const Floats& a) { SKYBODY_EACH_PART(Floats, part_sqrt(a.part[i])); }
-/// If one is NaN: b.
+/// Returns b if one is NaN.
 SKYBODY_KERNEL Floats min(const Floats& a, const Floats& b) {
   SKYBODY_EACH_PART(Floats, part_min(a.part[i], b.part[i]));
 }
@@ -92,7 +92,7 @@ template <int N>
 SKYBODY_KERNEL Ints left(const Ints& a) {
   SKYBODY_EACH_PART(Ints, part_left<N>(a.part[i]));
 }
-/// Zeros come in.
+/// Logical shift: fills with zeros.
 template <int N>
 SKYBODY_KERNEL Ints right(const Ints& a) {
   SKYBODY_EACH_PART(Ints, part_right<N>(a.part[i]));
@@ -100,7 +100,7 @@ SKYBODY_KERNEL Ints right(const Ints& a) {
 SKYBODY_KERNEL Mask is_negative(const Ints& a) {
   SKYBODY_EACH_PART(Mask, part_negative(a.part[i]));
 }
-/// To the nearest.
+/// Rounds to nearest.
 SKYBODY_KERNEL Floats to_floats(const Ints& a) { SKYBODY_EACH_PART(Floats, part_float(a.part[i])); }
 SKYBODY_KERNEL Ints bits(const Floats& a) { SKYBODY_EACH_PART(Ints, part_bits(a.part[i])); }
 SKYBODY_KERNEL Floats of_bits(const Ints& a) { SKYBODY_EACH_PART(Floats, part_of_bits(a.part[i])); }

@@ -1,7 +1,7 @@
-// Elementary functions of sixteen floats: rational or polynomial fits of our own (minimax by
-// Lawson's reweighting, over the intervals stated), evaluated by Horner's rule. Errors are in units
-// in the last place (ulp), over all floats of the range; tests/unit/learn/functions_test.cpp
-// measures them.
+// Elementary functions of sixteen floats: our own rational or polynomial fits (minimax by Lawson's
+// reweighting, over the stated intervals), evaluated by Horner's rule. Errors are in units in the
+// last place (ulp), over all floats of the range; tests/unit/learn/functions_test.cpp measures
+// them.
 #pragma once
 
 #include "learn/network/kernels/floats.h"
@@ -13,11 +13,11 @@ struct ReducedExponent {
   Floats power, rest;
 };
 SKYBODY_KERNEL ReducedExponent reduce_exponent(const Floats& x) {
-  // Adding 1.5 * 2^23 rounds to an integer, which then stands in the lowest bits.
+  // Adding 1.5 * 2^23 rounds to an integer, which is then in the lowest bits.
   const Floats shift = floats(12582912.0f);
   const Floats shifted = fma(x, floats(1.44269504088896f), shift);
   const Floats k = shifted - shift;
-  // ln 2 in two parts, of which the first has 9 bits: its product with k is exact.
+  // ln 2 in two parts. The first has 9 bits, so that its product with k is exact.
   Floats rest = fma(k, floats(-0.693359375f), x);
   rest = fma(k, floats(2.12194440054690571e-4f), rest);
   return {of_bits(left<23>(bits(shifted)) + ints(0x3f800000)), rest};
@@ -31,7 +31,7 @@ SKYBODY_KERNEL Floats small_expm1(const Floats& r) {
   return fma(r * r, polynomial(kCoefficients, r), r);
 }
 
-/// Within 2 ulp for -87 <= x <= 88, and as there beyond; of NaN: NaN.
+/// Within 2 ulp for -87 <= x <= 88; clamped beyond. NaN gives NaN.
 SKYBODY_KERNEL Floats exp(const Floats& x) {
   const ReducedExponent e = reduce_exponent(min(floats(88.0f), max(floats(-87.0f), x)));
   return fma(small_expm1(e.rest), e.power, e.power);
@@ -61,7 +61,7 @@ SKYBODY_KERNEL Floats log(const Floats& x) {
   return fma(k, floats(0.693359375f), fma(k, floats(-2.12194440054690571e-4f), log_m));
 }
 
-/// Within 5 ulp; of NaN: NaN.
+/// Within 5 ulp; NaN gives NaN.
 SKYBODY_KERNEL Floats tanh(const Floats& x) {
   constexpr float kNumerator[] = {0.999999979037096f, 0.1337972327137798f, 0.003494040763149138f,
                                   2.05835779467487e-05f, 1.3319194924551621e-08f};
@@ -75,7 +75,7 @@ SKYBODY_KERNEL Floats tanh(const Floats& x) {
   return max(floats(0.0f) - one, min(one, y));
 }
 
-/// 1 / (1 + e^-x), within 4 ulp for |x| <= 87; of NaN: NaN.
+/// 1 / (1 + e^-x), within 4 ulp for |x| <= 87; NaN gives NaN.
 SKYBODY_KERNEL Floats sigmoid(const Floats& x) {
   return floats(1.0f) / (floats(1.0f) + exp(floats(0.0f) - x));
 }

@@ -1,5 +1,5 @@
-// Gates of gated recurrent units and their derivatives, row by row; gru.h of the folder above has
-// the equations.
+// Gates of gated recurrent units and their derivatives, row by row. The equations are in
+// learn/network/gru.h.
 #pragma once
 
 #include "learn/network/kernels/functions.h"

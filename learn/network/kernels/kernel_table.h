@@ -1,7 +1,6 @@
-// The loops over floats that learning spends its time in, once for each instruction set. Plain
-// functions and types: files that are compiled for AVX-512 as a whole include this, so it must not
-// bring inline functions of the standard library with it (the linker could choose their copy for
-// every processor).
+// The hot loops of learning, once for each instruction set. Plain functions and types only: files
+// compiled for AVX-512 include this header, so it must not include inline functions of the standard
+// library (the linker could choose their AVX-512 copy for every processor).
 #pragma once
 
 #include <stddef.h>
@@ -11,13 +10,13 @@
 
 namespace skybody::learn {
 
-/// Columns of a panel: a matrix of `columns` columns is stored as panels of this many, the last
-/// narrower, one after another; within a panel row by row.
+/// Columns of a panel: a matrix is stored as panels of this many columns, the last one narrower,
+/// one after another, each row by row.
 inline constexpr int kPanel = 64;
 /// Columns are padded with zeros to a multiple of this.
 inline constexpr int kPad = 16;
 
-/// The end of a sum, before it is stored. Of the slopes, which are a layer's derivatives, the
+/// Function applied to a sum before it is stored. For slopes, which are a layer's derivatives, the
 /// argument is the layer's output.
 enum class Finish : int { kNone, kTanh, kRelu, kElu, kTanhSlope, kReluSlope, kEluSlope };
 
@@ -28,16 +27,16 @@ struct MultiplyCall {
   int rows, inner;
   const float* weight;   ///< inner x columns, in panels
   int columns;           ///< a multiple of kPad
-  const float* start;    ///< `columns` values that the sums begin with; null: zero
+  const float* start;    ///< `columns` initial values of the sums; null: zero
   int start_stride = 0;  ///< 0: the same for all rows
   float* y;
   int y_stride;  ///< at least `columns`
   Finish finish = Finish::kNone;
-  const float* output = nullptr;  ///< of slopes: row r at output + r * output_stride
+  const float* output = nullptr;  ///< for slopes: row r at output + r * output_stride
   int output_stride = 0;
 };
 
-/// gradient += x^T d, summed over rows in their order; bias += the rows of d.
+/// gradient += x^T d, summed over rows in order; bias += the rows of d.
 struct OuterCall {
   const float* x;  ///< rows x inner
   int x_stride;
@@ -61,14 +60,14 @@ struct GruCall {
   int sum_stride, state_stride, next_stride;
 };
 
-/// Its derivatives, from that at the next state.
+/// Derivatives of such a step, from the derivative at the next state.
 struct GruSlopeCall {
   const float* gates;
   const float* from_state;
   const float* state;
   const float* d_next;
   float *d_input, *d_state;  ///< at the sums of both products
-  float* d_before;           ///< at the state before, of the direct way only
+  float* d_before;           ///< at the state before the step, direct path only
   int rows, units;
   int sum_stride, state_stride;
   int d_stride;  ///< of d_next and d_before
@@ -83,7 +82,7 @@ struct AdamScalars {
   float epsilon;
 };
 
-/// One function each, for one instruction set. Arrays need no alignment, sizes are any.
+/// The functions for one instruction set. Arrays need no alignment and may have any size.
 struct KernelTable {
   void (*multiply)(const MultiplyCall&);
   void (*outer)(const OuterCall&);
@@ -91,13 +90,13 @@ struct KernelTable {
   void (*gru_slope)(const GruSlopeCall&);
   void (*adam)(const AdamScalars&, const float* gradient, float* first, float* second,
                float* parameters, size_t count);
-  /// Sum of squares: floats in lanes over 1024 values, the rest in double, all in a fixed order.
+  /// Sum of squares: in float lanes over 1024 values, then in double, all in a fixed order.
   double (*square_sum)(const float* values, size_t count);
   /// sum += addend
   void (*add)(const float* addend, float* sum, size_t count);
   void (*tanh)(const float* x, float* y, size_t count);
-  /// Standard normals from `count` random words each (of 32 bits; `count` a multiple of 16): of
-  /// every 16, first 16 cosines, then 16 sines, into 2 * count values.
+  /// Standard normals from `count` random words each (of 32 bits; `count` a multiple of 16), 2 *
+  /// count values: for every 16 words first 16 cosines, then 16 sines.
   void (*normals)(const uint32_t* radius, const uint32_t* angle, float* y, size_t count);
 };
 

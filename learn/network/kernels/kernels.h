@@ -6,7 +6,7 @@
 
 namespace skybody::learn {
 
-/// @param isa  that the processor has, such as best_isa()
+/// @param isa  an instruction set of the processor, such as best_isa()
 const KernelTable& kernels_of(Isa isa);
 
 }  // namespace skybody::learn

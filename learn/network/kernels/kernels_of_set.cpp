@@ -1,4 +1,4 @@
-// The kernels of one instruction set: compiled once for each (CMakeLists.txt).
+// The kernels of one instruction set; compiled once per set (CMakeLists.txt).
 #include "learn/network/kernels/gru.h"
 #include "learn/network/kernels/loops.h"
 #include "learn/network/kernels/multiply.h"

@@ -1,12 +1,12 @@
-// Loops over arrays, value by value. A last part of fewer than sixteen values goes through a copy
-// that is filled up, so that every value comes from the same instructions.
+// Loops over arrays, value by value. A remainder of fewer than sixteen values goes through a padded
+// copy, so that the same instructions compute every value.
 #pragma once
 
 #include "learn/network/kernels/functions.h"
 
 namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
 
-/// Up to sixteen values of an array, as a loop's last part takes and gives them.
+/// Up to sixteen values of an array: load and store of a loop's remainder.
 struct Rest {
   float value[kLanes];
 
@@ -22,7 +22,7 @@ struct Rest {
 };
 
 /// y = function(x)
-/// @param fill  a number that the function takes
+/// @param fill  a valid argument of the function, for padding
 template <class Function>
 SKYBODY_KERNEL void map(const float* x, float* y, size_t count, float fill,
                         const Function& function) {
@@ -45,7 +45,7 @@ inline void add(const float* addend, float* sum, size_t count) {
   for (; i < count; ++i) sum[i] += addend[i];
 }
 
-/// Sixteen values in place; adam.h has the equations.
+/// One step for sixteen values in place; the equations are in adam.h.
 SKYBODY_KERNEL void adam_step(const AdamScalars& s, const float* gradient, float* first,
                               float* second, float* parameters) {
   const Floats g = floats(s.gradient_scale) * load(gradient);

@@ -1,7 +1,7 @@
-// Products of matrices, from one tile: some rows by some vectors of columns, whose sums stay in
+// Matrix products built from one tile: some rows by some vectors of columns, whose sums stay in
 // registers over the inner index. A layer, its gradient at the inputs and its gradient at the
-// weights are this tile with other strides. Every sum goes over the inner index in its order, so
-// neither the tile's shape nor how loops are cut changes a bit.
+// weights use this tile with different strides. Every sum runs over the inner index in order, so
+// that neither the tile's shape nor the division of loops changes the bits.
 #pragma once
 
 #include "learn/network/kernels/finish.h"
@@ -9,24 +9,24 @@
 
 namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
 
-/// Of the inner index at a time: this part of a panel of weights stays in the first cache (24 KiB)
-/// while rows go by.
+/// Block size of the inner index: this part of a panel of weights (24 KiB) stays in the L1 cache
+/// while rows pass.
 inline constexpr int kInnerBlock = 96;
 
-/// Where a tile's factors and sums lie.
+/// Addresses of a tile's factors and sums.
 struct Tile {
-  const float* x;  ///< of row r and inner index k at x + r * x_row + k * x_inner
+  const float* x;  ///< row r and inner index k at x + r * x_row + k * x_inner
   ptrdiff_t x_row, x_inner;
   int inner;
-  const float* weight;  ///< of inner index k at weight + k * weight_stride
+  const float* weight;  ///< inner index k at weight + k * weight_stride
   ptrdiff_t weight_stride;
-  const float* start;  ///< of row r at start + r * start_stride
+  const float* start;  ///< row r at start + r * start_stride
   ptrdiff_t start_stride;
-  float* y;  ///< of row r at y + r * y_stride
+  float* y;  ///< row r at y + r * y_stride
   ptrdiff_t y_stride;
 };
 
-/// How `x` lies: a row's values one after another, or an inner index's.
+/// Layout of `x`: contiguous in a row, or contiguous in an inner index.
 enum class Order { kRows, kColumns };
 
 template <Order kOrder, int kRows, int kVectors>
@@ -62,7 +62,7 @@ SKYBODY_KERNEL void multiply_tile(const Tile& tile) {
   }
 }
 
-/// The last rows, fewer than a tile's.
+/// The last rows, fewer than in a full tile.
 template <Order kOrder, int kRows, int kVectors>
 SKYBODY_KERNEL void multiply_rest(const Tile& tile, int rows) {
   if constexpr (kRows > 0) {
@@ -74,11 +74,11 @@ SKYBODY_KERNEL void multiply_rest(const Tile& tile, int rows) {
   }
 }
 
-/// Rows of as many columns as a tile has, one tile after another.
+/// Processes all rows of the columns of a tile, one tile after another.
 /// @param finish  called with (first row, rows) after each tile
 template <Order kOrder, int kVectors, class Done>
 SKYBODY_KERNEL void multiply_rows(Tile tile, int rows, const Done& done) {
-  // Narrow tiles have more rows: their sums must be enough to hide a multiply-add's latency.
+  // Narrow tiles have more rows: enough sums to hide a multiply-add's latency.
   constexpr int kRows = kTileRows * (kTileVectors / kVectors > 1 ? 2 : 1);
   const ptrdiff_t x_step = kOrder == Order::kRows ? kRows * tile.x_row : kRows;
   int r = 0;
@@ -95,7 +95,7 @@ SKYBODY_KERNEL void multiply_rows(Tile tile, int rows, const Done& done) {
   }
 }
 
-/// The same for any number of vectors up to a tile's.
+/// The same for any number of vectors up to that of a full tile.
 template <Order kOrder, int kVectors = kTileVectors, class Done>
 SKYBODY_KERNEL void multiply_vectors(const Tile& tile, int rows, int vectors, const Done& done) {
   if (vectors == kVectors) {

@@ -5,8 +5,8 @@
 
 namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
 
-/// 2^-32 (word + 1/2), which is in (0, 1]: small ones with all their bits, on which a normal's tail
-/// depends.
+/// 2^-32 (word + 1/2), in (0, 1]. Small values keep all their bits, which the tails of the normals
+/// need.
 SKYBODY_KERNEL Floats uniform(const Ints& word) {
   const Floats high = to_floats(right<16>(word));
   const Floats low = to_floats(word & ints(0xffff));

@@ -1,4 +1,4 @@
-// One float: what the compiler makes of loops over sixteen of them by itself.
+// One float per part; the compiler vectorizes loops over sixteen parts by itself.
 #pragma once
 
 #include "learn/network/kernels/kernel_set.h"
@@ -28,7 +28,7 @@ SKYBODY_KERNEL PartMask part_less(Part a, Part b) { return a < b; }
 SKYBODY_KERNEL Part part_select(PartMask m, Part a, Part b) { return m ? a : b; }
 SKYBODY_KERNEL PartInts part_load(const uint32_t* p) { return static_cast<int32_t>(*p); }
 SKYBODY_KERNEL PartInts part_set(int32_t a) { return a; }
-/// Sums and shifts wrap round, which signed numbers may not.
+/// Sums and shifts wrap around, which is undefined for signed numbers.
 SKYBODY_KERNEL PartInts part_add(PartInts a, PartInts b) {
   return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
 }

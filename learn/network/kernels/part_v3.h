@@ -42,7 +42,7 @@ template <int N>
 SKYBODY_KERNEL PartInts part_right(PartInts a) {
   return _mm256_srli_epi32(a, N);
 }
-/// Of blendv only the sign counts.
+/// blendv only uses the sign.
 SKYBODY_KERNEL PartMask part_negative(PartInts a) { return _mm256_castsi256_ps(a); }
 SKYBODY_KERNEL Part part_float(PartInts a) { return _mm256_cvtepi32_ps(a); }
 SKYBODY_KERNEL PartInts part_bits(Part a) { return _mm256_castps_si256(a); }

@@ -1,4 +1,4 @@
-"""Names of files and folders for processes that are at work in another folder."""
+"""Absolute names of files and folders, for processes in another working folder."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def absolute_scenario(scenario: str) -> str:
-    """A scenario's file as an absolute path; the name of a shipped one as it is."""
+    """A scenario's file as an absolute path; the name of a shipped one is unchanged."""
     path = Path(scenario)
     return str(path.absolute()) if path.is_file() else scenario
 

@@ -1,4 +1,4 @@
-"""The connection to a Ray cluster. What is wrong with it is one message."""
+"""The connection to a Ray cluster. Each problem with it is one message."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ ADDRESSES = (
 ADDRESS_HELP = f"of the cluster: {ADDRESSES}; default: {LOCAL}"
 REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
 PACKAGES = Path(skybody.__file__).parents[1]  # the folder from which this package was imported
-ANSWER_SECONDS = 5.0  # that a head has for accepting a connection
+ANSWER_SECONDS = 5.0  # limit for a head to accept a connection
 
 
 class ClusterError(UsageError):
-    """No Ray, no cluster, or not enough of it; the text is the whole message."""
+    """Ray is missing, there is no cluster, or it is too small; the text is the whole message."""
 
 
 @contextlib.contextmanager
 def cluster(address: str, cpus: int | None = None, option: str = "--address") -> Iterator[Any]:
-    """Connects to a cluster for a scope; gives the module `ray`.
+    """Connects to a cluster for a scope; returns the module `ray`.
 
-    A connection that the process has already is taken as it is, and stays.
+    An existing connection of the process is used, and stays open.
 
     Args:
         address: "local", "auto" or HOST:PORT.
-        cpus: processors that a local cluster says it has; None: all of this machine.
-        option: of the command line that gave the address, for messages.
+        cpus: number of processors of a local cluster; None: all of this machine.
+        option: the command-line option of the address, for messages.
 
     Raises:
         ClusterError: Ray is not installed, or there is no cluster at the address.
     """
-    # What is no cluster gets a line a second from Ray's own log, for as long as it tries.
+    # Without a cluster at the address, Ray's own log would print a line each second while it tries.
     os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "error")
     if address == LOCAL:
         _demand_token()
@@ -53,13 +53,13 @@ def cluster(address: str, cpus: int | None = None, option: str = "--address") ->
         yield ray
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    # Without an address Ray would join a cluster that it finds on this machine, whosever it is.
+    # Without an address Ray would join any cluster on this machine, even another user's.
     options: dict[str, Any] = {"address": address}
     if address == LOCAL:
         options |= {"include_dashboard": False, "num_cpus": cpus}
     try:
-        # Ray has workers import from the working folder of this call, where a stranger's files may
-        # lie: take one from which they import anyway.
+        # Ray workers import from the working folder of this call, which may contain another user's
+        # files. Use a folder from which they import anyway.
         with contextlib.chdir(PACKAGES):
             ray.init(logging_level="ERROR", log_to_driver=False, **options)
     except (ConnectionError, RuntimeError, ValueError) as error:
@@ -71,9 +71,9 @@ def cluster(address: str, cpus: int | None = None, option: str = "--address") ->
 
 
 def _demand_token() -> None:
-    """Has a local cluster, whose ports all users of the machine reach, demand a token of its own.
+    """Requires a token for a local cluster, because all users of the machine can reach its ports.
 
-    Without one in the environment Ray would write it to the home folder, for all clusters.
+    Without a token in the environment Ray would write one to the home folder, for all clusters.
     """
     os.environ.setdefault("RAY_AUTH_MODE", "token")
     if not any(name in os.environ for name in ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")):
@@ -81,7 +81,7 @@ def _demand_token() -> None:
 
 
 def import_ray() -> Any:
-    """The module `ray`. Raises ClusterError where it is not installed."""
+    """The module `ray`. Raises ClusterError if it is not installed."""
     if importlib.util.find_spec("ray") is None:
         raise ClusterError(f"needs the package `ray`, not installed here: {REMEDY}")
     import ray
@@ -90,7 +90,7 @@ def import_ray() -> Any:
 
 
 def check_cpus(ray: Any, wanted: float, what: str) -> None:
-    """Raises ClusterError where the whole cluster has fewer processors than `what` asks for."""
+    """Raises ClusterError if the whole cluster has fewer than `wanted` processors."""
     found = ray.cluster_resources().get("CPU", 0.0)
     if found < wanted:
         raise ClusterError(
@@ -100,7 +100,7 @@ def check_cpus(ray: Any, wanted: float, what: str) -> None:
 
 
 def _check_answers(address: str, option: str) -> None:
-    """Ray itself would try for two minutes and then end the process."""
+    """Raises ClusterError if no head answers. Ray would try for two minutes and end the process."""
     if address in (LOCAL, "auto"):
         return
     host, colon, port = address.rpartition(":")
@@ -117,9 +117,10 @@ def _check_answers(address: str, option: str) -> None:
 
 
 def _speaks_http2(connection: socket.socket) -> bool:
-    """Whether a settings frame answers ours (RFC 9113, sections 3.4 and 4.1), as a head's does.
+    """Whether the peer answers with a settings frame (RFC 9113, sections 3.4 and 4.1), as a head
+    does.
 
-    A dashboard, a client server or whatever else may be at that port would leave Ray waiting.
+    With another server at the port (a dashboard, a client server), Ray would wait forever.
     """
     settings = 4
     connection.settimeout(ANSWER_SECONDS)

@@ -1,11 +1,11 @@
-"""Environments for RLlib's new API stack: all of a runner's are one pool, stepped in C++.
+"""Environments for RLlib's new API stack: one pool per runner, stepped in C++.
 
     from ray.rllib.algorithms.ppo import PPOConfig
     from skybody.ray import rllib
 
     config = rllib.environments(PPOConfig(), "hover_learn", envs=64)
 
-`examples/rllib_ppo.py` is a whole program.
+`examples/rllib_ppo.py` is a complete program.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ NAME = "skybody"  # of the environment in RLlib's registry
 
 
 class RllibVectorEnv(SkybodyVectorEnv):
-    """A `SkybodyVectorEnv` as RLlib takes it: the next action after an episode's end resets.
+    """A `SkybodyVectorEnv` for RLlib: the first action after an episode's end resets.
 
-    RLlib knows two ends of an episode and values what a truncated one ends in. A fault, after which
-    nothing may be learned from what the environment became, is therefore a termination here.
+    RLlib has two ends of an episode, termination and truncation, and bootstraps the value of the
+    last observation of a truncated one. Nothing may be learned from the observation after a fault,
+    so a fault is a termination here.
     """
 
     def __init__(self, scenario: Scenario, num_envs: int, **options: Any) -> None:
@@ -55,8 +56,9 @@ class RllibEnv(SkybodyEnv):
 
 
 def make_env(context: Any) -> RllibVectorEnv | RllibEnv:
-    """What RLlib calls in each runner, with `env_config`: `scenario`, and options of
-    `SkybodyVectorEnv`; it adds `num_envs` where it wants many."""
+    """The environment function of RLlib, called in each runner with `env_config`: `scenario`, and
+    options of `SkybodyVectorEnv`; RLlib adds `num_envs` for a vector environment.
+    """
     options = dict(context)
     if "num_envs" in options:
         return RllibVectorEnv(**options)
@@ -68,15 +70,15 @@ def make_env(context: Any) -> RllibVectorEnv | RllibEnv:
 def environments(
     config: Any, scenario: str, envs: int, threads: int = 1, runners: int = 0, **options: Any
 ) -> Any:
-    """An algorithm's configuration with our environments.
+    """Sets our environments in the configuration of an algorithm.
 
     Args:
         config: an `AlgorithmConfig` of RLlib's new API stack, such as `PPOConfig()`.
-        scenario: name of a shipped scenario, or a YAML file that all machines see.
+        scenario: name of a shipped scenario, or a YAML file that all machines can read.
         envs: environments of each runner.
-        threads: that step them.
-        runners: processes that collect; 0: RLlib's own process does.
-        options: further ones of `SkybodyVectorEnv`, such as `overrides`.
+        threads: threads that step them.
+        runners: processes that collect; 0: RLlib's own process.
+        options: further options of `SkybodyVectorEnv`, such as `overrides`.
 
     Returns:
         `config`, changed.

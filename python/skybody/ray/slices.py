@@ -1,7 +1,7 @@
-"""Slices of a PPO's environments on the machines of a cluster, as `skybody._native.Ppo` asks them.
+"""Slices of a PPO's environments on the machines of a cluster, for `skybody._native.Ppo`.
 
-A worker is an actor of Ray that holds some consecutive slices. What a slice gives does not depend
-on who holds it, and the driver adds in the order of the slices: any number of workers gives the
+A worker is a Ray actor that holds some consecutive slices. The result of a slice does not depend
+on its worker, and the driver adds in the order of the slices: any number of workers gives the
 same bits.
 """
 
@@ -15,33 +15,33 @@ from typing import Any
 from skybody._native import CompiledScenario, Error, PpoSlices, SlicesLost, versions
 from skybody.ray.cluster import ClusterError
 
-MOST_SLICES = 8  # that a learner has; as learn/common/slice_plan.h
+MOST_SLICES = 8  # slices of a learner; as in learn/common/slice_plan.h
 INSTRUCTION_SET = "instruction set"
-FUSED = ("v3", "v4")  # sets with fused multiply-add, on which networks have the same bits
+FUSED = ("v3", "v4")  # with fused multiply-add: networks have the same bits on these
 
 
 @dataclass(frozen=True)
 class Setup:
-    """All that a worker must know to make its slices."""
+    """Everything that a worker needs to create its slices."""
 
     scenario: str
     overrides: list[str]
     plugin_path: list[str]
-    scenario_hash: str  # 16 hex digits, of the driver's
+    scenario_hash: str  # 16 hex digits, of the driver's scenario
     hyper: dict[str, Any]
     seed: int
     total_steps: int
 
 
 class SliceWorker:
-    """Runs in a process of its own, somewhere."""
+    """Runs in its own process, on any machine."""
 
     def __init__(self, setup: Setup, first: int, count: int, threads: int) -> None:
         self._arguments = (setup, first, count, threads)
         self._slices: PpoSlices | None = None
 
     def prepare(self) -> dict[str, str]:
-        """Makes the slices. Returns what has to be the same on all machines."""
+        """Creates the slices. Returns the values that must be the same on all machines."""
         setup, first, count, threads = self._arguments
         compiled = CompiledScenario(setup.scenario, setup.overrides, setup.plugin_path)
         found = f"{compiled.scenario_hash:016x}"
@@ -52,7 +52,7 @@ class SliceWorker:
         return stamps(setup.scenario, found, compiled)
 
     def call(self, method: str, *arguments: Any) -> Any:
-        """A method of PpoSlices."""
+        """Calls a method of PpoSlices."""
         return getattr(self._slices, method)(*arguments)
 
 
@@ -63,7 +63,7 @@ REMEDIES = {
 
 
 def stamps(scenario: str, scenario_hash: str, compiled: CompiledScenario) -> dict[str, str]:
-    """What has to be the same on all machines, by its name in messages."""
+    """Values that must be the same on all machines, by their names in messages."""
     found = versions()
     instruction_set = str(found["instruction set"])
     return {
@@ -75,15 +75,15 @@ def stamps(scenario: str, scenario_hash: str, compiled: CompiledScenario) -> dic
 
 
 class RaySlices:
-    """All slices, on `workers` actors. Raises SlicesLost where one of them has died."""
+    """All slices, on `workers` actors. Raises SlicesLost if one of them has died."""
 
     def __init__(self, ray: Any, setup: Setup, slices: int, workers: int, threads: int) -> None:
         """Starts the workers.
 
         Args:
-            slices: that there are.
-            workers: that hold them, at most one a slice.
-            threads: of each worker.
+            slices: number of slices.
+            workers: number of workers, at most one per slice.
+            threads: threads of each worker.
 
         Raises:
             ClusterError: a machine has another version, another scenario of that name, or an
@@ -97,21 +97,21 @@ class RaySlices:
         self.replaced = 0
         self._start(range(workers))
 
-    # --- what skybody._native.Ppo calls -----------------------------------------------------------
+    # --- called by skybody._native.Ppo ------------------------------------------------------------
 
     # Lists have an entry for each slice, in the order of the slices.
 
     def collect(self, policy: Any, value: Any, *rest: Any) -> list[Any]:
-        """A rollout.
+        """Collects a rollout.
 
         Args:
-            policy: its parameters, (p,) float32.
-            value: the value function's, (v,) float32.
+            policy: parameters of the policy, (p,) float32.
+            value: parameters of the value function, (v,) float32.
             rest: number of the iteration; mean (n,) and scale (n,) float64 of the n inputs, and the
-                mean of discounted returns, by which they are normalized.
+                mean of discounted returns, for normalization.
 
         Returns:
-            Pairs: sums over the rollout (8 + 2 n,) float64, as learn/ppo/ppo_messages.h has them,
+            Pairs: sums over the rollout (8 + 2 n,) float64, as in learn/ppo/ppo_messages.h,
             and returns of the episodes that ended, (episodes,) float32.
         """
         return self._all("collect", self._ray.put(policy), self._ray.put(value), *rest)
@@ -121,13 +121,13 @@ class RaySlices:
         return self._all("find_advantages", reward_scale)
 
     def find_gradients(self, policy: Any, value: Any, *rest: Any) -> list[Any]:
-        """Of a minibatch.
+        """Gradients of a minibatch.
 
         Args:
-            policy: its parameters, (p,) float32.
-            value: the value function's, (v,) float32.
-            rest: numbers of the pass and of the minibatch, whether either gradient is wanted, mean
-                and scale of the advantages.
+            policy: parameters of the policy, (p,) float32.
+            value: parameters of the value function, (v,) float32.
+            rest: numbers of the pass and of the minibatch, whether each of the two gradients is
+                wanted, mean and scale of the advantages.
 
         Returns:
             Triples: sums (sums,) float64, gradients (p,) and (v,) float32; (0,) if not wanted.
@@ -150,7 +150,7 @@ class RaySlices:
         self._each(send)
 
     def replace(self) -> None:
-        """Starts a new worker in the place of each that does not answer."""
+        """Replaces each worker that does not answer by a new one."""
         dead = [k for k, worker in enumerate(self.workers) if not self._answers(worker)]
         self.replaced += len(dead)
         self._start(dead)

@@ -33,7 +33,7 @@ Every combination is a run folder below --out, as `python -P -m skybody.train` w
 command again goes on with what is not finished, and with seeds and values that are new. On a
 cluster --out must be a folder that all its machines see.
 Exit codes: 0 done, 1 a trial failed, 2 wrong input, 130 interrupted (the same command goes on)."""
-MOST_FAILURES = 10  # machines that may be lost under a trial before it is given up
+MOST_FAILURES = 10  # machines that may be lost under a trial before it fails
 
 
 def parser() -> argparse.ArgumentParser:
@@ -86,9 +86,9 @@ def seeds(text: str) -> list[int]:
 
 
 def trials_of(options: argparse.Namespace) -> list[Trial]:
-    """All trials; whatever is wrong with one is said here, before anything is begun.
+    """All trials, checked: every problem is reported before any trial begins.
 
-    Tune runs each in a folder of its own, so files are named as one finds them from there.
+    Tune runs each trial in its own folder, so file names are made absolute.
     """
     algorithm_of(options.algo)
     check_option("--cpus", options.cpus, 1, 1024)
@@ -126,7 +126,7 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
 
 
 def _load(scenario: str, options: argparse.Namespace) -> CompiledScenario:
-    """A scenario that can be trained and, where that is asked for, evaluated."""
+    """Loads a scenario, and checks that it can be trained and, if requested, evaluated."""
     compiled = CompiledScenario(scenario, options.override, options.plugin_path)
     if compiled.horizon == 0 and options.eval_episodes > 0:
         raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
@@ -134,13 +134,13 @@ def _load(scenario: str, options: argparse.Namespace) -> CompiledScenario:
 
 
 def spec_of(options: argparse.Namespace) -> dict[str, Any]:
-    """What all trials of a sweep have in common, for sweep.json."""
+    """Settings that all trials of a sweep share, for sweep.json."""
     names = ("algo", "total_steps", "checkpoint_every", "eval_episodes", "override")
     return {name: getattr(options, name) for name in names}
 
 
 def check_folder(out: Path, spec: dict[str, Any]) -> None:
-    """Raises UsageError where something else than this sweep is there."""
+    """Raises UsageError if the folder contains anything but this sweep."""
     path = out / "sweep.json"
     if path.exists():
         found = _read_spec(path)
@@ -156,7 +156,7 @@ def check_folder(out: Path, spec: dict[str, Any]) -> None:
 
 
 def _read_spec(path: Path) -> dict[str, Any]:
-    """sweep.json. Raises UsageError where it is damaged."""
+    """Reads sweep.json. Raises UsageError if it is damaged."""
     try:
         found = read_json(path)
     except ValueError as error:
@@ -167,22 +167,22 @@ def _read_spec(path: Path) -> dict[str, Any]:
 
 
 def write_spec(out: Path, spec: dict[str, Any]) -> None:
-    """Makes the folder a sweep's."""
+    """Creates the folder of a sweep."""
     out.mkdir(parents=True, exist_ok=True)
     files.write_file(out / "sweep.json", (json.dumps(spec, indent=1) + "\n").encode())
 
 
 def run_trials(ray: Any, waiting: list[Trial], out: Path, cpus: int) -> dict[str, str]:
-    """Trains them with Tune; returns what those that failed said, by name of the folder."""
-    # A Ctrl-C ends this program at once: the runs write checkpoints and are gone on with.
+    """Trains the trials with Tune; returns the messages of failed ones, by name of the folder."""
+    # Ctrl-C ends this program at once: the runs write checkpoints and can be resumed.
     os.environ["TUNE_DISABLE_SIGINT_HANDLER"] = "1"
-    os.environ.setdefault("RAY_AIR_NEW_OUTPUT", "0")  # the old one is silent where it is told to
+    os.environ.setdefault("RAY_AIR_NEW_OUTPUT", "0")  # the old output can be silenced
     from ray import tune
 
     errors: dict[str, str] = {}
 
     class Lines(tune.Callback):  # type: ignore[misc]
-        """A line for each trial that has ended."""
+        """Prints a line for each trial that has ended."""
 
         def on_trial_complete(self, iteration: int, trials: Any, trial: Any, **_: Any) -> None:
             result = trial.last_result
@@ -234,7 +234,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def sweep(options: argparse.Namespace, waiting: list[Trial]) -> dict[str, str]:
-    """Trains what is not finished; returns what failed trials said, by name of the folder."""
+    """Trains the unfinished trials; returns the messages of failed ones, by name of the folder."""
     if not waiting:
         return {}
     with cluster(options.address) as ray:

@@ -1,4 +1,4 @@
-"""Results of a sweep: a row per trial, a row over the seeds of a choice; text, CSV and JSON."""
+"""Results of a sweep: a row per trial, a row over the seeds of each setting; text, CSV and JSON."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def rows_of(trials: Sequence[Trial], errors: dict[str, str]) -> list[dict[str, A
 
 
 def over_seeds(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Means over the seeds of each choice, best return of a scenario first."""
+    """Means over the seeds of each setting, the best return of a scenario first."""
     settings = _settings(rows)
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in rows:
@@ -73,7 +73,7 @@ def over_seeds(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def write(out: Path, rows: Sequence[dict[str, Any]]) -> None:
-    """results.csv and results.json, whole or as they were before."""
+    """Writes results.csv and results.json atomically."""
     buffer = io.StringIO()
     columns = list(dict.fromkeys(name for row in rows for name in row))
     writer = csv.DictWriter(buffer, columns, lineterminator="\n")
@@ -85,7 +85,7 @@ def write(out: Path, rows: Sequence[dict[str, Any]]) -> None:
 
 
 def text(rows: Sequence[dict[str, Any]]) -> str:
-    """over_seeds() in columns, for a terminal; of scenarios' files the stem, as of run folders."""
+    """over_seeds() in columns, for a terminal; scenario files by their stem, as in run folders."""
     table = [{**row, "scenario": Path(row["scenario"]).stem} for row in over_seeds(rows)]
     head = list(table[0])
     cells = [head, *([_shown(row[name]) for name in head] for row in table)]

@@ -12,12 +12,15 @@ from skybody.train.evaluate import check_option
 from skybody.train.hyperparameters import UsageError
 from skybody.train.run_folder import Config
 
-ALGORITHM = "fast-ppo"  # the one whose slices can be held elsewhere
-WORKERS = 2  # where nobody says how many
+ALGORITHM = "fast-ppo"  # the one whose slices can run on other machines
+WORKERS = 2  # default number of workers
 
 
 def check_options(options: argparse.Namespace) -> None:
-    """Raises UsageError for what a cluster cannot do; gives --workers and its threads defaults."""
+    """Raises UsageError for options that a cluster does not support.
+
+    Sets the defaults of --workers and of its threads.
+    """
     if options.algo not in (None, ALGORITHM):
         raise UsageError(f"--algo {options.algo}: with --ray there is {ALGORITHM} alone")
     options.workers = WORKERS if options.workers is None else options.workers
@@ -31,7 +34,7 @@ def hold_slices(
     """Connects to the cluster and starts the workers, which live as long as `scope`.
 
     Raises:
-        UsageError: another learner's run, more workers than slices.
+        UsageError: the run of another learner, or more workers than slices.
         ClusterError: no such cluster, too few processors, or other versions there.
     """
     if config.algorithm != ALGORITHM:
@@ -51,7 +54,7 @@ def hold_slices(
 
 
 def setup_of(config: Config) -> Setup:
-    """What workers make their slices of; they are at work in another folder."""
+    """The setup from which workers, in another working folder, create their slices."""
     return Setup(
         scenario=absolute_scenario(config.scenario),
         overrides=config.overrides,
@@ -64,6 +67,6 @@ def setup_of(config: Config) -> Setup:
 
 
 def say_replaced(slices: RaySlices) -> None:
-    """A line at the end, where workers were lost."""
+    """Prints a line at the end if workers were lost."""
     if slices.replaced:
         print(f"workers that died and were replaced: {slices.replaced}")

@@ -33,10 +33,10 @@ class Trial:
     total_steps: int
     common: tuple[str, ...] = ()  # further options, the same for all trials
     evaluated: bool = True  # whether checkpoints are evaluated
-    plugin_path: tuple[str, ...] = ()  # a run folder does not decide from where code is run
+    plugin_path: tuple[str, ...] = ()  # never from a run folder: it must not choose code
 
     def command(self, threads: int) -> list[str]:
-        """That begins the run, or goes on with it."""
+        """The command that begins the run, or resumes it."""
         made = module_command("skybody.train", "--out", str(self.folder))
         made += ["--threads", str(threads)]
         made += [word for folder in self.plugin_path for word in ("--plugin-path", folder)]
@@ -47,14 +47,14 @@ class Trial:
         return made + [word for setting in self.settings for word in ("--set", setting)]
 
     def finished(self) -> bool:
-        """Whether its newest checkpoint is the last, with its evaluation if there is to be one."""
+        """Whether its newest checkpoint is the last, including its evaluation if requested."""
         found = checkpoint_folders(self.folder)
         if not found or read_meta(found[-1])["steps"] < self.total_steps:
             return False
         return not self.evaluated or read_evaluation(found[-1]) is not None
 
     def result(self) -> dict[str, Any]:
-        """What its newest checkpoint is worth; empty where there is none."""
+        """Results of its newest checkpoint; empty if there is none."""
         found = checkpoint_folders(self.folder)
         if not found:
             return {}
@@ -68,10 +68,10 @@ class Trial:
         }
 
     def train(self, threads: int) -> None:
-        """Begins it, or goes on with it, until its end. Raises RuntimeError with what it said.
+        """Begins or resumes the run, and waits for its end. Raises RuntimeError with its messages.
 
-        The run ends with the process that called this: a checkpoint, then it is gone, so that its
-        folder is free for whoever goes on with it.
+        The run ends with the process that called this: it writes a checkpoint and exits, so that
+        its folder is free for a later resume.
         """
         self.folder.parent.mkdir(parents=True, exist_ok=True)
         log = self.folder.with_name(f"{self.folder.name}.log")
@@ -100,7 +100,7 @@ def make_trials(
     evaluated: bool,
     plugin_path: Sequence[str],
 ) -> list[Trial]:
-    """All combinations: of a scenario and its settings all seeds, then the next ones.
+    """All combinations: all seeds of a scenario and its settings, then the next ones.
 
     Args:
         total_steps: of each scenario.
@@ -131,10 +131,10 @@ def make_trials(
 
 
 def parse_grid(settings: Sequence[str], algorithm: str) -> dict[str, list[str]]:
-    """`--set` of a sweep: KEY=VALUE,VALUE; sizes of layers have semicolons between them.
+    """Parses `--set` of a sweep: KEY=VALUE,VALUE; sizes of layers are separated by semicolons.
 
     Raises:
-        UsageError: no `=`, or one key twice. Unknown keys are left to the check of a run.
+        UsageError: no `=`, or one key twice. Unknown keys are reported by the check of a run.
     """
     like = vars(algorithm_of(algorithm).defaults())
     grid: dict[str, list[str]] = {}
@@ -150,5 +150,5 @@ def parse_grid(settings: Sequence[str], algorithm: str) -> dict[str, list[str]]:
 
 
 def _die_with_parent() -> None:
-    """Linux: the child is asked to end when the thread that started it is gone."""
+    """Linux: the kernel signals the child when the thread that started it ends."""
     ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGTERM)

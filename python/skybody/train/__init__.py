@@ -1,7 +1,7 @@
 """Training: `python -P -m skybody.train`, with checkpoints that resume bit for bit.
 
-docs/training.md describes the run folder, the hyper-parameters and what is promised about
-determinism. Nothing here imports PyTorch before a learner is made, so that evaluation processes
+docs/training.md describes the run folder, the hyper-parameters and the promises about determinism.
+This package does not import PyTorch before a learner is made, so that evaluation processes
 start quickly.
 """
 

@@ -44,7 +44,7 @@ NO_MEMORY = "not enough memory: take fewer envs or rollout_steps, or smaller lay
 
 
 def given(value: int | None, default: int) -> int:
-    """The option's value, where there is one."""
+    """Returns the option's value if it is given, otherwise `default`."""
     return default if value is None else value
 
 
@@ -78,10 +78,11 @@ def new_config(options: argparse.Namespace, compiled: CompiledScenario) -> Confi
 
 
 def resumed_config(options: argparse.Namespace) -> Config:
-    """That of the run folder. What changes no bits, and the number of steps, may differ.
+    """The configuration of the run folder. Settings without influence on bits, and the number of
+    steps, may differ.
 
-    Folders with plugins must be given anew: a run folder from elsewhere does not decide from where
-    code is run. Those that it names stay on its list, so that each later resume names them again.
+    Folders with plugins must be given again: a run folder from elsewhere must not choose code to
+    run. Its recorded folders stay on its list, so that each later resume names them again.
     """
     config = Config.read(options.out)
     plugin_path = options.plugin_path or []
@@ -120,7 +121,7 @@ def resumed_config(options: argparse.Namespace) -> Config:
 def check(config: Config) -> None:
     """Raises UsageError for numbers out of range."""
     ranges = {
-        "seed": (0, 2**32 - 1),  # NumPy's global generator, which Stable-Baselines3 uses
+        "seed": (0, 2**32 - 1),  # of NumPy's global generator, which Stable-Baselines3 uses
         "total_steps": (1, 2**63 - 1),
         "checkpoint_every": (1, 2**63 - 1),
         "threads": (0, MOST_THREADS),
@@ -133,7 +134,7 @@ def check(config: Config) -> None:
 
 
 def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
-    """Of everything that the result may depend on."""
+    """Versions of all software that the result may depend on."""
     return {
         **{name: str(version) for name, version in versions().items()},
         **{f"plugin {name}": str(version) for name, version in compiled.plugins.items()},
@@ -143,7 +144,7 @@ def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
 
 
 def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
-    """The run's configuration, checked, and its scenario, loaded. Sets `options.out`."""
+    """The run's checked configuration and its loaded scenario. Sets `options.out`."""
     demand_packages(packages_of(options.algo or DEFAULT_ALGORITHM))
     options.out = options.out or default_folder(options)
     config, compiled = resumed_run(options) if options.resume else new_run(options)
@@ -157,7 +158,7 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
 
 
 def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
-    """What the command line says."""
+    """The configuration and scenario of a new run, from the command line."""
     run: Path = options.out
     if options.scenario is None:
         raise UsageError("which scenario? Give its name or file, or --resume")
@@ -172,7 +173,7 @@ def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
 
 
 def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
-    """What the run folder says, and that the scenario is still the same."""
+    """The configuration and scenario of the run folder; checks that the scenario is unchanged."""
     config = resumed_config(options)
     demand_packages(packages_of(config.algorithm))
     check_plugin_path(config.searched, "--plugin-path")
@@ -222,7 +223,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def opening(options: argparse.Namespace, config: Config, first_step: int) -> str:
-    """What begins, where it is written, and where its hyper-parameters are from."""
+    """The first message: the run, its folder, and the source of its hyper-parameters."""
     run = f"{config.scenario_name}, {config.algorithm}, seed {config.seed}, in {options.out}"
     if options.resume:
         if first_step >= config.total_steps:
@@ -238,9 +239,9 @@ def opening(options: argparse.Namespace, config: Config, first_step: int) -> str
 
 
 def default_folder(options: argparse.Namespace) -> Path:
-    """A new folder for a run that was told none: flights/SCENARIO_ALGO, or -2, -3, ... behind it.
+    """A new folder for a run without --out: flights/SCENARIO_ALGO, or with -2, -3, ... appended.
 
-    Raises UsageError for a run that is to be resumed: which of them is not for us to guess.
+    Raises UsageError for --resume, because the folder is ambiguous.
     """
     if options.resume:
         raise UsageError("--resume: which run? Name its folder with --out DIR")
@@ -252,7 +253,7 @@ def default_folder(options: argparse.Namespace) -> Path:
 def make_trainer(options: argparse.Namespace, scope: contextlib.ExitStack) -> Trainer:
     """Checks everything, then writes the configuration to the run folder.
 
-    The folder, and on a cluster its workers, are this process's until `scope` ends.
+    This process owns the folder, and the workers of a cluster, until `scope` ends.
     """
     check_cluster_options(options)
     config, compiled = prepare(options)
@@ -265,7 +266,7 @@ def make_trainer(options: argparse.Namespace, scope: contextlib.ExitStack) -> Tr
 
 
 def check_cluster_options(options: argparse.Namespace) -> None:
-    """Raises UsageError for --workers without a cluster, and for learners that have no slices."""
+    """Raises UsageError for --workers without a cluster, and for learners without slices."""
     if options.ray is None:
         for name in ("workers", "worker_threads"):
             if (value := getattr(options, name)) is not None:
@@ -286,7 +287,7 @@ def open_trainer(
     scope: contextlib.ExitStack,
     slices: object,
 ) -> Trainer:
-    """Opens the run folder; `slices` as make_learner() has them."""
+    """Opens the run folder; `slices` as in make_learner()."""
     from skybody.train.trainer import Trainer
 
     run: Path = options.out
@@ -304,7 +305,7 @@ def open_trainer(
 
 
 def train(trainer: Trainer) -> int:
-    """To the end, or to an interruption; returns the exit code."""
+    """Trains to the end or to an interruption; returns the exit code."""
     try:
         return run_to_end(trainer)
     except KeyboardInterrupt:
@@ -326,7 +327,9 @@ def train(trainer: Trainer) -> int:
 
 
 def run_to_end(trainer: Trainer) -> int:
-    """train(), but for a Ctrl-C that ends it at once and for files that cannot be written."""
+    """train() without the handling of a Ctrl-C that ends it at once and of files that cannot be
+    written.
+    """
     try:
         complete = trainer.train()
     except FloatingPointError as error:
@@ -343,20 +346,20 @@ def run_to_end(trainer: Trainer) -> int:
 
 
 def fly_command(config: Config, run: Path) -> str:
-    """For a shell: flies what a run has learned, in the world in which it has."""
+    """Shell command that flies the policy of a run, in the scenario in which it was trained."""
     words = ["skybody", "run", config.scenario, "--policy", str(run)]
     words += [word for override in config.overrides for word in ("--set", override)]
     return shlex.join(words + search_options(config))
 
 
 def resume_command(config: Config, run: Path) -> str:
-    """For a shell: goes on with a run."""
+    """Shell command that resumes a run."""
     words = ["skybody", "train", "--resume", "--out", str(run)]
     return shlex.join(words + search_options(config))
 
 
 def search_options(config: Config) -> list[str]:
-    """Folders of plugins, which each command is told anew (docs/plugins.md)."""
+    """Options for folders of plugins, which each command must be given (docs/plugins.md)."""
     return [word for folder in config.searched for word in ("--plugin-path", folder)]
 
 

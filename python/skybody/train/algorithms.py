@@ -1,4 +1,4 @@
-"""The learners that there are, a row each."""
+"""The table of learners."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Algorithm:
-    """A learner, as `--algo` names it."""
+    """A learner; its key in ALGORITHMS is the value of `--algo`."""
 
     summary: str  # for --help
-    defaults: Callable[[], Any]  # its hyper-parameters, which have check()
-    # of (compiled, hyper, seed, threads, total_steps); imports what it needs
+    defaults: Callable[[], Any]  # its hyper-parameters, with a method check()
+    # arguments: compiled, hyper, seed, threads, total_steps; imports its packages itself
     make: Callable[..., Learner]
-    # in C++: its checkpoints are NumPy's, it averages its policy itself, it needs no PyTorch
+    # in C++: NumPy checkpoints, averages its policy itself, needs no PyTorch
     is_native: bool = False
-    # of (hyper-parameters, seconds between two actions): those of scenarios without a preset
+    # (hyper-parameters, seconds between two actions) -> those of scenarios without a preset
     fit: Callable[[Any, float], Any] = lambda hyper, _: hyper
 
 
@@ -46,8 +46,8 @@ def _sb3_ppo(*arguments: Any) -> Learner:
     return Sb3Ppo(*arguments)
 
 
-HORIZON = 0.64  # s, over which `gradient` goes back: less, and nothing has moved yet
-MOST_HORIZON = 640  # transitions, which are remembered
+HORIZON = 0.64  # [s] horizon of `gradient`: in a shorter one the vehicle hardly moves
+MOST_HORIZON = 640  # transitions, which are kept in memory
 
 
 def _fit_gradient(hyper: Any, action_seconds: float) -> Any:
@@ -71,12 +71,12 @@ ALGORITHMS: dict[str, Algorithm] = {
 DEFAULT_ALGORITHM = "fast-ppo"
 NATIVE = tuple(name for name, algorithm in ALGORITHMS.items() if algorithm.is_native)
 
-# Learners that there were, and what is said to who asks for one.
+# Removed learners, with the error message for each.
 GONE = {"lean-ppo": "has gone: `fast-ppo` learns by the same method, several times as quick"}
 
 
 def algorithm_of(name: str) -> Algorithm:
-    """The learner of that name. Raises UsageError, with the nearest, where there is none."""
+    """The learner of that name. Raises UsageError, with the nearest name, if there is none."""
     if name in GONE and name not in ALGORITHMS:
         raise UsageError(f"the learner `{name}` {GONE[name]}")
     if name not in ALGORITHMS:
@@ -85,7 +85,7 @@ def algorithm_of(name: str) -> Algorithm:
 
 
 def summaries() -> str:
-    """Of all learners, for --help."""
+    """Summaries of all learners, for --help."""
     rows = (
         f"{name}{' (default)' if name == DEFAULT_ALGORITHM else ''}: {algorithm.summary}"
         for name, algorithm in ALGORITHMS.items()

@@ -1,8 +1,8 @@
-"""The average of a policy over its last updates: steadier than any one of them.
+"""The average of a policy over its last updates: it varies less than single updates.
 
-Near its end a run wanders about a good policy, by more than its last centimetres. The mean of its
-weights over that walk lies closer to the middle (Polyak and Juditsky 1992). Only the policy that is
-evaluated and flown is averaged; training goes on with its own weights.
+Near its end a run moves randomly about a good policy, by more than its last centimetres. The mean
+of its weights over that walk lies closer to the middle (Polyak and Juditsky 1992). Only the policy
+that is evaluated and flown is averaged; training continues with its own weights.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ class PolicyAverage:
     """Exponential mean of weights and biases, in float64."""
 
     def __init__(self, window: int) -> None:
-        """`window`: steps of all environments that the mean reaches back, about; 0: no mean."""
+        """`window`: approximate length of the mean, in steps of all environments; 0: no mean."""
         self.window = window
         self.count = 0
         self.values: list[NDArray[np.float64]] = []
 
     def add(self, policy: Policy, steps: int) -> None:
-        """Takes the policy in, `steps` steps after the last one."""
+        """Adds the policy, `steps` steps after the last one."""
         if self.window == 0:
             return
         values = _values(policy)
@@ -42,7 +42,7 @@ class PolicyAverage:
                 mean += share * (value - mean)
 
     def of(self, policy: Policy) -> Policy:
-        """`policy` with the averaged weights; itself where there is no mean."""
+        """`policy` with the averaged weights; `policy` itself if there is no mean."""
         if not self.values:
             return policy
         means = iter([value.astype(np.float32) for value in self.values])
@@ -50,7 +50,7 @@ class PolicyAverage:
         return replace(policy, layers=layers)
 
     def state(self) -> dict[str, Any]:
-        """Everything, as tensors and plain values."""
+        """The complete state, as tensors and plain values."""
         if not self.values:
             return {"count": self.count, "values": []}
         import torch
@@ -59,7 +59,7 @@ class PolicyAverage:
         return {"count": self.count, "values": values}
 
     def restore(self, state: dict[str, Any], policy: Policy) -> None:
-        """The inverse of state(). Raises ValueError where it is no mean of policies like this."""
+        """The inverse of state(). Raises ValueError unless it is a mean of similar policies."""
         tensors: list[torch.Tensor] = state["values"]
         values = [tensor.numpy().copy() for tensor in tensors]
         if values and [v.shape for v in values] != [v.shape for v in _values(policy)]:

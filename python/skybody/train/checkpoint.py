@@ -1,4 +1,4 @@
-"""Checkpoints: everything that training goes on from, bit for bit, in one folder.
+"""Checkpoints: the complete state for resuming training bit for bit, in one folder.
 
 step_NNNNNNNNNNNN/state.pt           networks, optimizer, statistics, generators, bookkeeping;
                                      of learners in C++ state.npz
@@ -21,7 +21,7 @@ from skybody.train.json_file import read_json, wrong_kinds
 from skybody.train.policy_file import Policy, policy_bytes
 from skybody.train.state_file import pack_state, state_file, unpack_state
 
-STAMPS: dict[str, Any] = {  # of meta.json that something reads
+STAMPS: dict[str, Any] = {  # fields of meta.json that other code reads
     "steps": int,
     "parameter_hash": str,
     "algorithm": str,
@@ -39,7 +39,7 @@ REMEDY = "remove this checkpoint's folder to go on from the one before"
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What was read back."""
+    """The contents of a checkpoint that was read."""
 
     path: Path
     meta: dict[str, Any]
@@ -48,16 +48,16 @@ class Checkpoint:
 
 
 def checkpoint_folders(run: Path) -> list[Path]:
-    """All whole checkpoints of a run, oldest first."""
+    """All complete checkpoints of a run, oldest first."""
     return sorted(path for path in run.glob("checkpoints/step_*") if (path / "meta.json").exists())
 
 
 def write_checkpoint(
     run: Path, meta: dict[str, Any], state: dict[str, Any], environments: bytes, policy: Policy
 ) -> Path:
-    """Writes the checkpoint of meta["steps"] steps: after a kill it is there or not at all.
+    """Writes the checkpoint of meta["steps"] steps: complete or not at all, even after a kill.
 
-    The same holds where writing fails: OSError, which names the file.
+    The same holds if writing fails: it raises OSError, which names the file.
     """
     final = run / "checkpoints" / f"step_{meta['steps']:012d}"
     if final.exists():
@@ -79,7 +79,7 @@ def _write_files(
     with files.naming(folder):
         folder.mkdir(parents=True)
     algorithm = meta["algorithm"]
-    # publish_folder() has all of them reach the disk, at once.
+    # publish_folder() syncs all of them to the disk at once.
     files.write_part(folder / "policy.h5", policy_bytes(policy))
     files.write_part(folder / state_file(algorithm), pack_state(algorithm, state))
     files.write_part(folder / "environments.bin", environments)
@@ -89,7 +89,7 @@ def _write_files(
 
 
 def read_meta(folder: Path) -> dict[str, Any]:
-    """The stamps of a checkpoint. Raises ValueError where they cannot be read."""
+    """The stamps of a checkpoint. Raises ValueError if they cannot be read."""
     path = folder / "meta.json"
     try:
         meta = read_json(path)
@@ -106,12 +106,12 @@ def read_meta(folder: Path) -> dict[str, Any]:
 
 
 def file_names(meta: dict[str, Any]) -> tuple[str, ...]:
-    """Of a checkpoint's files beside meta.json."""
+    """Names of a checkpoint's files other than meta.json."""
     return (state_file(meta["algorithm"]), "environments.bin", "policy.h5")
 
 
 def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
-    """The path of a checkpoint's file. Raises ValueError where it is not what was written."""
+    """The path of a checkpoint's file. Raises ValueError unless its hash is the recorded one."""
     path = folder / name
     if not path.is_file():
         raise ValueError(f"{path} is missing: {REMEDY}")
@@ -125,7 +125,7 @@ def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
 
 
 def read_checkpoint(folder: Path) -> Checkpoint:
-    """Reads a checkpoint. Raises ValueError where a file is not what was written."""
+    """Reads a checkpoint. Raises ValueError if a file differs from its recorded hash."""
     meta = read_meta(folder)
     for name in file_names(meta):
         check_file(folder, meta, name)
@@ -138,7 +138,7 @@ def read_checkpoint(folder: Path) -> Checkpoint:
 
 
 def resolve(path: Path) -> Path:
-    """The checkpoint that `path` means: itself, or the newest of a run folder."""
+    """The checkpoint of `path`: itself, or the newest one of a run folder."""
     if (path / "meta.json").exists():
         return path
     found = checkpoint_folders(path)

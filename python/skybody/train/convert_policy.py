@@ -1,10 +1,10 @@
-"""Converts a policy.h5 of format 1, which has no checksum over all that it holds, to format 2.
+"""Converts a policy.h5 of format 1, which has no checksum over its whole content, to format 2.
 
     python -P -m skybody.train.convert_policy FILE [FILE ...]
 
-Each file is replaced as a whole. Where it belongs to a checkpoint (meta.json beside it), the
-checkpoint's record of its hash is brought up to date. A file of format 2 stays as it is, and so
-does what its checkpoint says of it. Where a file cannot be converted, the others still are.
+Each file is replaced as a whole. If it belongs to a checkpoint (meta.json beside it), the hash in
+the checkpoint's record is updated. A file of format 2 and its checkpoint's record are unchanged.
+If a file cannot be converted, the others still are.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _try(work: Callable[[Path], str], path: Path) -> bool:
-    """Prints what was done with a file, or why it was not; whether it failed."""
+    """Prints the result for a file, or the reason of a failure; returns whether it failed."""
     try:
         demand_packages(["h5py"])
         print(work(path))
@@ -54,7 +54,7 @@ def _try(work: Callable[[Path], str], path: Path) -> bool:
 
 
 def convert_in_child(path: Path) -> str:
-    """convert() in a process of its own: HDF5 crashes on some damaged files without checksums."""
+    """convert() in a separate process: HDF5 crashes on some damaged files without checksums."""
     command = module_command("skybody.train.convert_policy", "--here", str(path))
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
@@ -69,13 +69,13 @@ def convert_in_child(path: Path) -> str:
 
 
 def convert(path: Path) -> str:
-    """Replaces one file; returns what was done."""
+    """Replaces one file; returns a message about the result."""
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file")
     with path.open("rb") as file:
         is_old = file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
     if not is_old:
-        read_policy(path)  # refuses what is no policy
+        read_policy(path)  # raises if it is not a policy
         return f"{path}: has format {VERSION} already"
     write_policy(path, _read_old(path))
     _update_checkpoint(path)
@@ -83,7 +83,7 @@ def convert(path: Path) -> str:
 
 
 def _read_old(path: Path) -> Policy:
-    """A policy of format 1. Raises ValueError where it cannot be read."""
+    """A policy of format 1. Raises ValueError if it cannot be read."""
     import h5py  # type: ignore[import-untyped]
 
     meta = _read_meta(path)
@@ -100,7 +100,7 @@ def _read_old(path: Path) -> Policy:
 
 
 def _read_meta(path: Path) -> dict[str, Any] | None:
-    """meta.json of the checkpoint that a policy belongs to, if any."""
+    """meta.json of the policy's checkpoint, if any."""
     meta = path.with_name("meta.json")
     if path.name != "policy.h5" or not meta.is_file():
         return None

@@ -30,11 +30,11 @@ ABSCISSAE = ("steps", "wall_clock")
 def draw_curve(runs: list[Path], out: Path) -> None:
     """Draws the runs into one PNG; a single run's evaluations get their deviation as a band.
 
-    Without any position error, as in races, returns are all that is drawn.
+    If there is no position error, as in races, it draws only the returns.
     """
     from matplotlib import style
 
-    with style.context("default"):  # a matplotlibrc of the working folder changes nothing
+    with style.context("default"):  # independent of a matplotlibrc in the working folder
         picture = _picture_of(runs)
     files.write_file(out, picture)
 
@@ -72,7 +72,7 @@ def _picture_of(runs: list[Path]) -> bytes:
 
 
 def _has_error(training: Columns, evaluation: Columns) -> bool:
-    """Whether the task knows a position error."""
+    """Whether the task reports a position error."""
     return _is_known(training, "position_error") or _is_known(evaluation, "position_error_median")
 
 
@@ -83,7 +83,7 @@ def _is_known(table: Columns, name: str) -> bool:
 def _draw_returns(
     axes: NDArray[np.object_], training: Columns, evaluation: Columns, name: str, color: str
 ) -> None:
-    """`name`: of one run among several, else empty; then deviations are shown, too."""
+    """`name`: of one run among several; empty for a single run, which also gets its deviations."""
     prefix = f"{name}: " if name else ""
     for axis, x in zip(axes, ABSCISSAE, strict=True):
         _line(axis, training, x, "return_mean", color, f"{prefix}training (with exploration)")

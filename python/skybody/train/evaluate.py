@@ -4,7 +4,7 @@
     python -P -m skybody.train.evaluate shipped --scenario NAME
 
 Episode i is that of environment i under the seed, whatever the number of episodes. The network is
-evaluated from policy.h5, the file that `skybody run --policy` flies, and without PyTorch.
+evaluated from policy.h5, the file for `skybody run --policy`, without PyTorch.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy, shipped_policy
 from skybody.train.run_folder import load_recorded
 
-SUCCESS = "success"  # info of tasks that say whether their aim is met (docs/task_kit.md)
-SHIPPED = "shipped"  # in a checkpoint's place: the policy that comes with Skybody
-SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes
+SUCCESS = "success"  # info value of tasks that report success (docs/task_kit.md)
+SHIPPED = "shipped"  # in place of a checkpoint: the policy shipped with Skybody
+SEED = 1000  # default of evaluation episodes; training seeds draw other episodes
 
 
 def evaluate(
     compiled: CompiledScenario, policy: Policy, episodes: int, seed: int, threads: int = 0
 ) -> dict[str, Any]:
-    """Flies one episode in each of `episodes` environments; returns what summarize() says."""
+    """Flies one episode in each of `episodes` environments; returns the figures of summarize()."""
     pool = Pool(
         compiled,
         episodes,
@@ -57,19 +57,19 @@ def evaluate(
 
 @dataclass
 class Flights:
-    """What episodes have shown, a row an episode."""
+    """Results of the episodes, one row per episode."""
 
     returns: NDArray[np.float64]
-    errors: NDArray[np.float64]  # of the position, mean over the last second [m]; nan: unsaid
+    errors: NDArray[np.float64]  # position error, mean over the last second [m]; nan: none
     lengths: NDArray[np.int64]
-    failed: NDArray[np.bool_]  # ended by a fault, or by the task and without success
-    info_names: list[str] = field(default_factory=list)  # of infos of one value
+    failed: NDArray[np.bool_]  # ended by a fault, or by the task without success
+    info_names: list[str] = field(default_factory=list)  # of info values with one component
     info_sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
     info_ends: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 def _fly(compiled: CompiledScenario, policy: Policy, pool: Pool) -> Flights:
-    """Every environment flies its episode to the end."""
+    """Flies the episode of every environment to its end."""
     n = pool.num_envs
     second = max(1, round(1.0 / (compiled.dt * compiled.action_repeat)))
     errors = np.full((n, second), np.nan)
@@ -98,7 +98,7 @@ def _fly(compiled: CompiledScenario, policy: Policy, pool: Pool) -> Flights:
         lengths[ids] += 1
         failed[ids] = batch.terminated | batch.fault
         flying[ids] = ~(batch.terminated | batch.truncated)
-    if SUCCESS in info_names:  # an end that the task calls a success is none of a failure
+    if SUCCESS in info_names:  # a success that ends the episode is not a failure
         failed &= info_ends[:, info_names.index(SUCCESS)] < 0.5
     known = ~np.isnan(errors)
     mean_error = np.where(known, errors, 0.0).sum(1) / np.maximum(known.sum(1), 1)
@@ -107,7 +107,7 @@ def _fly(compiled: CompiledScenario, policy: Policy, pool: Pool) -> Flights:
 
 
 def _position_error(compiled: CompiledScenario, batch: Any) -> NDArray[np.float64]:
-    """Distance from the goal per row [m]; nan where neither info nor observation says it."""
+    """Distance from the goal per row [m]; nan if neither infos nor observations contain it."""
     for channels, rows in (
         (compiled.info_channels, batch.info),
         (compiled.observation_channels, batch.observation),
@@ -118,7 +118,7 @@ def _position_error(compiled: CompiledScenario, batch: Any) -> NDArray[np.float6
 
 
 def summarize(flights: Flights) -> dict[str, Any]:
-    """The figures of an evaluation; the CV is the returns' deviation over their mean."""
+    """The figures of an evaluation; CV: standard deviation of the returns over their mean."""
     returns, errors, failed = flights.returns, flights.errors, flights.failed
     mean, deviation = float(returns.mean()), float(returns.std())
     known = errors[~np.isnan(errors)]
@@ -161,10 +161,10 @@ def evaluate_checkpoint(
     threads: int = 0,
     plugin_path: list[str] | None = None,
 ) -> dict[str, Any]:
-    """Evaluates a checkpoint, or a run's newest, in the scenario that it was trained in.
+    """Evaluates a checkpoint, or a run's newest one, in the scenario in which it was trained.
 
-    Plugins come from `plugin_path` and the default places. The folders that the checkpoint names
-    are not searched: whoever made it does not decide from where code is run.
+    Plugins come from `plugin_path` and the default folders. Folders recorded in the checkpoint
+    are not searched: a checkpoint must not choose code to run.
     """
     folder = resolve(path)
     meta = read_meta(folder)
@@ -199,10 +199,10 @@ def evaluate_shipped(
     threads: int = 0,
     plugin_path: list[str] | None = None,
 ) -> dict[str, Any]:
-    """Evaluates the policy that comes with Skybody for a scenario.
+    """Evaluates the policy that is shipped for a scenario.
 
     Raises:
-        Error: there is none; with those there are.
+        Error: there is none; the message lists the shipped policies.
     """
     compiled = CompiledScenario(scenario, overrides or [], plugin_path or [])
     file = shipped_policy(compiled.name, str(scenario))
@@ -227,7 +227,7 @@ def _warn_of_scenario(trained: str, found: str) -> None:
 def _evaluate_fitting(
     compiled: CompiledScenario, policy: Policy, where: str, episodes: int, seed: int, threads: int
 ) -> dict[str, Any]:
-    """Evaluates a policy whose sizes are the scenario's. Raises ValueError where they are not."""
+    """Evaluates a policy in a scenario. Raises ValueError if their sizes differ."""
     if compiled.horizon == 0:
         raise ValueError(f"{compiled.name} has no horizon: its episodes might never end")
     seen = policy.sizes()["observation_size"]
@@ -240,7 +240,7 @@ def _evaluate_fitting(
 
 
 def warn_of_plugin_path(who: str, where: Path, recorded: list[str], given: list[str]) -> None:
-    """Names the recorded folders with plugins that are not given anew, and so not searched."""
+    """Names the recorded folders with plugins that are not given again, so are not searched."""
     searched = {os.path.realpath(folder) for folder in given}
     for folder in recorded:
         if os.path.realpath(folder) not in searched:
@@ -261,8 +261,8 @@ def check_option(option: str, value: int, low: int, high: int) -> None:
 
 
 def in_our_words(error: Exception) -> str:
-    """Its text; the loader, which is `skybody run`'s too, calls overrides --set."""
-    if isinstance(error, UsageError):  # our own: --set is a hyper-parameter's
+    """The text of an error. The loader, shared with `skybody run`, calls overrides --set."""
+    if isinstance(error, UsageError):  # our own: --set is a hyper-parameter
         return str(error)
     if isinstance(error, OSError):
         return files.explain(error)
@@ -270,7 +270,7 @@ def in_our_words(error: Exception) -> str:
 
 
 def _evaluate_asked(options: argparse.Namespace) -> dict[str, Any]:
-    """What the command line asks for."""
+    """Runs the evaluation of the command line."""
     if str(options.checkpoint) == SHIPPED:
         if options.scenario is None:
             raise ValueError("shipped: give --scenario NAME, whose policy is to fly")

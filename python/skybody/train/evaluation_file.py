@@ -1,4 +1,4 @@
-"""evaluation.json of a checkpoint, as evaluate.py writes it."""
+"""evaluation.json of a checkpoint, as written by evaluate.py."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Check = Callable[[Any], bool]
 
 
 def _is_number(value: Any) -> bool:
-    """Whether it is one that a float can hold: not nan, not infinite, no `true`."""
+    """Whether it is a finite number, and not a bool."""
     return type(value) in (int, float) and abs(value) <= sys.float_info.max
 
 
@@ -48,7 +48,7 @@ COLUMNS: dict[str, Check] = {  # of evaluation.csv
     "reached_share": _is_number_or_null,
     "parameter_hash": _is_text,
 }
-_LISTS: dict[str, Check] = {  # a value per episode
+_LISTS: dict[str, Check] = {  # one value per episode
     "returns": _is_number,
     "position_errors": _is_number_or_null,
     "failed": _is_flag,
@@ -56,7 +56,7 @@ _LISTS: dict[str, Check] = {  # a value per episode
 
 
 def read_evaluation(checkpoint: Path) -> dict[str, Any] | None:
-    """The evaluation beside a checkpoint; None where there is none, or where it is damaged."""
+    """The evaluation of a checkpoint; None if there is none, or if it is damaged."""
     try:
         found = read_json(checkpoint / "evaluation.json")
     except (FileNotFoundError, ValueError):
@@ -65,7 +65,7 @@ def read_evaluation(checkpoint: Path) -> dict[str, Any] | None:
 
 
 def _is_whole(found: dict[str, Any]) -> bool:
-    """Whether it has all that anything reads of it, each of its kind."""
+    """Whether it has all fields that are read, each of the right type."""
     for name, check in COLUMNS.items():
         if name not in found or not check(found[name]):
             return False

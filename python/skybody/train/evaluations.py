@@ -1,7 +1,7 @@
-"""Evaluations beside training: a process each, one at a time, while training goes on.
+"""Evaluations during training: separate processes, one at a time.
 
-One takes a processor away from training for about a second. A training that takes no longer than
-a few of these has all processors for itself, and is evaluated when it is over.
+An evaluation occupies one processor for about a second. A training that takes no longer than
+a few of these keeps all processors, and is evaluated at its end.
 """
 
 from __future__ import annotations
@@ -18,32 +18,32 @@ from skybody.program import module_command
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
 
-UNDISTURBED = 5.0  # seconds from the beginning on, in which training is alone
+UNDISTURBED = 5.0  # seconds from the start in which no evaluation starts
 
 
 class Evaluations:
-    """A queue of checkpoints to be evaluated by evaluate.py."""
+    """A queue of checkpoints for evaluate.py."""
 
     def __init__(self, run: Path, episodes: int, seed: int, plugin_path: list[str]) -> None:
-        """Begins with checkpoints of before an interruption that have no evaluation yet."""
+        """Begins with the checkpoints before an interruption that have no evaluation yet."""
         self._episodes, self._seed = episodes, seed
         self._plugin_path = plugin_path
         self._waiting: deque[Path] = deque()
         self._running: subprocess.Popen[str] | None = None
-        self._errors: IO[str]  # of the one that runs
+        self._errors: IO[str]  # of the running evaluation
         self.failures: list[str] = []
         self._begins = time.perf_counter() + UNDISTURBED
         for folder in checkpoint_folders(run):
             self.add(folder)
 
     def add(self, checkpoint: Path) -> None:
-        """Evaluates a checkpoint when those before it are done."""
+        """Evaluates a checkpoint after those before it."""
         if self._episodes > 0 and read_evaluation(checkpoint) is None:
             self._waiting.append(checkpoint)
         self.poll()
 
     def poll(self) -> bool:
-        """Starts what can start. Returns whether an evaluation has ended since the last call."""
+        """Starts the next evaluation if possible. Returns whether one ended since the last call."""
         ended = self._running is not None and self._running.poll() is not None
         if ended:
             self._collect()
@@ -52,16 +52,16 @@ class Evaluations:
         return ended
 
     def wait(self) -> bool:
-        """To be called when training is over. Waits for one. Returns whether there was one."""
+        """Waits for one evaluation after the end of training. Returns whether there was one."""
         self._begins = 0.0
         self.poll()
         if self._running is None:
             return False
-        self._running.wait()  # what it says goes to a file: no pipe can fill
+        self._running.wait()  # its output goes to a file: no pipe can fill
         return self.poll()
 
     def stop(self) -> None:
-        """Gives up; a resumed run makes up for it."""
+        """Stops the evaluations; a resumed run repeats them."""
         self._waiting.clear()
         if self._running is not None:
             self._running.terminate()
@@ -81,9 +81,9 @@ class Evaluations:
             stdout=subprocess.DEVNULL,
             stderr=self._errors,
             text=True,
-            # one BLAS thread: the other processors are training's
+            # one BLAS thread: training uses the other processors
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-            start_new_session=True,  # a Ctrl-C at the terminal is for training to handle
+            start_new_session=True,  # Ctrl-C at the terminal goes to training only
         )
 
     def _collect(self) -> None:

@@ -1,10 +1,10 @@
-"""The event file of a run, for TensorBoard, written without it.
+"""The TensorBoard event file of a run, written without TensorBoard.
 
-A file is records: length (8 bytes, little-endian), its checksum, the bytes of an `Event`, their
-checksum (TensorFlow, `lib/io/record_writer.h`). The checksum is CRC-32C (RFC 3720, appendix B.4),
-masked: rotated right by 15 bits, plus 0xa282ead8. `Event` is a Protocol Buffers message
-(`tensorflow/core/util/event.proto`); a field is its number times 8 plus its wire type, then its
-value. Importing TensorBoard would take longer than some trainings.
+A file is a sequence of records: length (8 bytes, little-endian), its checksum, the bytes of an
+`Event`, their checksum (TensorFlow, `lib/io/record_writer.h`). The checksum is CRC-32C (RFC 3720,
+appendix B.4), masked: rotated right by 15 bits, plus 0xa282ead8. `Event` is a Protocol Buffers
+message (`tensorflow/core/util/event.proto`); a field is its number times 8 plus its wire type, then
+its value. Importing TensorBoard would take longer than some trainings.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ VARINT, DOUBLE, BYTES, FLOAT = 0, 1, 2, 5  # wire types
 WALL_TIME, STEP, FILE_VERSION, SUMMARY, SESSION_LOG = 1, 2, 3, 5, 7  # fields of Event
 VALUE = 1  # of Summary
 TAG, SIMPLE_VALUE = 1, 2  # of Summary.Value
-STATUS, START = 1, 1  # of SessionLog, and its value: what lies beyond this step is forgotten
+STATUS, START = 1, 1  # of SessionLog, and its value: events beyond this step are dropped
 VERSION = "brain.Event:2"  # of the format
 POLYNOMIAL = 0x82F63B78  # of CRC-32C, its bits reversed
 
@@ -32,7 +32,7 @@ class EventFile:
     """Curves by name."""
 
     def __init__(self, run: Path, first_step: int) -> None:
-        """Begins a new file in `run`; curves of earlier ones end before `first_step`.
+        """Begins a new file in `run`; curves of earlier files end before `first_step`.
 
         Raises OSError, which names the run's folder.
         """
@@ -46,7 +46,7 @@ class EventFile:
         self._write(_at(first_step) + _field(SESSION_LOG, BYTES) + _counted(status))
 
     def add(self, values: Mapping[str, float], step: int) -> None:
-        """A point of each curve. Raises OSError, which names the run's folder."""
+        """Adds a point to each curve. Raises OSError, which names the run's folder."""
         summary = b"".join(_value(name, value) for name, value in values.items())
         self._write(_at(step) + _field(SUMMARY, BYTES) + _counted(summary))
 
@@ -59,7 +59,7 @@ class EventFile:
             self._file.flush()
 
     def close(self) -> None:
-        """Ends the file; what was added is there already."""
+        """Closes the file; added values are already written."""
         with contextlib.suppress(OSError):
             self._file.close()
 
@@ -84,7 +84,7 @@ def _counted(content: bytes) -> bytes:
 
 
 def _varint(value: int) -> bytes:
-    """Seven bits a byte, the lowest first; all but the last have the eighth bit."""
+    """Varint: seven bits per byte, lowest first; the eighth bit is set in all but the last."""
     content = bytearray()
     while value > 0x7F:
         content.append(value & 0x7F | 0x80)

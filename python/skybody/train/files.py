@@ -1,4 +1,4 @@
-"""Files written whole or not at all, also after a power cut or kill -9, and read in bounds."""
+"""Atomic file writes, safe against a power cut or kill -9, and reads of limited size."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 LOCK = ".lock"  # of folder_lock()
-MOST_BYTES = 2 << 30  # of a file that is read; checkpoints of the largest runs have a tenth
+MOST_BYTES = 2 << 30  # limit of a file that is read; the largest runs' checkpoints have a tenth
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Replaces `path` atomically. Raises OSError with its name; the file is then as it was."""
-    # Nobody can foresee the name, and "x" follows no link that lies there.
+    """Replaces `path` atomically. Raises OSError with its name; the file is then unchanged."""
+    # The name is unpredictable, and "x" follows no existing link.
     partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     with naming(path):
         opened = partial.open("xb")
@@ -35,7 +35,7 @@ def write_file(path: Path, content: bytes) -> None:
 
 
 def write_part(path: Path, content: bytes) -> None:
-    """A file of a folder that publish_folder() has reach the disk. Raises OSError with its name."""
+    """Writes a file of a folder that publish_folder() syncs. Raises OSError with its name."""
     with naming(path):
         path.write_bytes(content)
 
@@ -59,7 +59,7 @@ def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Has an OSError name `path`: those of write() and fsync() name no file."""
+    """Adds the name `path` to an OSError: those of write() and fsync() have no file name."""
     try:
         yield
     except OSError as error:
@@ -67,7 +67,7 @@ def naming(path: Path) -> Iterator[None]:
 
 
 def explain(error: Exception) -> str:
-    """The file and what the operating system says of it, or the text of another error."""
+    """The file and the operating system's message, or the text of another error."""
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
@@ -75,7 +75,7 @@ def explain(error: Exception) -> str:
 
 @contextlib.contextmanager
 def folder_lock(folder: Path) -> Iterator[None]:
-    """Has a folder for itself. Raises BlockingIOError while another has it."""
+    """Locks a folder. Raises BlockingIOError if another process has the lock."""
     flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
     handle = os.open(folder / LOCK, flags, 0o644)
     try:
@@ -86,7 +86,7 @@ def folder_lock(folder: Path) -> Iterator[None]:
 
 
 def publish_folder(partial: Path, final: Path) -> None:
-    """Gives a finished folder its name, after all that is in it has reached the disk."""
+    """Syncs a finished folder to the disk, then gives it its final name."""
     with naming(final):
         for path in partial.iterdir():
             with path.open("rb") as file:
@@ -97,13 +97,13 @@ def publish_folder(partial: Path, final: Path) -> None:
 
 
 def remove_partial_folders(parent: Path) -> None:
-    """Removes what an interrupted publish_folder() left."""
+    """Removes folders left by an interrupted publish_folder()."""
     for path in parent.glob(".partial-*"):
         shutil.rmtree(path)
 
 
 def sync_folder(path: Path) -> None:
-    """Makes the names within a folder durable."""
+    """Syncs the names in a folder to the disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -112,5 +112,5 @@ def sync_folder(path: Path) -> None:
 
 
 def file_hash(path: Path) -> str:
-    """SHA-256 of a file's bytes. Raises as read_file()."""
+    """SHA-256 of a file's bytes. Raises the errors of read_file()."""
     return hashlib.sha256(read_file(path)).hexdigest()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def parameter_hash(parameters: Mapping[str, torch.Tensor | NDArray[Any]]) -> str:
     """SHA-256 over names, shapes and values of `parameters` in the order of their sorted names.
 
-    Two networks have the same hash exactly where all parameters agree in every bit.
+    Two networks have the same hash exactly if all parameters are equal in every bit.
     """
     digest = hashlib.sha256()
     for name in sorted(parameters):

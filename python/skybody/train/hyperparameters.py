@@ -1,4 +1,4 @@
-"""What a learner is told: its hyper-parameters, their checks and their texts."""
+"""Hyper-parameters of the learners, their checks and their parsing."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from typing import Any
 from skybody._native import MOST_LAYERS, hyperparameter_rows, hyperparameters
 from skybody.arguments import allowed_words
 
-SAME_KEYS = "fast-ppo"  # whose ranges hold for keys of the same name, too
-STEPS_KEY = "total_steps"  # the one key of presets that is no hyper-parameter
+SAME_KEYS = "fast-ppo"  # its ranges also hold for keys of the same name in other learners
+STEPS_KEY = "total_steps"  # the only key of presets that is not a hyper-parameter
 
 
 class UsageError(ValueError):
-    """A wrong option or input file of the user's; the text is the whole message.
+    """A wrong option or input file of the user; the text is the whole message.
 
     Attributes:
-        key: of the hyper-parameter that is beyond its range; None where it is something else.
+        key: of the hyper-parameter that is out of range; None for other errors.
     """
 
     def __init__(self, message: str, key: str | None = None) -> None:
@@ -30,36 +30,36 @@ class UsageError(ValueError):
 
 @dataclass(frozen=True)
 class Hyperparameters:
-    """What a learner in PyTorch is told; `steps` are steps of one environment.
+    """Hyper-parameters of a learner in PyTorch; `steps` are steps of one environment.
 
-    Keys that `fast-ppo` has mean what they mean there (`hyperparameter_rows`), with its ranges.
+    Keys that also exist in `fast-ppo` have the same meaning (`hyperparameter_rows`) and ranges.
     """
 
-    envs: int = 64  # environments that are stepped side by side
+    envs: int = 64  # environments stepped in parallel
     rollout_steps: int = 128  # steps of each environment between two updates
     minibatch: int = 1024  # transitions per gradient step
     epochs: int = 5  # passes over a rollout
     learning_rate: float = 1e-3  # of Adam, at the beginning
-    final_learning_rate: float = 0.05  # at the end, as a share of `learning_rate`; linear between
-    discount: float = 0.99  # gamma
+    final_learning_rate: float = 0.05  # of Adam, at the start
+    discount: float = 0.99  # share of `learning_rate` at the end; linear
     gae_lambda: float = 0.95  # of generalized advantage estimation
     clip_range: float = 0.2  # of the ratio of probabilities
     target_kl: float = 0.0  # stop a rollout's updates beyond 1.5 times this; 0: never
     entropy_weight: float = 0.0
     value_weight: float = 0.5
-    max_grad_norm: float = 0.5  # gradients are scaled down to this norm; 0: never
-    log_std: float = -1.0  # of the actions' standard deviation, at the beginning
-    final_log_std: float = 0.0  # at the end: learned below the line of the two; 0: learned freely
-    bounded_mean: bool = False  # actions' mean through a tanh: noise always tells about actions
-    hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
+    max_grad_norm: float = 0.5  # maximum gradient norm; 0: no limit
+    log_std: float = -1.0  # log of the actions' standard deviation at the start
+    final_log_std: float = 0.0  # upper bound at the end, linear from `log_std`; 0: no bound
+    bounded_mean: bool = False  # tanh on the mean of actions: noise then always has an effect
+    hidden: tuple[int, ...] = (64, 64)  # tanh layers of the policy, and of the value function
     normalize_rewards: bool = True  # divide by the deviation of the discounted return
     observation_clip: float = 10.0  # of normalized observations
-    normalization_steps: int = 0  # after which observations' statistics stay; 0: they never do
-    averaging_steps: int = 0  # the policy that is kept is a mean over about so many; 0: the last
-    torch_threads: int = 1  # bits of the result belong to this number
+    normalization_steps: int = 0  # observation statistics freeze after these; 0: never
+    averaging_steps: int = 0  # length of the mean that is kept as policy; 0: the last policy
+    torch_threads: int = 1  # the bits of the result depend on this number
 
     def noise_limits(self, done: float) -> dict[str, float]:
-        """Least and largest log of the standard deviation after a share `done` of the steps."""
+        """Limits of the log of the standard deviation after a share `done` of the steps."""
         if self.final_log_std == 0.0:
             return {"min": -math.inf, "max": math.inf}
         least = min(self.log_std, self.final_log_std)
@@ -67,7 +67,7 @@ class Hyperparameters:
         return {"min": least, "max": line}
 
     def normalizes(self, steps: int) -> bool:
-        """Whether observations after `steps` steps still count for their statistics."""
+        """Whether observations after `steps` steps update the statistics."""
         return self.normalization_steps == 0 or steps < self.normalization_steps
 
     def check(self) -> None:
@@ -90,10 +90,10 @@ class Hyperparameters:
 
 @functools.cache
 def native_defaults(algorithm: str) -> Any:
-    """The engine's list for a learner in C++, as the others have theirs."""
+    """Default hyper-parameters of a learner in C++, as a dataclass."""
 
     def check(hyper: Any) -> None:
-        """Raises UsageError for values that the learner cannot work with."""
+        """Raises UsageError for values that the learner does not accept."""
         try:
             hyperparameters(algorithm, vars(hyper))
         except ValueError as error:
@@ -106,7 +106,7 @@ def native_defaults(algorithm: str) -> Any:
 
 
 def _wrong_key(algorithm: str, values: Mapping[str, Any]) -> str | None:
-    """The key of a value that a learner in C++ refuses: the value alone, or beside the others."""
+    """The key of the rejected value of a learner in C++: invalid alone, or in combination."""
     defaults = hyperparameters(algorithm)
     for name, value in values.items():
         if not _is_possible(algorithm, {name: value}):
@@ -126,7 +126,7 @@ def _is_possible(algorithm: str, values: dict[str, Any]) -> bool:
 
 
 def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:
-    """`base` with texts `key=value` applied. Raises UsageError for what does not fit."""
+    """`base` with settings `key=value` applied. Raises UsageError for an invalid one."""
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals:
@@ -140,14 +140,14 @@ def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparame
 def with_value(
     base: Hyperparameters, key: str, text: str, where: str, others: Sequence[str] = ()
 ) -> Hyperparameters:
-    """`base` with one value, written as a text.
+    """`base` with one value, given as a string.
 
     Args:
-        where: it is written, for messages.
+        where: place of the value, for messages.
         others: keys besides hyper-parameters that are allowed there, for messages.
 
     Raises:
-        UsageError: there is no such key, or the text is no value of it.
+        UsageError: there is no such key, or the string is not a value of it.
     """
     fields = {field.name: getattr(base, field.name) for field in dataclasses.fields(base)}
     if key not in fields:
@@ -157,7 +157,7 @@ def with_value(
 
 
 def from_dict(values: dict[str, Any], defaults: Any) -> Hyperparameters:
-    """The inverse of dataclasses.asdict, after a way through JSON.
+    """The inverse of dataclasses.asdict, from JSON.
 
     Args:
         defaults: of the learner.
@@ -180,14 +180,14 @@ def from_dict(values: dict[str, Any], defaults: Any) -> Hyperparameters:
 
 
 def _is_like(value: Any, default: Any) -> bool:
-    """Whether a value from JSON is of its default's kind."""
+    """Whether a value from JSON has the type of its default."""
     if isinstance(default, tuple):
         return isinstance(value, list) and all(type(size) is int for size in value)
     return type(value) is type(default) or (isinstance(default, float) and type(value) is int)
 
 
 def whole_number(text: str, where: str) -> int:
-    """A whole number, also as 2e6. Raises UsageError for another text."""
+    """A whole number, also as 2e6. Raises UsageError for other strings."""
     try:
         return int(text)
     except ValueError:
@@ -220,7 +220,7 @@ def _parse(where: str, text: str, like: Any) -> Any:
 
 
 def _numbers(value: Any) -> tuple[float, ...]:
-    """Those that have a range: of a list each, of truths none."""
+    """The numbers to which a range applies: each of a list; none of a bool."""
     if isinstance(value, tuple):
         return value
     return (value,) if isinstance(value, (int, float)) and not isinstance(value, bool) else ()

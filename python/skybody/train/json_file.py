@@ -1,4 +1,4 @@
-"""JSON files of run folders, which may come from anywhere."""
+"""JSON files of run folders, which may come from untrusted sources."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORDS: dict[object, str] = {
 
 
 def read_json(path: Path) -> Any:
-    """What a file says. Raises ValueError without the file's name where it is no JSON."""
+    """The content of a file. Raises ValueError, without the file's name, if it is not JSON."""
     try:
         return json.loads(read_file(path))
     except RecursionError:
@@ -31,7 +31,7 @@ def read_json(path: Path) -> Any:
 
 
 def fits(value: Any, kind: type | GenericAlias) -> bool:
-    """Whether a value is of a kind of WORDS; nothing is converted, but an int is a float, too."""
+    """Whether a value has a type of WORDS; nothing is converted, but an int is also a float."""
     origin, inner = get_origin(kind), get_args(kind)
     if origin is list:
         return type(value) is list and all(fits(entry, inner[0]) for entry in value)
@@ -43,7 +43,7 @@ def fits(value: Any, kind: type | GenericAlias) -> bool:
 
 
 def wrong_kinds(values: dict[str, Any], kinds: dict[str, Any]) -> list[str]:
-    """For messages: what is missing, or of another kind."""
+    """For messages: keys that are missing, or have another type."""
     return [
         f"`{name}` is missing" if name not in values else f"`{name}` is not {WORDS[kind]}"
         for name, kind in kinds.items()

@@ -1,4 +1,4 @@
-"""What the trainer asks of a learner, whichever it is."""
+"""The interface between the trainer and all learners."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Report:
     """One rollout and its update."""
 
     episode_returns: list[float] = field(default_factory=list)  # of episodes that ended
-    position_error: float = math.nan  # [m], mean over the rollout; nan: the task does not say
-    faults: int = 0  # transitions that faulted
-    environment_seconds: float = 0.0  # waiting for environments
+    position_error: float = math.nan  # [m], mean over the rollout; nan: the task does not report it
+    faults: int = 0  # number of transitions that faulted
+    environment_seconds: float = 0.0  # waiting time for environments
     inference_seconds: float = 0.0  # the rest of the rollout
     update_seconds: float = 0.0
     losses: dict[str, float] = field(default_factory=dict)
@@ -34,51 +34,51 @@ class Report:
 
 @dataclass(frozen=True)
 class Saved:
-    """All of a learner between two iterations; arrays may be its own, until it goes on."""
+    """State of a learner between two iterations; arrays may be views, valid until the next one."""
 
-    parameters: Mapping[str, torch.Tensor | NDArray[Any]]  # as its parameters()
-    state: dict[str, Any]  # everything but the environments, as tensors and plain values
-    environments: bytes  # everything of the environments
+    parameters: Mapping[str, torch.Tensor | NDArray[Any]]  # as in parameters()
+    state: dict[str, Any]  # the state except the environments, as tensors and plain values
+    environments: bytes  # the complete state of the environments
 
 
 class Learner(Protocol):
-    """Alternates rollouts and updates; everything but its construction is resumable."""
+    """Alternates rollouts and updates; its complete state can be saved and restored."""
 
     @property
     def steps(self) -> int:
         """Environment steps so far, over all environments."""
 
     def iterate(self) -> Report:
-        """One rollout and its update."""
+        """Makes one rollout and its update."""
 
     def parameters(self) -> Mapping[str, torch.Tensor | NDArray[Any]]:
         """All trained parameters by name."""
 
     def policy(self) -> Policy:
-        """The deterministic policy as of now."""
+        """The current deterministic policy."""
 
     def save(self) -> Saved:
-        """What a checkpoint holds of it, and the parameters."""
+        """The learner's state for a checkpoint, and the parameters."""
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        """Goes on from where save() gave these.
+        """Continues from a state of save().
 
-        Where it raises, the learner is as it was.
+        If it raises, the learner is unchanged.
         """
 
     def close(self) -> None:
-        """Ends the environments."""
+        """Closes the environments."""
 
 
 def check_finite(name: str, parameters: Mapping[str, torch.Tensor], steps: int) -> None:
-    """Raises FloatingPointError where a parameter is no number any more, after so many steps."""
+    """Raises FloatingPointError if a parameter is not finite after so many steps."""
     for parameter, value in parameters.items():
         if not bool(value.isfinite().all()):
             raise diverged(name, parameter, steps)
 
 
 def diverged(name: str, what: str, steps: int) -> FloatingPointError:
-    """The error of a learner one of whose numbers is none any more, after so many steps."""
+    """The error of a learner with a number that is not finite after so many steps."""
     return FloatingPointError(
         f"{name} diverged: {what} is not finite after {steps} steps; "
         "try a smaller learning_rate (--set learning_rate=...)"
@@ -86,7 +86,7 @@ def diverged(name: str, what: str, steps: int) -> FloatingPointError:
 
 
 def layers_of(network: torch.nn.Sequential) -> list[Layer]:
-    """Linear and tanh modules in turn, as layers of a policy file."""
+    """Alternating linear and tanh modules, as layers of a policy file."""
     import torch
 
     modules = list(network)
@@ -104,12 +104,12 @@ def layers_of(network: torch.nn.Sequential) -> list[Layer]:
 def columns_of(
     channels: Iterable[Channel], rows: NDArray[np.float32]
 ) -> dict[str, NDArray[np.float32]]:
-    """The values of each channel, (n, count): views of `rows`, which are info or observations."""
+    """The values of each channel, (n, count): views of `rows`, which are infos or observations."""
     return {c.name: rows[:, c.first : c.first + c.count] for c in channels}
 
 
 def goal_distance(values: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float64] | None:
-    """Distance of each row from its goal [m], (n,); None: `values` do not say it."""
+    """Distance of each row from its goal [m], (n,); None if `values` do not contain it."""
     name = next((name for name in position_errors() if name in values), None)
     if name is None:
         return None

@@ -1,4 +1,4 @@
-"""The learners `fast-ppo` and `gradient`, which are C++ (learn/), as the trainer knows learners."""
+"""The C++ learners `fast-ppo` and `gradient` (learn/) behind the interface of the trainer."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     import torch
     from numpy.typing import NDArray
 
-TRAINED_SHARE = 0.5  # of the steps, after which `gradient` is heard about contact
-FEWEST_ROLLOUTS = 10  # before it is said
-MOST_TOUCHING = 0.05  # share of flights in contact about which nothing is said
-PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has the first
+TRAINED_SHARE = 0.5  # share of the steps after which contact is checked in `gradient`
+FEWEST_ROLLOUTS = 10  # rollouts before the warning
+MOST_TOUCHING = 0.05  # share of flights in contact without a warning
+PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has only the first
 
 
 class NativeLearner:
-    """learner.Learner says what its methods do. Bits depend on no number of threads."""
+    """For its methods see learner.Learner. The number of threads changes no bits."""
 
     _kind: type[Ppo | Gradient]
 
@@ -46,7 +46,7 @@ class NativeLearner:
 
     @property
     def native_hash(self) -> int:
-        """Over all parameters, as the program `skybody train` gives it."""
+        """Hash of all parameters, as printed by the program `skybody train`."""
         return self._native.parameter_hash
 
     def iterate(self) -> Report:
@@ -59,7 +59,7 @@ class NativeLearner:
         return Report(**report)
 
     def parameters(self) -> Mapping[str, torch.Tensor | NDArray[np.int64]]:
-        """Their bits, (words,) int64, two floats a word."""
+        """Bits of the parameters, (words,) int64, two floats per word."""
         return self.save().parameters
 
     def policy(self) -> Policy:
@@ -78,12 +78,13 @@ class NativeLearner:
         self._native.restore((blocks, np.frombuffer(environments, np.uint64)))
 
     def close(self) -> None:
-        """Nothing: its environments run only while it iterates."""
+        """Does nothing: the environments run only during an iteration."""
 
 
 class FastPpo(NativeLearner):
-    """Proximal policy optimisation. `slices`: None, or the object that holds them, as
-    `skybody.ray.slices` has it."""
+    """Proximal policy optimisation. `slices`: None, or the object that holds them, as in
+    `skybody.ray.slices`.
+    """
 
     _kind = Ppo
 
@@ -103,7 +104,7 @@ class GradientLearner(NativeLearner):
     ) -> None:
         super().__init__(compiled, hyper, seed, threads, total_steps)
         self._listens_from = TRAINED_SHARE * total_steps
-        self._touching: list[float] | None = []  # shares since then; None: it has been said
+        self._touching: list[float] | None = []  # shares since then; None: warning printed
 
     def iterate(self) -> Report:
         report = super().iterate()
@@ -113,7 +114,7 @@ class GradientLearner(NativeLearner):
         return report
 
     def _warn_of_contact(self, shares: list[float]) -> None:
-        """Once, where trained flights touch something."""
+        """Warns once, if flights of a trained policy touch something."""
         if len(shares) < FEWEST_ROLLOUTS:
             return
         share = sum(shares) / len(shares)
@@ -128,5 +129,5 @@ class GradientLearner(NativeLearner):
 
 
 def _single(value: Any) -> Any:
-    """Weights are floats, which the policy gives as doubles."""
+    """Converts weights from doubles, as the policy has them, to floats."""
     return value.astype(np.float32) if isinstance(value, np.ndarray) else value

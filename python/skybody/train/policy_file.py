@@ -1,6 +1,6 @@
 """policy.h5: a trained policy as plain numbers, read by `skybody run --policy` and by evaluate.py.
 
-Root attributes say what it was trained on; /normalization and /layers/0, 1, ... hold the network.
+Root attributes describe the training; /normalization and /layers/0, 1, ... hold the network.
 The first 512 bytes are a seal: the hash of all other bytes, checked before HDF5 reads the file.
 docs/policies.md has the whole format. The reader and the writer are those of C++.
 """
@@ -19,12 +19,12 @@ from skybody.train import files
 
 FORMAT = "skybody-policy"
 VERSION = 2
-MOST_VALUES = 1 << 24  # of an array of format 1
+MOST_VALUES = 1 << 24  # limit of an array of format 1
 
 
 @dataclass(frozen=True)
 class Layer:
-    """activation(weight x + bias); with state weights, gated recurrent units as PyTorch's GRU.
+    """activation(weight x + bias); with state weights, gated recurrent units as in PyTorch's GRU.
 
     Rows of a recurrent layer's arrays are those of the gates r, z and n, `out` each.
     """
@@ -37,11 +37,11 @@ class Layer:
 
     @property
     def units(self) -> int:
-        """Values of the state; 0: a dense layer."""
+        """Number of state values; 0: a dense layer."""
         return 0 if self.state_weight is None else self.state_weight.shape[1]
 
     def __call__(self, x: NDArray[np.float64], state: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Outputs (n, out) of inputs (n, in); changes a recurrent layer's state (n, out)."""
+        """Outputs (n, out) of inputs (n, in); updates the state (n, out) of a recurrent layer."""
         sums = x @ self.weight.astype(np.float64).T + self.bias
         if self.state_weight is not None and self.state_bias is not None:
             return _gate(
@@ -59,7 +59,7 @@ class Layer:
 def _gate(
     from_input: NDArray[np.float64], from_state: NDArray[np.float64], state: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The next state (Cho et al. 2014), which is put in `state` too."""
+    """The next state (Cho et al. 2014), which is also written to `state`."""
     input_r, input_z, input_n = np.split(from_input, 3, axis=1)
     state_r, state_z, state_n = np.split(from_state, 3, axis=1)
     reset, update = _sigmoid(input_r + state_r), _sigmoid(input_z + state_z)
@@ -76,28 +76,28 @@ def _sigmoid(x: NDArray[np.float64]) -> NDArray[np.float64]:
 class Agent:
     """A robot's part of a team's rows."""
 
-    observation: NDArray[np.intp]  # entries of the observation that the network sees
-    action: NDArray[np.intp]  # entries of the action that its outputs are
+    observation: NDArray[np.intp]  # entries of the observation that are the network's inputs
+    action: NDArray[np.intp]  # entries of the action that are its outputs
 
 
 @dataclass(frozen=True)
 class Policy:
     """The mean of a Gaussian policy: a network on normalized observations.
 
-    Where robots share it, it is evaluated for each of `agents`. One with recurrent layers remembers
-    in states() of the caller's.
+    If robots share it, it is evaluated for each of `agents`. The state of recurrent layers is in
+    states(), held by the caller.
     """
 
     layers: list[Layer]
-    mean: NDArray[np.float64]  # (I) of the network's inputs, which are the observation
+    mean: NDArray[np.float64]  # (I) of the network's inputs, which are observations
     scale: NDArray[np.float64]  # (I), 1 / deviation
     clip: float  # of normalized observations
     attributes: dict[str, Any] = field(default_factory=dict)
     agents: list[Agent] = field(default_factory=list)
-    squash: str = "clip"  # or "tanh": how outputs become actions in [-1, 1]
+    squash: str = "clip"  # or "tanh": maps outputs to actions in [-1, 1]
 
     def states(self, n: int) -> NDArray[np.float64]:
-        """What n environments remember at the beginning of an episode."""
+        """The recurrent states of n environments at the beginning of an episode."""
         size = sum(layer.units for layer in self.layers)
         return np.zeros((n, max(1, len(self.agents)), size))
 
@@ -106,7 +106,7 @@ class Policy:
     ) -> NDArray[np.float64]:
         """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights.
 
-        `states` of a policy with recurrent layers, as states(n) gives them, are changed; without
+        `states` of a policy with recurrent layers, from states(n), are updated; without
         them it acts as at the beginning of an episode.
         """
         states = self.states(len(observation)) if states is None else states
@@ -131,7 +131,7 @@ class Policy:
         return np.tanh(x) if self.squash == "tanh" else np.clip(x, -1.0, 1.0)
 
     def sizes(self) -> dict[str, int]:
-        """Values of the scenario's rows."""
+        """Sizes of the scenario's rows."""
         if not self.agents:
             observations = self.layers[0].weight.shape[1]
             return {
@@ -145,14 +145,14 @@ class Policy:
 
 
 def shipped_policy(scenario: str, trained: str = "") -> Path:
-    """The file of the policy that comes with Skybody for the scenario of that name.
+    """The file of the policy that is shipped for the scenario of that name.
 
     Args:
-        scenario: The scenario's name.
-        trained: What `skybody train` is given for it, for the message; empty: its name.
+        scenario: the scenario's name.
+        trained: the scenario argument of `skybody train`, for the message; empty: its name.
 
     Raises:
-        Error: there is none; with those there are.
+        Error: there is none; the message lists the shipped policies.
     """
     return Path(shipped_policy_file(scenario, trained))
 
@@ -163,9 +163,9 @@ def write_policy(path: Path, policy: Policy) -> None:
 
 
 def policy_bytes(policy: Policy) -> bytes:
-    """The bytes of `policy`'s file. Its attributes say what it was trained on, and by which seed.
+    """The bytes of `policy`'s file. Its attributes contain the training's stamps and seed.
 
-    Of a policy without attributes there are the sizes alone.
+    For a policy without attributes only the sizes are written.
     """
     stamps: dict[str, Any] = {"scenario": "", "scenario_hash": "", "algorithm": "", "steps": 0}
     stamps.update({name: policy.attributes[name] for name in stamps if name in policy.attributes})
@@ -185,7 +185,7 @@ def policy_bytes(policy: Policy) -> bytes:
 
 
 def _layer_values(layer: Layer) -> tuple[Any, ...]:
-    """As `read_policy_file` gives it."""
+    """A layer in the format of `read_policy_file`."""
     dense = (_doubles(layer.weight), _doubles(layer.bias), layer.activation)
     if layer.state_weight is None:
         return dense
@@ -197,9 +197,9 @@ def _doubles(values: Any) -> NDArray[np.float64]:
 
 
 def read_policy(path: Path) -> Policy:
-    """Reads a policy by the rules of `skybody run --policy`, which has the one reader.
+    """Reads a policy by the rules of `skybody run --policy`; both use the same reader.
 
-    Raises ValueError, which names the file, for whatever that refuses.
+    Raises ValueError, which names the file, for any file that the reader rejects.
     """
     try:
         values = read_policy_file(str(path))
@@ -209,13 +209,13 @@ def read_policy(path: Path) -> Policy:
 
 
 def policy_of_values(values: dict[str, Any]) -> Policy:
-    """The policy of what `read_policy_file` gives."""
+    """The policy of the values of `read_policy_file`."""
     layers = [Layer(*layer) for layer in values["layers"]]
     agents = [Agent(*(np.asarray(part, np.intp) for part in agent)) for agent in values["agents"]]
     names = ("scenario", "scenario_hash", "algorithm", "steps", "observation_size")
     attributes = {name: values[name] for name in names}
     rest = (attributes, agents, values["action_squash"])
-    if len(values["mean"]) == 0:  # none: inputs go into the network as they are
+    if len(values["mean"]) == 0:  # no normalization: inputs go into the network unchanged
         size = layers[0].weight.shape[1]
         return Policy(layers, np.zeros(size), np.ones(size), np.inf, *rest)
     return Policy(layers, values["mean"], values["scale"], values["clip"], *rest)
@@ -247,7 +247,7 @@ def _plain(value: Any) -> Any:
 
 
 def _child(group: Any, name: str) -> Any:
-    """A member of a group; links to other places are not followed."""
+    """A member of a group; links are not followed."""
     import h5py  # type: ignore[import-untyped]
 
     for part in name.split("/"):

@@ -1,7 +1,7 @@
-"""Presets: hyper-parameters and steps that a scenario is trained with where nobody says otherwise.
+"""Presets: default hyper-parameters and number of steps of a scenario's training.
 
-Those of `folder/NAME.yaml` are in `folder/training/NAME.yaml`, shipped scenarios' like anybody's:
-a key a learner, below it hyper-parameters and `total_steps`. docs/training.md says more.
+Those of `folder/NAME.yaml` are in `folder/training/NAME.yaml`, for shipped and for other scenarios:
+one key per learner, below it hyper-parameters and `total_steps`. See docs/training.md.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from skybody.train.hyperparameters import (
     with_value,
 )
 
-TOTAL_STEPS = 1_000_000  # of a run that is told no number
+TOTAL_STEPS = 1_000_000  # default of a run
 
 
 @dataclass(frozen=True)
 class Preset:
-    """What a learner is told for a scenario."""
+    """Settings of a learner for a scenario."""
 
     hyper: Hyperparameters
     total_steps: int  # environment steps of a whole run
@@ -41,15 +41,15 @@ def told(
     settings: Sequence[str] = (),
     total_steps: int | None = None,
 ) -> Preset:
-    """What a run is told: the scenario's preset, and in its place what a command line says.
+    """Settings of a run: the scenario's preset, overridden by the command line.
 
     Args:
-        scenario: as of preset(); `compiled` is the same, loaded.
+        scenario: as in preset(); `compiled` is the same scenario, loaded.
         settings: hyper-parameters, KEY=VALUE. They are not checked yet.
         total_steps: None: the preset's.
 
     Raises:
-        InputError, UsageError: as preset(); and for settings that do not fit.
+        InputError, UsageError: as in preset(); and for invalid settings.
     """
     found = preset(scenario, algorithm, compiled.dt * compiled.action_repeat)
     steps = found.total_steps if total_steps is None else total_steps
@@ -57,22 +57,23 @@ def told(
 
 
 def presets_file(scenario: str) -> Path:
-    """Where a scenario's presets would be. `scenario`: a YAML file, or a shipped one's name."""
+    """Path of a scenario's presets file. `scenario`: a YAML file, or a shipped one's name."""
     file = Path(scenario_file(scenario))
     return file.parent / "training" / f"{file.stem}.yaml"
 
 
 def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -> Preset:
-    """The preset for a scenario and a learner; the learner's defaults where it has none.
+    """The preset for a scenario and a learner; the learner's defaults if there is none.
 
     Args:
         scenario: a YAML file, or the name of a shipped one.
         algorithm: a key of ALGORITHMS.
-        action_seconds: between two actions [s], which learners of scenarios without a preset heed.
+        action_seconds: between two actions [s]; some learners need it in scenarios without a
+            preset.
 
     Raises:
-        InputError: the file of presets is no YAML of this form; with places.
-        UsageError: it names a learner or a hyper-parameter that there is not, or a wrong value.
+        InputError: the file of presets is not YAML of this form; with places.
+        UsageError: it names an unknown learner or hyper-parameter, or a wrong value.
     """
     row = algorithm_of(algorithm)
     made = Preset(row.defaults(), TOTAL_STEPS)

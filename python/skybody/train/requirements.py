@@ -1,4 +1,4 @@
-"""Packages that training needs beside those of a plain `pip install .`, by the extra with them."""
+"""Packages that training needs beside those of a plain `pip install .`, by extra."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import UsageError
 
 EXTRAS = {
-    "train": ("matplotlib", "tqdm"),  # whatever learns
+    "train": ("matplotlib", "tqdm"),  # all learners
     "sb3": ("stable_baselines3", "torch"),  # learners that are not in C++
 }
 COMPUTING = ("torch", "numpy", "stable-baselines3", "gymnasium")
 
 
 def packages_of(algorithm: str) -> tuple[str, ...]:
-    """That a learner's training takes. Raises UsageError where there is no such learner."""
+    """Packages that a learner's training needs. Raises UsageError if there is no such learner."""
     return EXTRAS["train"] + (() if algorithm_of(algorithm).is_native else EXTRAS["sb3"])
 
 
 def package_versions(algorithm: str) -> dict[str, str]:
-    """Of the packages that a learner computes with; those in C++ need none."""
+    """Versions of the packages that a learner computes with; learners in C++ need none."""
     if algorithm_of(algorithm).is_native:
         return {}
     from importlib import metadata
@@ -30,16 +30,16 @@ def package_versions(algorithm: str) -> dict[str, str]:
 
 
 def demand_packages(names: Iterable[str]) -> None:
-    """Raises UsageError, which names all that are missing and what installs them.
+    """Raises UsageError, which names all missing packages and the install command.
 
-    Asked before anything is begun: matplotlib, say, is first used when training is over.
+    It is called before a run begins: matplotlib, for example, is first used after training.
     """
     if missing := [name for name in names if importlib.util.find_spec(name) is None]:
         raise UsageError(missing_text(missing))
 
 
 def missing_text(packages: Iterable[str]) -> str:
-    """That packages are missing, and what installs them."""
+    """Message about missing packages, with the install command."""
     names = list(packages)
     extras = [extra for extra, brought in EXTRAS.items() if set(names) & set(brought)] or ["train"]
     return (

@@ -19,21 +19,21 @@ from skybody.train.evaluation_file import COLUMNS, read_evaluation
 from skybody.train.hyperparameters import Hyperparameters, UsageError, from_dict
 from skybody.train.json_file import read_json, wrong_kinds
 
-_FIXED = ("algorithm", "seed", "scenario_hash")  # beside the hyper-parameters; they decide bits
+_FIXED = ("algorithm", "seed", "scenario_hash")  # determine bits, with the hyper-parameters
 
 
 @dataclass(frozen=True)
 class Config:
-    """Everything that a run's result depends on, and what it is done with."""
+    """All settings of a run: those that its result depends on, and the others."""
 
     scenario: str  # as given: a name or a file
     overrides: list[str]  # of the scenario, PATH=VALUE
-    plugin_path: list[str]  # folders with plugins that it ever had, to name them: not searched
+    plugin_path: list[str]  # all plugin folders ever used, for messages; not searched
     algorithm: str
     seed: int
     total_steps: int
     checkpoint_every: int  # environment steps
-    threads: int  # of environments and learners in C++; 0: one a processor; changes no bits
+    threads: int  # of environments and C++ learners; 0: one per processor; changes no bits
     eval_episodes: int  # per checkpoint; 0: none
     eval_seed: int
     hyper: Hyperparameters
@@ -41,17 +41,17 @@ class Config:
     scenario_hash: str = ""  # 16 hex digits
     scenario_text: str = ""  # resolved YAML
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
-    searched: list[str] = dataclasses.field(default_factory=list)  # those given now; not written
+    searched: list[str] = dataclasses.field(default_factory=list)  # given now; not written
 
     def write(self, run: Path) -> None:
-        """To config.json."""
+        """Writes config.json."""
         values = dataclasses.asdict(self)
         del values["searched"]
         text = json.dumps(values, indent=2)
         files.write_file(run / "config.json", (text + "\n").encode())
 
     def check_trained_with(self, meta: dict[str, Any], checkpoint: Path) -> None:
-        """Raises UsageError where a checkpoint's stamps differ in what changes bits."""
+        """Raises UsageError if a checkpoint's stamps differ in a value that changes bits."""
         pairs = {name: (meta[name], getattr(self, name)) for name in _FIXED}
         now = json.loads(json.dumps(vars(self.hyper)))  # tuples become lists, as in the file
         for name in now | meta["hyper"]:
@@ -66,7 +66,7 @@ class Config:
 
     @staticmethod
     def read(run: Path) -> Config:
-        """From config.json. Raises UsageError where there is none."""
+        """Reads config.json. Raises UsageError if there is none."""
         path = run / "config.json"
         if not path.exists():
             raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
@@ -88,7 +88,7 @@ class Config:
 
 
 def is_unbegun(run: Path) -> bool:
-    """Whether a folder is empty, or left by a run that was killed before it had a config.json."""
+    """Whether a folder is empty, or left by a run that was killed before writing config.json."""
     left = {path.name: path for path in run.iterdir()}
     if not left:
         return True
@@ -105,11 +105,11 @@ def is_unbegun(run: Path) -> bool:
 def load_recorded(
     record: Path, scenario: str, overrides: list[str], plugin_path: list[str]
 ) -> CompiledScenario:
-    """The scenario that a file of a run names.
+    """Loads the scenario named in a file of a run.
 
     Raises:
-        UsageError: it cannot be loaded. The reasons are not said: they quote files, and whoever
-            made the folder may have named any.
+        UsageError: it cannot be loaded. The message omits the reasons, because they quote files,
+            and a run folder from elsewhere may name any file.
     """
     try:
         return CompiledScenario(scenario, overrides, plugin_path)
@@ -122,10 +122,10 @@ def load_recorded(
 
 
 class ProgressTable:
-    """progress.csv: a row per rollout, columns by the first row."""
+    """progress.csv: one row per rollout, with the columns of the first row."""
 
     def __init__(self, run: Path, resumed_at: int) -> None:
-        """Drops rows of rollouts after `resumed_at` steps: they are done anew."""
+        """Drops rows of rollouts after `resumed_at` steps: they are repeated."""
         self._path = run / "progress.csv"
         rows = [row for row in read_table(self._path) if int(row["steps"]) <= resumed_at]
         self._columns: list[str] = list(rows[0]) if rows else []
@@ -140,7 +140,7 @@ class ProgressTable:
 
 
 def write_evaluations(run: Path) -> list[dict[str, Any]]:
-    """evaluation.csv from the evaluations beside the checkpoints; returns its rows."""
+    """Writes evaluation.csv from the checkpoints' evaluations; returns its rows."""
     found = [read_evaluation(folder) for folder in checkpoint_folders(run)]
     rows = [row for row in found if row is not None]
     if rows:
@@ -149,9 +149,9 @@ def write_evaluations(run: Path) -> list[dict[str, Any]]:
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
-    """Rows of a CSV file by column; a last row that was cut short is left out.
+    """Rows of a CSV file by column; a truncated last row is left out.
 
-    Raises ValueError, which names the file, where a row is not what training writes.
+    Raises ValueError, which names the file, if a row does not have the form that training writes.
     """
     if not path.exists():
         return []
@@ -169,7 +169,7 @@ def read_table(path: Path) -> list[dict[str, str]]:
 
 
 def _check_row(number: int, row: dict[str, str]) -> None:
-    """Raises ValueError for another number of values than columns, or for texts among them."""
+    """Raises ValueError if a row has too few or too many values, or values that are not numbers."""
     if None in row or None in row.values() or not row.get("steps", "").isdecimal():
         raise ValueError(f"line {number} is no row of a table with a column `steps`")
     for name, text in row.items():

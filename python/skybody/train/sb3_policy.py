@@ -1,7 +1,7 @@
-"""Stable-Baselines3's policy, whose rollouts are computed by the engine's networks.
+"""Stable-Baselines3's policy, with rollouts computed by the engine's networks.
 
 PyTorch's calls on small networks cost more than their products: 128 us for a step of 64
-environments. What the policy is, how it samples and how it is trained stay Stable-Baselines3's;
+environments. The policy's form, sampling and training are those of Stable-Baselines3;
 numbers agree to single precision.
 """
 
@@ -29,14 +29,14 @@ class Inference:
         self._network = Network(layers[0].in_features, hidden, layers[-1].out_features)
         count = self._network.parameter_count
         self._parameters = np.zeros(count, np.float32)
-        # Layers of 0, 1, 2, ... say where each weight stands.
+        # Layers filled with 0, 1, 2, ... give the index of each weight.
         places = self._network.layers(np.arange(count, dtype=np.float32))
         self._places = [
             (weight.astype(np.int64), bias.astype(np.int64)) for weight, bias, *_ in places
         ]
 
     def update(self) -> None:
-        """Copies the weights as they are now."""
+        """Copies the current weights."""
         for layer, (weight, bias) in zip(self._layers, self._places, strict=True):
             self._parameters[weight] = layer.weight.detach().numpy()
             self._parameters[bias] = layer.bias.detach().numpy()
@@ -48,15 +48,15 @@ class Inference:
 
 
 class NoDistribution(ArithmeticError):
-    """The actions' mean or deviation has grown beyond all numbers, or the deviation is 0."""
+    """The actions' mean or deviation is not finite, or the deviation is 0."""
 
 
 class QuickPolicy(ActorCriticPolicy):
     """Two networks of tanh layers and a diagonal Gaussian.
 
     Args:
-        bounded_mean: the actions' mean goes through a tanh.
-        others: ActorCriticPolicy's.
+        bounded_mean: applies tanh to the actions' mean.
+        others: arguments of ActorCriticPolicy.
     """
 
     def __init__(self, *others: Any, bounded_mean: bool = False, **named: Any) -> None:
@@ -72,7 +72,7 @@ class QuickPolicy(ActorCriticPolicy):
             self.action_net = torch.nn.Sequential(self.action_net, torch.nn.Tanh())
 
     def begin_rollout(self) -> None:
-        """To be called after weights have changed, before forward()."""
+        """Call this after weights have changed, before forward()."""
         self._actor.update()
         self._critic.update()
 
@@ -81,7 +81,7 @@ class QuickPolicy(ActorCriticPolicy):
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """Actions, values and log-probabilities of a step of a rollout, without gradients.
 
-        The noise is what `DiagGaussianDistribution` draws: PyTorch's generator, in its order.
+        The noise equals that of `DiagGaussianDistribution`: PyTorch's generator, in the same order.
 
         Raises NoDistribution.
         """
@@ -106,7 +106,7 @@ class QuickPolicy(ActorCriticPolicy):
     def evaluate_actions(
         self, obs: Any, actions: torch.Tensor
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor | None]:
-        """As the base's. Raises NoDistribution, where PyTorch's Normal raises ValueError."""
+        """As in the base class. Raises NoDistribution where PyTorch's Normal raises ValueError."""
         try:
             return super().evaluate_actions(obs, actions)
         except ValueError as error:
@@ -114,7 +114,7 @@ class QuickPolicy(ActorCriticPolicy):
 
 
 def linear(modules: Iterable[torch.nn.Module]) -> list[torch.nn.Linear]:
-    """The layers with weights, also those within a Sequential."""
+    """The linear layers, including those within a Sequential."""
     found: list[torch.nn.Linear] = []
     for module in modules:
         inner = module if isinstance(module, torch.nn.Sequential) else [module]

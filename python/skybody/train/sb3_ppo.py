@@ -1,7 +1,8 @@
-"""PPO of Stable-Baselines3 on skybody.sb3.SkybodyVecEnv, opened between rollouts for checkpoints.
+"""PPO of Stable-Baselines3 on skybody.sb3.SkybodyVecEnv, with checkpoints between rollouts.
 
-iterate() does what one turn of OnPolicyAlgorithm.learn() does. At that place a run is its networks,
-optimizer, statistics, generators, environments and the few values that the next rollout reads.
+iterate() makes one iteration of OnPolicyAlgorithm.learn(). Between iterations the state of a run is
+its networks, optimizer, statistics, generators, environments and the few values that the next
+rollout reads.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from skybody.train.policy_file import Policy
 from skybody.train.sb3_policy import NoDistribution, QuickPolicy
 from skybody.train.torch_errors import memory_errors
 
-LOSSES = {  # names in the tables, by Stable-Baselines3's
+LOSSES = {  # names in the tables, by Stable-Baselines3's names
     "train/policy_gradient_loss": "policy_loss",
     "train/value_loss": "value_loss",
     "train/approx_kl": "kl",
@@ -42,7 +43,7 @@ LOSSES = {  # names in the tables, by Stable-Baselines3's
 
 
 class Stopwatch(VecEnvWrapper):
-    """Adds up the time that the environments take."""
+    """Adds up the time of the environments."""
 
     def __init__(self, venv: VecEnv) -> None:
         super().__init__(venv)
@@ -64,7 +65,7 @@ class Stopwatch(VecEnvWrapper):
 
 
 class Moments(RunningMeanStd):
-    """Running mean and variance that can be left as they are."""
+    """Running mean and variance that can be frozen."""
 
     frozen = False
 
@@ -101,7 +102,7 @@ class Collector(BaseCallback):
 
 
 class Sb3Ppo:
-    """The learner `ppo`; learner.Learner says what its methods do."""
+    """The learner `ppo`; for its methods see learner.Learner."""
 
     def __init__(
         self,
@@ -139,7 +140,7 @@ class Sb3Ppo:
 
     def iterate(self) -> Report:
         try:
-            # NumPy's warnings are of numbers that end in this error.
+            # NumPy would warn of the numbers that cause this error.
             with memory_errors(), np.errstate(over="ignore", invalid="ignore"):
                 report = self._iterate()
         except NoDistribution as error:
@@ -252,7 +253,7 @@ class Sb3Ppo:
 
 
 def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
-    """PPO with our hyper-parameters in its words."""
+    """PPO with our hyper-parameters translated to its arguments."""
     low = hyper.final_learning_rate
 
     def learning_rate(remaining: float) -> float:
@@ -284,7 +285,7 @@ def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
 
 
 def generators() -> dict[str, Any]:
-    """The global generators that Stable-Baselines3 may use."""
+    """State of the global generators that Stable-Baselines3 may use."""
     version, words, gauss = random.getstate()
     kind, keys, position, has_gauss, cached = np.random.get_state(legacy=True)  # noqa: NPY002
     return {

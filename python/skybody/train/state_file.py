@@ -1,8 +1,8 @@
-"""What a checkpoint holds beside environments and policy, in a file that fits the learner.
+"""The learner's state in a checkpoint: state.pt or state.npz.
 
-`state.pt` is PyTorch's, for learners in PyTorch; `state.npz` NumPy's, for those in C++, which need
-no PyTorch and are done before it would be loaded. Both are ZIP archives whose entries are stored as
-they are, so that no file takes more memory than it has bytes.
+`state.pt` is PyTorch's format, for learners in PyTorch; `state.npz` NumPy's, for learners in C++,
+which do not need PyTorch and finish sooner than its import. Both are ZIP archives with uncompressed
+entries, so that no file takes more memory than its size.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from skybody.train.algorithms import NATIVE
 from skybody.train.json_file import wrong_kinds
 
-PLAIN = "plain"  # the entry of state.npz that is JSON: everything but the learner's arrays
-KINDS: dict[str, Any] = {  # of what the trainer puts beside the learner's state
+PLAIN = "plain"  # JSON entry of state.npz: everything except the learner's arrays
+KINDS: dict[str, Any] = {  # of the trainer's entries beside the learner's state
     "learner": dict[str, Any],
     "average": dict[str, Any],
     "shares": dict[str, float],
@@ -33,7 +33,7 @@ KINDS: dict[str, Any] = {  # of what the trainer puts beside the learner's state
 
 
 def state_file(algorithm: str) -> str:
-    """Its name for a learner."""
+    """Name of the state file of a learner."""
     return "state.npz" if algorithm in NATIVE else "state.pt"
 
 
@@ -53,7 +53,7 @@ def pack_state(algorithm: str, state: dict[str, Any]) -> bytes:
 
 
 def unpack_state(path: Path) -> dict[str, Any]:
-    """What pack_state() was given. Raises ValueError without the file's name where it is not."""
+    """The inverse of pack_state(). Raises ValueError, without the file's name, for other files."""
     try:
         with zipfile.ZipFile(path) as archive:
             _check_sizes(archive, path.stat().st_size)
@@ -89,7 +89,7 @@ def _arrays_and_plain(archive: zipfile.ZipFile) -> dict[str, Any]:
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
-    """An entry in NumPy's format, whose size is that which its header declares."""
+    """An entry in NumPy's format; checks its size against the header."""
     content = archive.read(name)
     stream = io.BytesIO(content)
     if npy.read_magic(stream) != (1, 0):
@@ -107,7 +107,7 @@ def _tensors(path: Path) -> dict[str, Any]:
 
     try:
         state: dict[str, Any] = torch.load(path, weights_only=True)
-    except pickle.UnpicklingError:  # whose words advise to trust the file
+    except pickle.UnpicklingError:  # its message would advise to trust the file
         raise ValueError("it holds more than tensors and plain values") from None
     if not isinstance(state, dict):
         raise ValueError("no map")

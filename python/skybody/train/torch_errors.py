@@ -1,4 +1,4 @@
-"""What PyTorch has no exception of its own for."""
+"""Errors for which PyTorch has no exception class."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 @contextlib.contextmanager
 def memory_errors() -> Iterator[None]:
-    """Raises MemoryError where PyTorch's allocator raises RuntimeError within the scope."""
+    """Raises MemoryError if PyTorch's allocator raises RuntimeError within the scope."""
     try:
         yield
     except RuntimeError as error:

@@ -32,17 +32,17 @@ if TYPE_CHECKING:
 
     from tqdm import tqdm  # type: ignore[import-untyped]
 
-RECENT_EPISODES = 100  # that the progress bar's return is the mean of
+RECENT_EPISODES = 100  # window of the progress bar's mean return
 
 
 def make_learner(config: Config, compiled: CompiledScenario, slices: object = None) -> Learner:
-    """The learner of the configuration, at its beginning.
+    """Creates the learner of the configuration, in its initial state.
 
     Args:
-        slices: of fast-ppo, where somebody else holds them.
+        slices: of fast-ppo, if another object holds them.
 
     Raises:
-        ValueError: the scenario observes images, which no learner takes.
+        ValueError: the scenario observes images, which no learner supports.
     """
     images = [c.name for c in compiled.observation_columns if c.image >= 0]
     if images:
@@ -57,7 +57,7 @@ def make_learner(config: Config, compiled: CompiledScenario, slices: object = No
 
 
 class Trainer:
-    """Trains until `total_steps` or a first Ctrl-C; begins at the newest checkpoint, if any."""
+    """Trains until `total_steps` or a first Ctrl-C; starts from the newest checkpoint, if any."""
 
     def __init__(
         self, run: Path, config: Config, compiled: CompiledScenario, slices: object = None
@@ -69,7 +69,7 @@ class Trainer:
         self.shares = {"environment": 0.0, "inference": 0.0, "update": 0.0}
         self.recent: deque[float] = deque(maxlen=RECENT_EPISODES)
         self.faults, self.earlier_seconds, self.began = 0, 0.0, time.perf_counter()
-        self.ended = 0.0  # when training was over and only evaluations were left
+        self.ended = 0.0  # time when training ended and only evaluations remained
         self._resume()
         self.first_step = self.learner.steps
         self.table = ProgressTable(run, self.first_step)
@@ -102,7 +102,7 @@ class Trainer:
     # --- the loop -------------------------------------------------------------------------------
 
     def train(self) -> bool:
-        """Returns whether it came to the end (else it was interrupted, and can be resumed)."""
+        """Returns True at the end of training; False if it was interrupted and can be resumed."""
         config, learner = self.config, self.learner
         with stop_request() as stop, progress_bar(config.total_steps, self.first_step) as bar:
             while learner.steps < config.total_steps and not stop.is_set():
@@ -215,7 +215,7 @@ class Trainer:
         self._evaluated = len(rows)
 
     def finish(self, complete: bool) -> None:
-        """Waits for evaluations (or drops them), draws the curve, ends the environments."""
+        """Waits for evaluations (or drops them), draws the curve, closes the environments."""
         from skybody.train.curve import draw_curve
 
         self.ended = time.perf_counter()
@@ -232,13 +232,13 @@ class Trainer:
         self.learner.close()
 
     def abandon(self) -> None:
-        """Ends everything and writes nothing more: the newest checkpoint is what is left."""
+        """Ends everything without further writes: the newest checkpoint remains."""
         self.evaluations.stop()
         self.events.close()
         self.learner.close()
 
     def summary(self) -> str:
-        """A few lines on what was done."""
+        """A summary of the run in a few lines."""
         seconds = self.wall_clock()
         busy = sum(self.shares.values()) or 1.0
         parts = ", ".join(f"{name} {100 * s / busy:.0f} %" for name, s in self.shares.items())
@@ -269,7 +269,7 @@ class Trainer:
 
 
 def mean(values: Any) -> float:
-    """The mean, nan of nothing."""
+    """The mean; nan for an empty list."""
     return float(np.mean(values)) if len(values) else math.nan
 
 
@@ -298,7 +298,7 @@ def stop_request() -> Iterator[threading.Event]:
 
 
 def progress_bar(total: int, initial: int) -> AbstractContextManager[tqdm[Any] | None]:
-    """On a terminal only: logs get the summary."""
+    """Only on a terminal: logs get the summary."""
     if not sys.stderr.isatty():
         return contextlib.nullcontext()
     from tqdm import tqdm

@@ -1,7 +1,7 @@
 """Fits gains of a chain of controllers to a vehicle by simulation: `skybody tune`.
 
-`tune(vehicle, ...)` does it from Python. docs/tune.md says what is flown, what counts and what
-comes out.
+`tune(vehicle, ...)` does it from Python. docs/tune.md describes the flights, the cost and the
+results.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ Exit status: 0 done, 2 wrong input, 130 interrupted."""
 
 
 def number(low: float, high: float) -> Callable[[str], float]:
-    """A type of argparse: a finite number in low..high."""
+    """An argparse type: a finite number in low..high."""
 
     def read(text: str) -> float:
         try:
@@ -46,7 +46,7 @@ def number(low: float, high: float) -> Callable[[str], float]:
 
 
 def whole(low: int, high: int) -> Callable[[str], int]:
-    """A type of argparse: a whole number in low..high."""
+    """An argparse type: a whole number in low..high."""
 
     def read(text: str) -> int:
         if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
@@ -145,7 +145,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 class Bar:
-    """A progress bar on stderr; nothing where that is no terminal."""
+    """A progress bar on stderr, only if that is a terminal."""
 
     WIDTH = 40
 
@@ -190,7 +190,7 @@ def main() -> int:
     bar = Bar()
     folder = given.out or Path("tuned") / vehicle.name
     try:
-        vehicle.compile()  # mistakes are said before there is a folder
+        vehicle.compile()  # reports mistakes before the folder is created
         folder.mkdir(parents=True, exist_ok=True)
         tuned = tune(vehicle, options, bar)
         bar.clear()

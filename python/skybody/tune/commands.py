@@ -1,4 +1,4 @@
-"""What is commanded over a flight, at each level at which a chain may begin."""
+"""Commands of a test flight, for each level at which a chain may begin."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PATH_TIME = 5.0  # [s]
 
 @dataclass(frozen=True)
 class Motion:
-    """What a flight shows at one moment: rows of all environments."""
+    """Motion of all environments at one moment, one row each."""
 
     position: Rows
     """(n, 3), W [m]"""
@@ -35,7 +35,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Program:
-    """Commands of a flight, and what the vehicle should then do."""
+    """Commands of a flight, and the wanted motion of the vehicle."""
 
     level: str
     names: tuple[str, ...]
@@ -45,13 +45,13 @@ class Program:
     targets: Rows
     """(steps, tracked)"""
     scale: Rows
-    """(tracked,): size of the step, by which errors are divided."""
+    """(tracked,): size of the step; errors are divided by it."""
     lost: float
-    """An error of so many scales is a failure."""
+    """Errors beyond this multiple of the scale are a failure."""
     tracked: Callable[[Motion], Rows]
-    """(n, tracked) of what is there now."""
+    """(n, tracked): current values of the tracked quantities."""
     angles: tuple[int, ...]
-    """Which of these are angles, whose errors go round."""
+    """Tracked values that are angles, whose errors wrap around."""
     step_begin: int
     step_end: int
 
@@ -60,7 +60,7 @@ class Program:
         return np.asarray(np.arange(len(self.commands)) * COMMAND_PERIOD, np.float64)
 
     def error(self, row: int, motion: Motion) -> Rows:
-        """(n, tracked) in scales."""
+        """(n, tracked), in units of the scale."""
         difference = self.tracked(motion) - self.targets[row]
         for k in self.angles:
             difference[:, k] = (difference[:, k] + np.pi) % (2.0 * np.pi) - np.pi
@@ -71,7 +71,7 @@ def make_program(compiled: CompiledScenario) -> Program:
     """The flight for the level at which the chain begins.
 
     Raises:
-        TuneError: the chain begins at a level for which there is none, or there are several chains.
+        TuneError: there is no flight for that level, or there are several chains.
     """
     channels = compiled.action_channels
     if len(channels) != 1:
@@ -89,10 +89,10 @@ def make_program(compiled: CompiledScenario) -> Program:
 
 
 def normalized(compiled: CompiledScenario, commands: Rows) -> NDArray[np.float32]:
-    """Commands as actions in [-1, 1]. Raises TuneError for what the first controller cuts off."""
+    """Commands as actions in [-1, 1]. Raises TuneError if the first controller would clip one."""
     channel = compiled.action_channels[0]
     low, high = np.array(channel.low), np.array(channel.high)
-    # What actions cannot say, such as the jerk of `trajectory`, stays as the chain has it.
+    # Values without a range in actions, such as the jerk of `trajectory`, keep the chain's value.
     has_range = high > low
     span = np.where(has_range, high - low, 1.0)
     actions = np.where(has_range, 2.0 * (commands - low) / span - 1.0, 0.0)
@@ -107,7 +107,7 @@ def normalized(compiled: CompiledScenario, commands: Rows) -> NDArray[np.float32
 
 
 def _times() -> tuple[Rows, Rows, int, int]:
-    """Times of commands, of the path since its beginning, first row of the step and of the path."""
+    """Times of commands, times since the path's start, first row of the step and of the path."""
     begin = round(WAIT / COMMAND_PERIOD)
     end = begin + round(STEP_TIME / COMMAND_PERIOD)
     count = end + round(PATH_TIME / COMMAND_PERIOD)
@@ -116,7 +116,7 @@ def _times() -> tuple[Rows, Rows, int, int]:
 
 
 def _cosines(t: Rows, order: int) -> Rows:
-    """Derivative `order` of the path: sums of 1 - cos, at rest in its beginning (steps, 3)."""
+    """Derivative `order` of the path (steps, 3): sums of 1 - cos, at rest at its start."""
     size = np.array([0.9, 0.35, 0.15])
     rate = np.array([1.15, 2.3, 1.725])  # [rad/s]: a figure of eight, peak 1.3 m/s, 2 m/s^2
     phase = rate * t[:, None]
@@ -190,7 +190,7 @@ def _trajectory(compiled: CompiledScenario) -> Program:
 
 
 def _velocity(compiled: CompiledScenario) -> Program:
-    """Steps of velocity, back, then the path's velocity."""
+    """Steps of velocity and back, then the path's velocity."""
     del compiled
     orders, _, begin, end = _positions()
     rows = np.arange(len(orders[0]))
@@ -253,7 +253,7 @@ def _attitude(compiled: CompiledScenario) -> Program:
 
 
 def _rates(compiled: CompiledScenario) -> Program:
-    """Short steps of the body's rates that end where they began, then waves."""
+    """Short steps of the body's rates that return to the start, then waves."""
     times, _, begin, _ = _times()
     end = begin + round(0.6 / COMMAND_PERIOD)
     rows = np.arange(len(times))
@@ -284,7 +284,7 @@ def _rates(compiled: CompiledScenario) -> Program:
 
 
 def _quaternions(angles: Rows) -> Rows:
-    """W from B of roll, pitch, yaw (n, 3), turned about x, then y, then z of W."""
+    """W from B of roll, pitch, yaw (n, 3): rotations about x, then y, then z of W."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(angles.T / 2.0), np.sin(angles.T / 2.0)
     return np.column_stack(
         [

@@ -1,4 +1,4 @@
-"""What a flight costs: error, overshoot, effort, saturation, limits of the laws, failure."""
+"""Cost of a flight: error, overshoot, effort, saturation, limits of the laws, failure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .flight import Flights
 
 Rows = NDArray[np.float64]
 
-# Weights of the terms, chosen so that a good flight has about 1 and each term a part of it.
+# Weights of the terms: a good flight has a cost of about 1, and each term contributes a part.
 WEIGHTS = {
     "step": 1.5,
     "settled": 3.0,
@@ -21,7 +21,7 @@ WEIGHTS = {
     "shaking": 0.6,
     "effort": 4.0,
     "saturation": 1.0,
-    "limited": 0.0,  # told, not priced: the errors have what it costs
+    "limited": 0.0,  # reported, not weighted: its effect is in the errors
 }
 LOST = 20.0  # more than any flight that is not lost
 SETTLED_SHARE = 1.0 / 3.0  # of the time after the step
@@ -33,7 +33,7 @@ class Costs:
 
     terms: dict[str, Rows]
     lost: Rows
-    """share of the flight that was left when it was lost; 0: it was not"""
+    """share of the flight that remained when it was lost; 0: it was not lost"""
 
     @property
     def total(self) -> Rows:
@@ -48,11 +48,11 @@ def costs_of(program: Program, flights: Flights) -> Costs:
     * step: RMS error from the step to the path;
     * settled: RMS error in the last third of that;
     * path: RMS error on the path, without its first tenth;
-    * overshoot: largest way beyond the step, over all values;
+    * overshoot: largest distance beyond the step, over all values;
     * shaking: RMS of the body's rates in the last third after the step [rad/s];
-    * effort: RMS change of a rotor's command from one command to the next [share of its speed];
+    * effort: RMS change of a rotor's command between two commands [share of its speed];
     * saturation: share of rotors' commands at 0 or at the rotor's largest speed;
-    * limited: share of the flight in which a law asks for less than it wants, by its own limits.
+    * limited: share of the flight in which a limit of a law cuts its output.
     """
     begin, end = program.step_begin, program.step_end
     settled = end - round((end - begin) * SETTLED_SHARE)

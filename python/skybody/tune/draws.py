@@ -1,4 +1,4 @@
-"""What is drawn for a flight: masses, rotors, lags and wind."""
+"""Random draws of a flight: masses, rotors, lags and wind."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from .vehicle import ROBOT, TuneError
 
 Rows = NDArray[np.float64]
 
-LEAST_LIFT = 1.15  # thrust of all rotors over weight: a vehicle with less cannot steer
+LEAST_LIFT = 1.15  # thrust of all rotors over weight: with less a vehicle cannot steer
 
 
 @dataclass(frozen=True)
 class DrawRanges:
-    """How far draws go from the nominal vehicle."""
+    """Ranges of the draws about the nominal vehicle."""
 
     mass: float = 0.2
-    """Share of the mass by which the base may be lighter or heavier; its inertia goes along."""
+    """Relative range of the base's mass; its inertia scales with it."""
     inertia: float = 0.15
-    """The same for the inertia, on top."""
+    """Additional relative range of the inertia."""
     thrust: float = 0.08
-    """Share of the rotors' thrust and moment constants: batteries, propellers."""
+    """Relative range of the rotors' thrust and moment constants: batteries, propellers."""
     lag: float = 0.25
-    """Share of the rotors' time constants."""
+    """Relative range of the rotors' time constants."""
     wind: float = 3.0
-    """Greatest speed of the steady wind, from any side [m/s]."""
+    """Largest speed of the steady wind, from any direction [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def make_draws(
     """`count` vehicles, the first of them the nominal one in still air.
 
     Each quantity is spread over its range by Latin hypercube sampling (McKay, Beckman, Conover
-    1979): few draws then cover it all.
+    1979), so that few draws cover the whole range.
     """
     lift = lift_of(compiled)
     if lift < LEAST_LIFT:
@@ -85,10 +85,11 @@ def make_draws(
     return Draws(paths, values)
 
 
-MARGIN = 2.0  # 6 dB: the usual demand on a loop
+MARGIN = 2.0  # 6 dB: the usual requirement
 
-# What is multiplied so that a loop's gain is: torques turn the body more, or thrusts move it more
-# while hover needs the same commands (gravity) and turning stays as it is (inertia).
+# Powers of the factors that scale a loop's gain. TURNING: torques turn the body more.
+# MOVING: thrusts accelerate it more, while hover needs the same commands (gravity) and turning is
+# unchanged (inertia).
 TURNING = {"inertia": -1}
 MOVING = {"thrust": 1, "inertia": 1, "gravity": 1}
 
@@ -100,9 +101,9 @@ def scaled(paths: list[str], values: Rows, loop: dict[str, int], factor: float) 
 
 
 def with_margin_flights(draws: Draws) -> Draws:
-    """The same and four more: the first with half and twice the gain of each loop.
+    """Adds four flights to `draws`: the first one with half and twice the gain of each loop.
 
-    Gains that bear all of them have gain margins of 6 dB up and down.
+    Gains that fly all of them have gain margins of 6 dB up and down.
     """
     rows = [
         scaled(draws.paths, draws.values[0], loop, factor)
@@ -118,7 +119,7 @@ def _latin(generator: np.random.Generator, count: int) -> Rows:
 
 
 def _factors(spread: dict[str, Rows], ranges: DrawRanges, lift: float) -> dict[str, Rows]:
-    """On nominal values, by kind. No vehicle is heavier than what its rotors can steer with."""
+    """Factors on nominal values, by kind. The mass is limited so that rotors can still steer."""
     thrust = 1.0 + ranges.thrust * spread["thrust"]
     heaviest = np.maximum(lift * thrust / LEAST_LIFT, 1.0 - ranges.mass)
     mass = np.minimum(1.0 + ranges.mass * spread["mass"], heaviest)
@@ -132,7 +133,7 @@ def _factors(spread: dict[str, Rows], ranges: DrawRanges, lift: float) -> dict[s
 
 
 def lift_of(compiled: CompiledScenario) -> float:
-    """Thrust of all rotors at their largest speeds, in weights of the vehicle."""
+    """Thrust of all rotors at their largest speeds, divided by the weight of the vehicle."""
 
     def values(end: str) -> Rows:
         prefix = f"robots.{ROBOT}."
@@ -145,12 +146,12 @@ def lift_of(compiled: CompiledScenario) -> float:
 
 
 def margin_paths(compiled: CompiledScenario) -> list[str]:
-    """Those that `scaled` multiplies."""
+    """The paths that `scaled` multiplies."""
     return [path for path in compiled.param_paths if _kind(path) in {*TURNING, *MOVING}]
 
 
 def _kind(path: str) -> str:
-    """What a path is drawn as; "" for what is not drawn. `gravity` stays, but for margins."""
+    """The kind of draw of a path; "" if it is not drawn. `gravity` is changed for margins only."""
     if path == "gravity[2]":
         return "gravity"
     if path == "effects.wind.velocity[0]":

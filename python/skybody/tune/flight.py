@@ -20,16 +20,16 @@ Rows = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Flights:
-    """What was flown; n flights of `steps` commands."""
+    """Records of n flights of `steps` commands."""
 
     errors: Rows
-    """(steps, n, tracked) in scales of the program"""
+    """(steps, n, tracked), in scales of the program"""
     rates: Rows
     """(steps, n, 3), B [rad/s]"""
     rotor_commands: Rows
-    """(steps, n, rotors), shares of each rotor's largest speed"""
+    """(steps, n, rotors), relative to each rotor's largest speed"""
     limited: NDArray[np.bool_]
-    """(steps, n): whether a law of the chain is cut by a limit of its own"""
+    """(steps, n): whether a law of the chain is cut by one of its limits"""
     lost_at: NDArray[np.int64]
     """(n,): the command at which a flight was lost, or `steps`"""
 
@@ -38,7 +38,7 @@ class Flights:
         return len(self.errors)
 
     def of(self, which: slice | NDArray[np.int64]) -> Flights:
-        """Some of them."""
+        """A subset of the flights."""
         return Flights(
             self.errors[:, which],
             self.rates[:, which],
@@ -51,8 +51,8 @@ class Flights:
 class Flyer:
     """A pool in which every candidate flies the same draws: environment = candidate x draw.
 
-    All environments are copies of the first one, random keys included, so that nothing but gains
-    and drawn values differs between two flights.
+    All environments are copies of the first one, including random keys, so that two flights differ
+    only in gains and drawn values.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Flyer:
             self._pool.set_param(env, path, float(value))
 
     def fly(self, gains: Gains, points: Rows) -> Flights:
-        """Flies the candidates `points` (k, gains), k up to the pool's; flights k by k."""
+        """Flies the candidates `points` (k, gains), k at most the pool's size; flights k by k."""
         self._pool.restore(self._start)
         count = len(self._draws)
         for candidate, point in enumerate(points):

@@ -1,4 +1,4 @@
-"""The numbers that are fitted: randomizable parameters of the chain's controllers."""
+"""The fitted numbers: randomizable parameters of the chain's controllers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from skybody._native import CompiledScenario
 
 from .vehicle import ROBOT, TuneError
 
-LARGEST_FACTOR = 30.0  # by which a gain may leave its default
+LARGEST_FACTOR = 30.0  # maximum factor between a gain and its default
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,14 @@ class Gain:
 
     @property
     def name(self) -> str:
-        """`ctbr.kp` or, of a part, `ctbr.kp[2]`."""
+        """`ctbr.kp`, or `ctbr.kp[2]` for one component."""
         first = re.search(r"\[\d+\]$", self.paths[0])
         return f"{self.controller}.{self.parameter}" + (first[0] if first else "")
 
 
 @dataclass(frozen=True)
 class Gains:
-    """All of a chain. A point of the search is one logarithm of a factor for each gain."""
+    """All gains of a chain. A point of the search is the logarithm of a factor for each gain."""
 
     groups: tuple[Gain, ...]
 
@@ -48,7 +48,7 @@ class Gains:
         return [path for gain in self.groups for path in gain.paths]
 
     def values(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of all paths, in their order, for a point (gains,)."""
+        """Values of all paths, in their order, for a point (gains,)."""
         return np.array(
             [
                 min(max(nominal * float(np.exp(x)), gain.low), gain.high)
@@ -76,14 +76,14 @@ class Gains:
 def find_gains(compiled: CompiledScenario, fixed: Iterable[str] = ()) -> Gains:
     """The chain's randomizable parameters that are not 0.
 
-    What is 0 is switched off, and stays so. Of three values along x, y and z the first two are
-    scaled together: a multirotor turns about x and y by the same rotors.
+    A parameter of 0 is switched off, and is not fitted. Of three values along x, y and z the first
+    two are scaled together: a multirotor turns about x and y by the same rotors.
 
     Args:
-        fixed: `controller.parameter` each, which stay as they are.
+        fixed: `controller.parameter` each, which are not fitted.
 
     Raises:
-        TuneError: there are none, or `fixed` names one that there is not.
+        TuneError: there are none, or `fixed` names an unknown one.
     """
     found: dict[tuple[str, str], list[str]] = {}
     for path in compiled.param_paths:

@@ -1,4 +1,4 @@
-"""How far from trouble a tuned vehicle is: by simulation, with its rotors, limits and lags."""
+"""Stability margins of a tuned vehicle, by simulation with its rotors, limits and lags."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ MOST_GAIN = 32.0
 GAIN_STEPS = 64
 MOST_DELAY = 0.32  # [s]
 DELAY_STEP = 0.001  # [s]
-SMALL = 0.2  # of the step that the tuning flies: margins are about small motions
-REST = 0.05  # [rad/s] RMS of rates in the last second of a vehicle that has come to rest
+SMALL = 0.2  # of the step in tuning: margins are about small motions
+REST = 0.05  # [rad/s] limit of the RMS rates in the last second of a vehicle at rest
 LAST = 1.0  # [s]
 
 
 @dataclass(frozen=True)
 class GainMargin:
-    """Factors on a loop's gain at which a small step no longer dies out."""
+    """Factors on a loop's gain at which a small step no longer decays."""
 
     up: float
     """Above 1; inf: more than 32."""
@@ -39,21 +39,21 @@ class GainMargin:
 
 @dataclass(frozen=True)
 class Margins:
-    """What the chain bears.
+    """Margins of the chain.
 
-    At a level whose step does not end at rest (`attitude`, `ctbr`) they are about its rates alone.
+    At a level whose step does not end at rest (`attitude`, `ctbr`) they are about its rates only.
     """
 
     turning: GainMargin
-    """Of the torques that the rotors' commands give."""
+    """Of the torques due to the rotors' commands."""
     moving: GainMargin
-    """Of the accelerations that thrusts give, hover and turning as they are."""
+    """Of the accelerations due to thrusts, with hover and turning unchanged."""
     delay: float
-    """More of it between controller and rotors [s]; inf: more than 0.32 s."""
+    """Additional delay between controller and rotors [s]; inf: more than 0.32 s."""
 
 
 def margins_of(vehicle: Vehicle, gains: Gains, point: Rows) -> Margins:
-    """Of the nominal vehicle in still air, beyond the latency that it has."""
+    """Margins of the nominal vehicle in still air, beyond its own latency."""
     values = gains.values(point)
     delay = _first_failure(
         lambda more: _bears_delay(vehicle, gains, values, more * DELAY_STEP),
@@ -82,13 +82,13 @@ def _bears_delay(vehicle: Vehicle, gains: Gains, values: Rows, more: float) -> b
 
 
 def _first(factors: Rows, rests: NDArray[np.bool_], otherwise: float) -> float:
-    """The first factor at which it does not come to rest."""
+    """The first factor at which the vehicle does not come to rest."""
     failed = np.flatnonzero(~rests)
     return otherwise if failed.size == 0 else float(factors[failed[0]])
 
 
 def _first_failure(rests: Callable[[int], bool], most: int) -> int | None:
-    """The least number that fails, by bisection; None: `most` does not."""
+    """The smallest number that fails, by bisection; None: `most` does not fail."""
     if rests(most):
         return None
     low, high = -1, most
@@ -108,7 +108,7 @@ def _come_to_rest(
     loop: dict[str, int],
     factors: Rows,
 ) -> NDArray[np.bool_]:
-    """Whether vehicles with so many times the gain of a loop rest after a small step."""
+    """Whether vehicles with `factors` times the gain of a loop come to rest after a small step."""
     program = make_program(compiled)
     changed = margin_paths(compiled)
     nominal_values = nominal(compiled, changed)
@@ -124,13 +124,13 @@ def _come_to_rest(
 
 
 def _small_step(program: Program) -> Rows:
-    """The commands with a step of a fifth of the size, and nothing behind it."""
+    """The commands with a step of a fifth of the size, constant afterwards."""
     before = program.commands[program.step_begin - 1]
     after = program.commands[program.step_begin]
     count = round((WAIT + STEP_TIME + LAST) / COMMAND_PERIOD)
     stepped = np.arange(count) >= program.step_begin
     commands: Rows = before + np.where(stepped[:, None], SMALL * (after - before), 0.0)
-    if program.level == "attitude":  # the mean of two attitudes is none yet
+    if program.level == "attitude":  # the mean of two attitudes is not normalized
         commands[:, 1:5] /= np.linalg.norm(commands[:, 1:5], axis=1)[:, None]
     if program.level in ("ctbr", "velocity_tracking"):  # a pulse, so that it can come to rest
         commands[program.step_begin + round(0.5 / COMMAND_PERIOD) :] = before

@@ -1,4 +1,4 @@
-"""The step-response picture: default gains beside the tuned ones."""
+"""The step-response picture: default gains and tuned gains."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ DEFAULT, TUNED, TARGET = "#b3541e", "#1f5fa8", "#444444"
 
 
 def draw(tuned: Tuned, file: Path) -> list[Path]:
-    """Writes it. @returns the file, or nothing where matplotlib is not installed."""
+    """Writes it. @returns the file, or nothing if matplotlib is not installed."""
     if importlib.util.find_spec("matplotlib") is None:
         return []
     from matplotlib import style
 
-    with style.context("default"):  # a matplotlibrc of the working folder changes nothing
+    with style.context("default"):  # independent of a matplotlibrc in the working folder
         _draw(tuned, file)
     return [file]
 
@@ -67,7 +67,7 @@ def _draw_value(axis: object, tuned: Tuned, k: int) -> None:
 
 
 def _flown(tuned: Tuned, outcome: Outcome, k: int) -> Rows:
-    """A value over the nominal flight; nothing after it was lost."""
+    """A value over the nominal flight, up to the time at which it was lost."""
     program, flights = tuned.program, outcome.nominal
     values: Rows = program.targets[:, k] + program.scale[k] * flights.errors[:, 0, k]
     values[flights.lost_at[0] :] = np.nan

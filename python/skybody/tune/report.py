@@ -1,4 +1,4 @@
-"""What is written and said: gains as YAML, all figures as JSON, a table."""
+"""Output of tuning: gains as YAML, all figures as JSON, a table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .vehicle import entries_of
 
 
 def gains_yaml(tuned: Tuned, robot: str) -> str:
-    """The chain with its gains, to be included in a scenario, with the margins as comments."""
+    """The chain with its gains, for inclusion in a scenario, with the margins as comments."""
     vehicle, after = tuned.vehicle, tuned.after
     lines = [
         f"# Gains of {vehicle.name} for {vehicle.chain}, fitted by `skybody tune`: seed "
@@ -33,13 +33,13 @@ def gains_yaml(tuned: Tuned, robot: str) -> str:
 
 
 def _controllers(tuned: Tuned) -> str:
-    """As a list over several lines: controllers of the chain, each with its gains."""
+    """Controllers of the chain, each with its gains, as a list over several lines."""
     entries = entries_of(tuned.uses, tuned.after.parameters)
     return "".join(f"\n      - {entry}" for entry in entries)
 
 
 def margin_lines(margins: Margins | None, latency: float) -> list[str]:
-    """In words."""
+    """The margins in words."""
     if margins is None:
         return []
     turning, moving = margins.turning, margins.moving
@@ -65,7 +65,7 @@ def _milliseconds(value: float) -> str:
 
 
 def table(tuned: Tuned) -> str:
-    """Before and after, term by term, over the held-out draws."""
+    """Costs before and after, term by term, over the held-out draws."""
     rows = [("", "default", "tuned")]
     rows.append(("cost", f"{tuned.before.cost:.3f}", f"{tuned.after.cost:.3f}"))
     for name in WEIGHTS:
@@ -83,13 +83,13 @@ def table(tuned: Tuned) -> str:
     return "".join(f"{name:<{first}}  {old:>{second}}  {new:>{third}}\n" for name, old, new in rows)
 
 
-FALL = 0.1  # by which share a margin falls before it is told
+FALL = 0.1  # relative decrease of a margin that is reported
 
 
 def fallen_margins(tuned: Tuned) -> list[str]:
-    """The margins that are smaller with the tuned gains, in words; none where the cost is no less.
+    """The margins that are smaller with the tuned gains, in words; empty unless the cost is lower.
 
-    A factor on a gain has a margin of as many dB as it is from 1, on either side.
+    A factor on a gain is a margin by its distance from 1 in dB, in both directions.
     """
     a, b = tuned.before.margins, tuned.after.margins
     if a is None or b is None or tuned.after.cost >= tuned.before.cost:
@@ -111,12 +111,12 @@ def fallen_margins(tuned: Tuned) -> list[str]:
 
 
 def _room(factor: float) -> float:
-    """The distance of a factor from 1; infinite for one beyond all that were tried."""
+    """The distance of a factor from 1; infinite for a factor beyond all that were tried."""
     return math.inf if factor == 0.0 or math.isinf(factor) else abs(math.log(factor))
 
 
 def report(tuned: Tuned) -> dict[str, Any]:
-    """All figures, for programs."""
+    """All figures, as a dictionary for programs."""
     return {
         "vehicle": tuned.vehicle.model,
         "chain": tuned.vehicle.chain,
@@ -153,12 +153,12 @@ def _outcome(outcome: Outcome) -> dict[str, Any]:
 
 
 def _finite(value: float) -> float | None:
-    """JSON has no infinity."""
+    """Replaces infinity, which JSON does not have, by None."""
     return value if math.isfinite(value) else None
 
 
 def write(tuned: Tuned, folder: Path, robot: str) -> list[Path]:
-    """Writes gains.yaml, report.json and, where matplotlib is there, step_response.png."""
+    """Writes gains.yaml, report.json and, if matplotlib is installed, step_response.png."""
     from .picture import draw
 
     folder.mkdir(parents=True, exist_ok=True)

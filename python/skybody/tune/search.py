@@ -15,7 +15,7 @@ from .vehicle import TuneError
 
 Rows = NDArray[np.float64]
 
-FIRST_SPREAD = 0.4  # of the logarithms of factors: two thirds of the first candidates within 1.5
+FIRST_SPREAD = 0.4  # of log factors: two thirds of the first candidates within 1.5
 
 
 def minimize(
@@ -30,9 +30,9 @@ def minimize(
 
     Args:
         evaluate: costs (k,) of points (k, size).
-        evaluations: number of points that are tried, the defaults (zeros) counted; rounded up to
+        evaluations: number of points to try, including the defaults (zeros); rounded up to
             whole generations.
-        progress: is told how many were tried, and the best cost so far.
+        progress: called with the number of points tried and the best cost so far.
     """
     try:
         with _without_scipy():
@@ -71,9 +71,9 @@ def minimize(
 
 @contextlib.contextmanager
 def _without_scipy() -> Iterator[None]:
-    """Hides SciPy, which `cmaes` takes for searches other than this one where it is installed.
+    """Hides SciPy: if it is installed, `cmaes` imports it for other searches.
 
-    It takes 190 MB and half a second, and its OpenBLAS tries without end where memory is short.
+    It takes 190 MB and half a second, and its OpenBLAS retries without end if memory is short.
     """
     if "scipy" in sys.modules:
         yield

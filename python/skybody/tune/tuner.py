@@ -22,27 +22,27 @@ from .vehicle import TuneError, Use, Vehicle, entries_of, uses_of
 
 Rows = NDArray[np.float64]
 
-HELD_OUT = 32  # draws that the search has not seen
+HELD_OUT = 32  # draws that are not used in the search
 DELAY_MARGIN = 0.010  # [s] beyond the latency
-WORST_SHARE = 0.25  # of a candidate's cost: its worst draw; the rest is the mean over all
+WORST_SHARE = 0.25  # weight of the worst draw in a candidate's cost; the rest is the mean over all
 
 
 @dataclass(frozen=True)
 class TuneOptions:
-    """How it is searched. The same options give the same gains, whatever the clock says."""
+    """Options of the search. The same options give the same gains, independent of time."""
 
     seed: int = 0
     evaluations: int = 800
-    """Candidates that are flown."""
+    """Number of candidates to fly."""
     population: int = 16
-    """Candidates of a generation."""
+    """Candidates per generation."""
     draws: int = 6
-    """Vehicles and winds over which each candidate flies, the nominal one counted."""
+    """Vehicles and winds over which each candidate flies, including the nominal one."""
     ranges: DrawRanges = field(default_factory=DrawRanges)
     fixed: tuple[str, ...] = ()
-    """Gains that stay: `controller.parameter`."""
+    """Gains that are not fitted: `controller.parameter`."""
     num_threads: int = 0
-    """That step, 0: all; changes no bits."""
+    """Threads that step, 0: all; changes no bits."""
     margins: bool = True
 
     def __post_init__(self) -> None:
@@ -64,7 +64,7 @@ class Outcome:
     parameters: dict[str, dict[str, list[float]]]
     costs: Costs
     nominal: Flights
-    """Of the nominal vehicle in still air; one flight."""
+    """Flight of the nominal vehicle in still air."""
     margins: Margins | None
 
     @property
@@ -73,13 +73,13 @@ class Outcome:
 
     @property
     def lost(self) -> int:
-        """Held-out flights that were lost."""
+        """Number of held-out flights that were lost."""
         return int(np.sum(self.costs.lost > 0.0))
 
 
 @dataclass(frozen=True)
 class Tuned:
-    """What came out."""
+    """The result of tuning."""
 
     vehicle: Vehicle
     options: TuneOptions
@@ -95,7 +95,7 @@ class Tuned:
 
     @property
     def better_draws(self) -> int:
-        """Held-out draws on which the new gains cost less."""
+        """Number of held-out draws on which the new gains cost less."""
         return int(np.sum(self.after.costs.total < self.before.costs.total))
 
 
@@ -107,10 +107,11 @@ def tune(
     """Fits the gains of the vehicle's chain.
 
     Args:
-        progress: told candidates tried, of how many, and the best cost so far.
+        progress: called with the number of candidates tried, their total number, and the best cost
+            so far.
 
     Raises:
-        TuneError: what the user can mend.
+        TuneError: a mistake that the user can correct.
     """
     options = options or TuneOptions()
     began = time.monotonic()
@@ -118,8 +119,8 @@ def tune(
     program = make_program(compiled)
     uses = uses_of(compiled)
     gains = find_gains(compiled, options.fixed)
-    # Default gains of some controllers are slowed down for slow rotors, and gains that are given
-    # are taken as they are: the candidates are given, as they will be in the file.
+    # Some controllers slow their default gains down for slow rotors, but use given gains unchanged.
+    # So candidates give all gains, as the written file does.
     given = entries_of(uses, gains.parameters(np.zeros(len(gains))))
     candidate = replace(vehicle, chain=f"[{', '.join(given)}]")
     tried = candidate.compile()
@@ -158,10 +159,11 @@ def tune(
 
 
 class Search:
-    """Flies the candidates of a generation: over the draws, and with what they have to bear.
+    """Flies the candidates of a generation over the draws and with changed loops.
 
     The nominal vehicle flies with half and twice the gains of its loops (`with_margin_flights`),
-    and in a pool of its own with DELAY_MARGIN more latency: candidates without margins cost more.
+    and in a separate pool with DELAY_MARGIN more latency, so that candidates without margins cost
+    more.
     """
 
     def __init__(
@@ -183,7 +185,7 @@ class Search:
         )
 
     def costs(self, points: Rows) -> Rows:
-        """(k,) of points (k, gains)."""
+        """Costs (k,) of points (k, gains)."""
         flown = [flyer.fly(self._gains, points) for flyer in self._flyers]
         total = np.hstack(
             [costs_of(self._program, f).total.reshape(len(points), -1) for f in flown]
@@ -200,7 +202,7 @@ class Search:
 
 
 def _generator(seed: int, purpose: int) -> np.random.Generator:
-    """Numbers of their own for the search's draws (0) and the held-out ones (1)."""
+    """Independent generators for the search's draws (0) and the held-out ones (1)."""
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, purpose])))
 
 

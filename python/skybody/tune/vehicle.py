@@ -1,4 +1,4 @@
-"""The vehicle that is tuned, and the small scenario in which it flies."""
+"""The vehicle to tune, and the small scenario in which it flies."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from skybody._native import CompiledScenario, InputError
 
 ROBOT = "vehicle"
-START = (0.0, 0.0, 1.5)  # [m] within the box that `position` reaches by default
+START = (0.0, 0.0, 1.5)  # [m] within the default box of `position`
 COMMAND_PERIOD = 0.01  # [s]
 LATENCY = "latency_of_tuning"  # name of the delay behind the chain
 
@@ -20,7 +20,7 @@ DEFAULT_CHAIN = "position,attitude,ctbr"
 
 
 class TuneError(ValueError):
-    """What a user can mend."""
+    """A mistake that the user can correct."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Vehicle:
 
     @property
     def name(self) -> str:
-        """Of the model, for files and titles."""
+        """Name of the model, for files and titles."""
         return Path(self.model).stem
 
     def controllers(self) -> str:
-        """The chain as a list of YAML, without the latency."""
+        """The chain as a YAML list, without the latency."""
         chain = self.chain.strip()
         if chain.startswith("["):
             return chain
@@ -66,14 +66,14 @@ class Vehicle:
             latency: in place of the vehicle's own [s].
 
         Raises:
-            TuneError: a file, a controller or a number that cannot be, with every message.
+            TuneError: an invalid file, controller or number, with every message.
         """
         delay = self.latency if latency is None else latency
         for option, file in (("", self.model), ("--rotors ", self.rotors)):
             is_file = option != "" or "/" in file or file.endswith((".urdf", ".xml"))
             if file and is_file and not os.path.isfile(file):
                 raise TuneError(f"{option}{file}: no such file")
-        # `hover` needs no name of a link: it tells them for the task that ends no episode.
+        # The task `hover` needs no link name. It gives the name for `watch`, which ends no episode.
         learned = self._load("{plugin: hover}", delay)
         link = _base_link(learned)
         return self._load(f"{{plugin: watch, parameters: {{link: {json.dumps(link)}}}}}", delay)
@@ -88,7 +88,7 @@ class Vehicle:
                 raise TuneError(self._translated(str(error), str(file))) from error
 
     def _translated(self, message: str, file: str) -> str:
-        """Messages about the small scenario in words of the command line."""
+        """Rewrites messages about the small scenario in terms of the command line."""
         if " has no rotors; " in message:
             return (
                 f"{self.model} has no rotors file: give one by --rotors FILE (docs/rotors.md), or "
@@ -130,7 +130,7 @@ class Vehicle:
 
 @dataclass(frozen=True)
 class Use:
-    """A controller of the chain as it was given."""
+    """A controller of the chain as given by the user."""
 
     plugin: str
     name: str
@@ -141,7 +141,7 @@ class Use:
 def uses_of(compiled: CompiledScenario) -> list[Use]:
     """The chain's controllers, without the latency behind them.
 
-    Reads the merged scenario, in which every key stands on a line of its own.
+    Reads the merged scenario, in which every key is on its own line.
     """
     uses: list[Use] = []
     text = compiled.scenario_text.split("    controllers:\n")[1]
@@ -162,7 +162,7 @@ def uses_of(compiled: CompiledScenario) -> list[Use]:
 
 
 def entries_of(uses: list[Use], gains: dict[str, dict[str, list[float]]]) -> list[str]:
-    """The controllers as YAML, one text each, with the gains (controller, parameter) given."""
+    """The controllers as YAML, one string each, with the given gains (controller, parameter)."""
     entries = []
     for use in uses:
         parts = [f"plugin: {use.plugin}"]
@@ -180,7 +180,7 @@ def entries_of(uses: list[Use], gains: dict[str, dict[str, list[float]]]) -> lis
 
 
 def _absolute(path: str) -> str:
-    """Of a file; a model's name stays."""
+    """Absolute path of a file; a model's name is unchanged."""
     return os.path.abspath(path) if os.path.exists(path) else path
 
 

@@ -1,4 +1,4 @@
-// Lab code outside the tree: load a scenario, step it, read states.
+// User code outside the source tree: load a scenario, step it, read states.
 #include <skybody/skybody.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Distributions: what is drawn against their cumulative distributions in closed form.
+// Distributions: draws against the cumulative distributions in closed form.
 #include "core/base/distribution.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ constexpr int kDraws = 10000;
 
 double share_below(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
-/// The largest distance of 10,000 draws' share below from `cumulative`.
+/// Largest difference between the empirical distribution of 10,000 draws and `cumulative`.
 double distance(const Distribution& d, const std::function<double(double)>& cumulative) {
   Random<double> random{RandomKey{2026, 91}, 0, 0, derive_stream("distribution_test")};
   std::vector<double> values;
@@ -31,7 +31,7 @@ double distance(const Distribution& d, const std::function<double(double)>& cumu
   return largest;
 }
 
-/// Kolmogorov and Smirnov: farther apart once in a thousand times.
+/// Kolmogorov-Smirnov limit, exceeded with probability 1e-3.
 const double kFar = 1.95 / std::sqrt(double{kDraws});
 
 TEST(Distribution, UniformDrawsAreUniform) {
@@ -93,8 +93,8 @@ TEST(Distribution, PacksHaveTheBitsOfDoubles) {
 }
 
 TEST(NormalQuantile, IsTheInverseOfTheErrorFunction) {
-  for (double x = -8.0; x < 5.0; x += 0.01) {  // beyond, 1 - p has too few digits
-    // What rounding of p does to x, and a few roundings of the quantile itself.
+  for (double x = -8.0; x < 5.0; x += 0.01) {  // beyond this, 1 - p has too few digits
+    // Error of x by the rounding of p, plus a few roundings of the quantile itself.
     const double density = std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi);
     const double p = share_below(x), rounding = (x < 0.0 ? p : 1.0) * 1e-15 / density;
     EXPECT_NEAR(normal_quantile(p), x, rounding + 1e-14 * (1.0 + std::fabs(x))) << x;

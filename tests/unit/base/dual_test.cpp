@@ -13,10 +13,10 @@ namespace {
 
 using D = Dual<double>;
 
-/// Equal bits, but that all NaN are alike.
+/// Equal bits; all NaN count as equal.
 bool same(double a, double b) { return bit_cast_word(a) == bit_cast_word(b) || (a != a && b != b); }
 
-/// Functions of two numbers that exist for double, packs and dual numbers alike.
+/// Functions of two numbers that exist for double, packs and dual numbers.
 #define SKYBODY_CASE(NAME, LOW, HIGH, ...)            \
   struct NAME {                                       \
     static constexpr const char* kName = #NAME;       \
@@ -78,7 +78,7 @@ class Draw {
   std::mt19937_64 bits_{20260817};
 };
 
-/// Any bits at all, whole numbers, and ordinary values.
+/// Random bit patterns, whole numbers, and ordinary values.
 double any_value(Draw& draw, int i) {
   if (i % 3 == 0) return bit_cast_real(draw.word());
   const double x = draw(-4.0, 4.0);
@@ -119,7 +119,7 @@ TEST(Dual, ValuesHaveTheBitsOfPlainNumbersAndTangentsThoseOfDoubles) {
   });
 }
 
-/// Central differences of f along (dx, dy), where f is smooth between the points; NaN elsewhere.
+/// Central differences of f along (dx, dy) where f is smooth between the points; NaN elsewhere.
 template <class F>
 double slope(const F& f, double x, double y, double dx, double dy) {
   const auto between = [&](double h) {
@@ -173,7 +173,7 @@ TEST(Dual, ATangentThatIsNotChosenDoesNotMatter) {
   EXPECT_EQ(min(good, D(kInfinity)).tangent, 1.0);
 }
 
-/// A rotation, its matrix and angles, and an inertia: something of each of vec3.h, quat.h, mat3.h.
+/// A rotation, its matrix and angles, and an inertia: covers vec3.h, quat.h and mat3.h.
 template <class Real>
 Real of_geometry(const Real& x, const Real& y) {
   const Quat<Real> q = normalized(Quat<Real>{Real(1.0), x, y, x * y});
@@ -235,7 +235,7 @@ TEST(Dual, LiesInMemoryAsARowOfValuesAndARowOfTangents) {
   EXPECT_EQ(lane(x.value, 1), 3.0);
   EXPECT_EQ(lane(x.tangent, 1), 11.0);
   store_rows(rows + 4, 8, x, mask_from_bits<Pack<2>>(2));
-  EXPECT_EQ(rows[4], 4.0);  // not of the mask
+  EXPECT_EQ(rows[4], 4.0);  // outside the mask
   EXPECT_EQ(rows[5], 3.0);
   EXPECT_EQ(rows[12], 12.0);
   EXPECT_EQ(rows[13], 11.0);

@@ -1,4 +1,4 @@
-// The probe as a file sees it that may contract a*b+c into FMA: for environment_test.cpp.
+// The probe compiled with contraction of a*b+c into FMA, for environment_test.cpp.
 #pragma GCC optimize("O2", "fp-contract=fast")
 #pragma GCC target("arch=x86-64-v3")
 #include "core/base/fp_environment.h"

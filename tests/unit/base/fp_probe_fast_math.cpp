@@ -1,4 +1,4 @@
-// The probe as a file sees it that is compiled with -ffast-math: for environment_test.cpp.
+// The probe compiled with -ffast-math, for environment_test.cpp.
 #pragma GCC optimize("fast-math")
 #include "core/base/fp_environment.h"
 

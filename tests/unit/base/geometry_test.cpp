@@ -110,7 +110,7 @@ TEST(Inertia, EigenvaluesAreThePrincipalMomentsOnTurnedAxes) {
 }
 
 TEST(Inertia, EigenvaluesOfDiagonalMatricesHoldOverManyOrdersOfMagnitude) {
-  // Each is scaled by the largest entry and back: a rounding each way.
+  // Each is scaled by the largest entry and back: one rounding each way.
   const V moments = eigenvalues(SymMat3<double>{0.3, 1e-12, 0.1, 0, 0, 0});
   EXPECT_NEAR(moments.x, 1e-12, 1e-27);
   EXPECT_NEAR(moments.z, 0.3, 1e-16);
@@ -121,7 +121,7 @@ TEST(Inertia, EigenvaluesOfDiagonalMatricesHoldOverManyOrdersOfMagnitude) {
 
 TEST(Inertia, OnlyPossibleBodiesAreAccepted) {
   EXPECT_TRUE(is_physical_inertia({0.01, 0.01, 0.017, 0, 0, 0}));
-  EXPECT_TRUE(is_physical_inertia({1, 1, 2, 0, 0, 0}));     // a flat plate: the bound itself
+  EXPECT_TRUE(is_physical_inertia({1, 1, 2, 0, 0, 0}));     // a flat plate: exactly at the bound
   EXPECT_FALSE(is_physical_inertia({1, 1, 2.1, 0, 0, 0}));  // triangle inequality
   EXPECT_FALSE(is_physical_inertia({1, 1, -1, 0, 0, 0}));   // negative
   EXPECT_FALSE(is_physical_inertia({1, 1, 1, 1.5, 0, 0}));  // indefinite

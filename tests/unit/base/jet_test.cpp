@@ -1,4 +1,4 @@
-// Jets: derivatives by closed forms that are known, and their bits in packs.
+// Jets: derivatives against known closed forms, and their bits in packs.
 #include "core/base/jet.h"
 
 #include <gtest/gtest.h>

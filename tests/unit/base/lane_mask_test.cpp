@@ -11,7 +11,8 @@ TEST(Octets, AreThoseThatAMaskHoldsWhole) {
   EXPECT_EQ(whole_octets(0xffffffffu), 0xffffffffu);
   EXPECT_EQ(whole_octets(0xff7ffeffu), 0xff0000ffu);
   EXPECT_EQ(whole_octets(0xff000000u), 0xff000000u);
-  EXPECT_EQ(whole_octets(0x0ff00ff0u), 0u);  // eight in a row, but of two octets
+  EXPECT_EQ(whole_octets(0x0ff00ff0u),
+            0u);  // eight consecutive lanes, but from two blocks of eight
   EXPECT_EQ(whole_octets(0u), 0u);
 }
 

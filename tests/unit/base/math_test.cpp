@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// |got - reference| in units of the last place of a double as large as the reference.
+/// |got - reference| in ulp of a double as large as the reference.
 double ulps(double got, long double reference) {
   if (std::isnan(got) || std::isinf(got)) {
     const double rounded = static_cast<double>(reference);

@@ -157,7 +157,7 @@ TEST(Random, EveryPartOfTheKeyMatters) {
   EXPECT_EQ(base, Random<double>(RandomKey{1, 2}, 3, 4, 5).bits());
 }
 
-// Golden: these bits are a promise across releases (libm is not asked).
+// Golden: these bits are promised across releases (no libm function is used).
 TEST(Random, GoldenDrawsStay) {
   Random<double> random(RandomKey{2026, 3}, 1, 2, derive_stream("golden"));
   EXPECT_EQ(bit_cast_word(random.uniform()), 0x3fa35bbfd6cceb30ull);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kCount = 100000;  // a multiple of eight
 
-/// f(x, y) over arrays, in lanes of Real, in the instruction set of the function that includes it.
+/// f(x, y) over arrays in lanes of Real, compiled for the instruction set of the calling function.
 template <class Function, class Real>
 SKYBODY_INLINE void evaluate(const double* x, const double* y, double* result) {
   for (int i = 0; i < kCount; i += kLanesOf<Real>) {
@@ -40,7 +40,7 @@ __attribute__((target("arch=x86-64-v4"), flatten, noinline)) void evaluate_v4(co
   evaluate<Function, Real>(x, y, r);
 }
 
-/// Half ordinary values, half any bits at all, some special values.
+/// Half ordinary values, half random bit patterns, some special values.
 std::vector<double> inputs(std::uint64_t seed) {
   std::mt19937_64 bits(seed);
   const double special[] = {0.0,     -0.0,      1.0,        -1.0, 5e-324,
@@ -60,7 +60,7 @@ std::vector<double> inputs(std::uint64_t seed) {
   return all;
 }
 
-/// Equal bits, but that all NaN are alike.
+/// Equal bits; all NaN count as equal.
 bool same(double a, double b) { return bit_cast_word(a) == bit_cast_word(b) || (a != a && b != b); }
 
 void expect_same(const std::vector<double>& expected, const std::vector<double>& got,
@@ -138,7 +138,7 @@ TYPED_TEST(SameBits, ForDoubleAndAllPacksAtAllInstructionSets) {
   compare<TypeParam, Pack<8>>(x, y, expected);
 }
 
-/// Chains Function's results over the common inputs, all NaN alike.
+/// Chains Function's results over the common inputs; all NaN count as equal.
 template <class Function>
 void add_results(const std::vector<double>& x, const std::vector<double>& y, HashChain& chain) {
   for (int i = 0; i < 5000; ++i) {
@@ -155,7 +155,7 @@ std::uint64_t hash_of_results(::testing::Types<Functions...>) {
   return chain.value();
 }
 
-// Golden: holds for every compiler flag that Skybody allows, so builds agree with each other too.
+// Golden: holds for every compiler flag that Skybody allows, so builds also agree with each other.
 TEST(SameBitsEverywhere, ResultsHashToTheGoldenValue) {
   EXPECT_EQ(to_hex(hash_of_results(Functions())), "18d4f85e552c739a");
 }

@@ -1,4 +1,4 @@
-// What a Pool refuses, and that a refusal leaves it as it was.
+// Calls that a Pool refuses; a refusal leaves the Pool unchanged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -120,7 +120,7 @@ TEST_F(Refusal, MasksAndForksOutOfRange) {
   EXPECT_THROW(envs_.fork(0, Ids{-1}, true), Error);
   EXPECT_THROW(envs_.param(4, "task.mode"), Error);
   EXPECT_THROW(envs_.set_param(0, "task.mode", 5.0), Error);
-  EXPECT_THROW(envs_.hash(), Error);  // none was kept
+  EXPECT_THROW(envs_.hash(), Error);  // no hash was kept
   expect_usable();
 }
 

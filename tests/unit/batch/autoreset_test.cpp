@@ -27,7 +27,7 @@ class ByHand {
         env_(env),
         autoreset_(autoreset) {}
 
-  /// The next transition, and what the row must be.
+  /// Compares the next transition with the batch's row.
   void expect(const Batch& batch, int i) {
     const auto at = static_cast<std::size_t>(i);
     const bool begins = k_ == 0 || (simulation_.done() && autoreset_ != Autoreset::kSameStep);
@@ -118,7 +118,7 @@ TEST(Disabled, SteppingAnEndedEpisodeIsRefusedUntilItsReset) {
             {.envs = 2, .threads = 1, .autoreset = Autoreset::kDisabled, .seed = kSeed});
   envs.send_reset();
   auto batch = envs.recv();
-  std::vector<float> actions(8, 1.0f);  // straight up: both end
+  std::vector<float> actions(8, 1.0f);  // straight up: both episodes end
   for (int k = 0; batch->status[0] == kRunning || batch->status[1] == kRunning; ++k) {
     ASSERT_LT(k, 20);
     std::vector<std::int32_t> running;
@@ -147,7 +147,7 @@ TEST(SameStep, AResetThatIsItselfAFaultShowsInTheNextRowAndIsTriedAgain) {
     envs.send(up);
     batch = envs.recv();
   } while (batch->status[0] == kRunning);
-  EXPECT_EQ(batch->fault[0], 0);  // the end was one as any other
+  EXPECT_EQ(batch->fault[0], 0);  // an ordinary end of an episode
   for (int i = 0; i < 2; ++i) {
     envs.send(up);
     batch = envs.recv();

@@ -1,4 +1,4 @@
-// How long the rows of a recv() keep their values.
+// Lifetime of the values in the rows of a recv().
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ class Buffers : public testing::TestWithParam<int> {  // N_B of 2 environments
     return Pool(small_env(),
                 {.envs = 2, .batch = GetParam(), .threads = 2, .debug_buffers = debug});
   }
-  /// Sends the actions of all, then gives the first batch and waits for the others.
+  /// Sends all actions, returns the first batch and waits for the others.
   static std::shared_ptr<const Batch> first_of(Pool& envs, int k) {
     auto batch = step(envs, k);
     while (envs.in_flight() > 0) envs.recv();
@@ -67,7 +67,7 @@ TEST_P(Buffers, StayAsTheyAreForAsLongAsTheyAreHeld) {
       while (envs.in_flight() > 0) envs.recv();
     }();
   EXPECT_EQ(held->observation, before);
-  EXPECT_EQ(envs.fresh_buffers(), 1u);  // it was replaced once and for all
+  EXPECT_EQ(envs.fresh_buffers(), 1u);  // it was replaced only once
 }
 
 TEST_P(Buffers, HeldTooLongAreAnErrorInDebugModeAndNothingIsLost) {
@@ -91,7 +91,7 @@ TEST_P(Buffers, AreFilledWithNanBeforeTheyAreUsedAgainInDebugMode) {
   const float* row = held->observation.data() + 3 * (GetParam() - 1);  // a row that will be unused
   const_cast<std::shared_ptr<const Batch>&>(held).reset();
   const std::vector<std::int32_t> one = {0};
-  for (int k = 2; k < 6; ++k) {  // batches of one row: the second of a buffer of two stays NaN
+  for (int k = 2; k < 6; ++k) {  // batches of one row: the second row of a buffer of two stays NaN
     envs.send(actions_of(one, k, 4), one);
     const auto batch = envs.recv();
     ASSERT_EQ(batch->rows, 1);

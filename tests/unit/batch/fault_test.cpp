@@ -1,4 +1,4 @@
-// What goes wrong in one environment, in a worker, in another process.
+// Faults in one environment, in a worker, and in another process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -82,7 +82,7 @@ TEST(Exception, OfAWorkerComesOutOfRecvAndOfEveryLaterCall) {
 }
 
 TEST(Exception, WhileTheCallerSleepsWakesIt) {
-  constexpr int kEnvs = 512;  // worth a second thread
+  constexpr int kEnvs = 512;  // enough for a second thread
   Pool envs(small_env(), {.envs = kEnvs, .threads = 2});
   begin(envs);
   for (int e = 0; e < kEnvs; ++e) envs.set_param(e, "task.mode", test::kWait);
@@ -121,7 +121,7 @@ int files_of_this_process() {
   return count;
 }
 
-/// Joined threads are gone from /proc a moment after join() has returned.
+/// Joined threads disappear from /proc shortly after join() has returned.
 bool threads_come_down_to(int count) {
   for (int i = 0; i < 5000; ++i) {
     if (threads_of_this_process() <= count) return true;
@@ -132,7 +132,7 @@ bool threads_come_down_to(int count) {
 
 TEST(Destructor, WithWorkUnderWayNeitherHangsNorLeaks) {
   const auto compiled = small_env();
-  // ThreadSanitizer starts a thread of its own with the process's first one.
+  // ThreadSanitizer starts a thread of its own together with the process's first one.
   { const Pool first(compiled, {.envs = 2, .threads = 2}); }
   const int threads = threads_of_this_process(), files = files_of_this_process();
   for (int i = 0; i < 200; ++i) {
@@ -141,7 +141,7 @@ TEST(Destructor, WithWorkUnderWayNeitherHangsNorLeaks) {
                          .threads = 1 + i % 4,
                          .order = i % 2 == 0 ? Order::kFixed : Order::kArrival,
                          .pin_threads = i % 3 == 0});
-    if (i % 8 == 7) continue;  // nothing was ever sent
+    if (i % 8 == 7) continue;  // no action is sent
     envs.send_reset();
     for (int k = 0; k < i % 4; ++k) {
       const auto batch = envs.recv();
@@ -173,14 +173,15 @@ TEST(Threads, MoreThanProcessorsAndThanEnvironmentsStillWork) {
   EXPECT_EQ(rows, 500);
 }
 
-#if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)  // neither likes these children
+// Neither sanitizer supports these child processes.
+#if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 
-/// Runs `body` in a forked child. @returns its exit status, -1 where it hung
+/// Runs `body` in a forked child. @returns its exit status, or -1 after a hang
 template <class Body>
 int in_child(Body&& body) {
   const pid_t child = fork();
   if (child == 0) {
-    alarm(20);  // a hang ends by a signal
+    alarm(20);  // a hang ends with a signal
     _exit(body());
   }
   int status = 0;
@@ -213,7 +214,7 @@ TEST(ProcessFork, CallsInTheChildThrowAndItsDestructorReturns) {
     return 0;
   });
   EXPECT_EQ(status, 0);
-  envs->send(actions_of({0, 1, 2, 3}, 1, 4));  // the parent's goes on
+  envs->send(actions_of({0, 1, 2, 3}, 1, 4));  // the parent's Pool continues
   EXPECT_EQ(envs->recv()->rows, 2);
 }
 
@@ -236,7 +237,7 @@ TEST(Threads, FewerThanAskedForAreAnErrorThatSaysSo) {
   const auto compiled = small_env();
   EXPECT_EQ(in_child([&] {
               const rlimit little{std::uint64_t{1} << 30, std::uint64_t{1} << 30};
-              setrlimit(RLIMIT_AS, &little);  // no room for the stacks of a thousand threads
+              setrlimit(RLIMIT_AS, &little);  // no space for the stacks of a thousand threads
               try {
                 Pool envs(compiled, {.envs = 2, .threads = 1024});
               } catch (const Error& error) {

@@ -14,7 +14,7 @@ namespace {
 
 using test::InProcessFactory;
 
-/// Height, which a policy observes, and vertical speed, which only a critic does.
+/// Height for the policy, and vertical speed for a critic only.
 class Gauge : public Sensor {
  public:
   void configure(const Setup& setup) override {
@@ -28,7 +28,7 @@ class Gauge : public Sensor {
   }
 };
 
-/// A counter of its own calls in every pixel.
+/// The number of its calls in every pixel.
 class Camera : public Sensor {
  public:
   struct State {
@@ -159,7 +159,7 @@ TEST(ObservationBatch, PrivilegedRowsOfAnotherSizeAreRefused) {
   EXPECT_THROW(envs.privileged(rows), Error);
 }
 
-/// Whether the pixels of row `i` are those that belong to the observation.
+/// Compares the pixels of row `i` with those that match the observation.
 void expect_pixels(const Column<std::uint8_t>& image, const Column<float>& observation, int i) {
   const auto at = static_cast<std::size_t>(i);
   for (std::size_t k = 0; k < 6; ++k) {

@@ -1,4 +1,4 @@
-// Whoever watches a Pool cannot make its caller lose anything.
+// An observer of a Pool cannot make its caller lose data.
 #include "core/batch/observer.h"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ using test::actions_of;
 using test::begin;
 using test::small_env;
 
-/// Cannot write what it is told, once.
+/// Throws once when it is notified.
 class FullDisk : public PoolObserver {
  public:
   void received(const Batch&, const EnvironmentStates&) override {
@@ -43,7 +43,7 @@ TEST(Observer, ThatFailsLosesNoRowsAndIsReportedByTheNextCall) {
   } catch (const StateError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("no space left"));
   }
-  envs.send(actions);  // told once
+  envs.send(actions);  // notified once
   alone.send(actions);
   EXPECT_EQ(envs.recv()->observation, alone.recv()->observation);
   EXPECT_EQ(disk->calls, 3);

@@ -1,4 +1,4 @@
-// Which rows a recv() gives.
+// Rows returned by recv().
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ std::vector<std::int32_t> ids_of(const Batch& batch) {
   return {batch.env_id.begin(), batch.env_id.begin() + batch.rows};
 }
 
-/// Sends the next actions of those that have just come back.
+/// Sends the next actions of the environments just received.
 void send_back(Pool& envs, const Batch& batch, int k) {
   const std::vector<std::int32_t> ids = ids_of(batch);
   envs.send(actions_of(ids, k, 4), ids);
@@ -48,7 +48,7 @@ TEST(FixedOrder, SkipsThoseThatAreNotInFlight) {
   envs.send(actions_of({6, 1, 4}, 1, 4), std::vector<std::int32_t>{6, 1, 4});
   EXPECT_EQ(ids_of(*envs.recv()), (std::vector<std::int32_t>{1, 4}));
   envs.send(actions_of({0, 5}, 1, 4), std::vector<std::int32_t>{5, 0});
-  // The turn goes on behind 4, whoever was sent first.
+  // The rotation continues after 4, regardless of the order of sending.
   EXPECT_EQ(ids_of(*envs.recv()), (std::vector<std::int32_t>{5, 6}));
   EXPECT_EQ(ids_of(*envs.recv()), (std::vector<std::int32_t>{0}));
 }
@@ -99,7 +99,7 @@ TEST(Send, OfAllAtOnceRunsEachOnceHoweverLateAThreadLeavesItsGroup) {
     const std::vector<std::int32_t> all = {0, 1, 2, 3, 4, 5};
     const std::vector<float> actions = actions_of(all, 1, 4);
     for (int k = 0; k < 10000; ++k) {
-      // With ids the rows go by the queue, without all at once.
+      // With ids, rows follow the queue, without waiting for all.
       envs.send(actions, all);
       while (envs.in_flight() > 0) envs.recv();
       envs.send(actions);
@@ -129,7 +129,7 @@ TEST(Recv, GivesUpAfterItsPatienceAndLosesNothing) {
     begin(envs);
     envs.set_param(1, "task.mode", test::kWait);
     test::ClosedGate closed;
-    // The caller passes the gate, a worker waits there: go on until it was a worker.
+    // The caller passes the gate, a worker waits at it: repeat until a worker has waited.
     const std::vector<std::int32_t> ids = {1};
     for (int k = 1; gate.waiting == 0; ++k) {
       if (envs.in_flight() == 0) envs.send(actions_of({0, 1}, k, 4));
@@ -167,7 +167,7 @@ TEST(ArrivalOrder, OneThatIsStuckDoesNotHoldUpTheOthers) {
     for (const std::int32_t env : ids_of(*batch)) others += env != 0;
     send_back(envs, *batch, k++);
   }
-  EXPECT_GE(others, 399);  // once it may have come back just before it got stuck
+  EXPECT_GE(others, 399);  // it may have returned once, just before it blocked
   EXPECT_EQ(gate.waiting, 1);
   test::ClosedGate::open();
   bool back = false;
@@ -191,7 +191,7 @@ TEST(ArrivalOrder, ASlowOneComesBackMoreRarelyThanTheQuickOnes) {
     ++(batch->env_id[0] == 0 ? slow : quick);
     send_back(envs, *batch, k);
   }
-  // Held up, the caller would get each of the 7 others once per slow one.
+  // If the slow one blocked the caller, each of the 7 others would arrive once per slow one.
   EXPECT_GT(quick, 2 * slow * (kEnvs - 1));
 }
 

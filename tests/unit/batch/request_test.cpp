@@ -1,4 +1,4 @@
-// Requests: values of parameters that callers ask for, whatever is in flight.
+// Requests: parameter values that callers request while environments may be in flight.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ std::vector<ParamChange> drawn() {
   return {{kPath, make_uniform(0.9, 1.1), ChangeForm::kScale, false}};
 }
 
-/// One transition of all environments, with actions that climb a little.
+/// One transition of all environments, with actions that climb slightly.
 void step_all(Pool& envs) {
   const auto values = static_cast<std::size_t>(envs.envs() * envs.compiled().action_size());
   envs.send(std::vector<float>(values));
@@ -90,7 +90,7 @@ TEST(Request, AtAResetIsDoneInTheNextEpisode) {
     if (autoreset == Autoreset::kDisabled) {
       reset_all(envs);
     } else {
-      for (int k = 0; k < 14; ++k) step_all(envs);  // an episode has twelve steps at most
+      for (int k = 0; k < 14; ++k) step_all(envs);  // an episode has at most twelve steps
     }
     for (int env = 0; env < 6; ++env) EXPECT_EQ(envs.param(env, kPath), -5.0);
   }
@@ -145,7 +145,7 @@ TEST(Request, OfSeveralValuesSharesADrawWhereItSays) {
   EXPECT_NE(envs.param(0, "gravity[0]"), envs.param(0, "gravity[1]"));
 }
 
-/// Transitions of every environment, each with requests at the same counts of its own.
+/// Flies transitions of every environment, with requests at the same transition counts of each.
 std::uint64_t fly_with_requests(Pool& envs, int transitions) {
   std::vector<int> count(static_cast<std::size_t>(envs.envs()), 0);
   const auto width = static_cast<std::size_t>(envs.compiled().action_size());

@@ -1,4 +1,4 @@
-// Sharing out the groups of a round.
+// Distribution of a round's groups among threads.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -18,7 +18,7 @@ TEST(WorkStealingRanges, AThreadTakesItsOwnRangeFirstAndTheSameInEveryRound) {
     EXPECT_EQ(shares.take(1, first, [](int available) { return available; }), 1);
     EXPECT_EQ(first, 5);
     EXPECT_EQ(shares.left(), 7);
-    // Now from the end of the longest other one.
+    // Now from the end of the longest remaining share.
     EXPECT_EQ(shares.take(1, first, [](int) { return 1; }), 1);
     EXPECT_EQ(first, 9);
     while (shares.take(2, first, [](int) { return 1; }) > 0) {

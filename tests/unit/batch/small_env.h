@@ -1,5 +1,5 @@
-// A small environment for the batch engine's tests: one quadrotor in the air, random starts, and a
-// task that can be told, environment by environment, to be slow, to throw, to wait or to fail.
+// A small environment for the batch engine's tests: one quadrotor in the air and random starts. The
+// task can be set, for each environment, to be slow, to throw, to wait or to fail.
 #pragma once
 
 #include <algorithm>
@@ -28,16 +28,16 @@ enum Mode : int {
   kBadReset = 4,  ///< the first observation of an episode is not finite
 };
 
-/// Where kWait environments wait.
+/// The gate at which environments with kWait wait.
 struct Gate {
   std::atomic<bool> open{true};
   std::atomic<int> waiting{0};
-  std::atomic<bool> fail{false};  ///< who has waited throws
+  std::atomic<bool> fail{false};  ///< waiting environments throw
   std::atomic<std::thread::id> keeper{};
 };
 inline Gate gate;
 
-/// Opens the gate at the end of a test, however that ends.
+/// Opens the gate at the end of a test, even after a failure.
 struct ClosedGate {
   ClosedGate() {
     gate.keeper = std::this_thread::get_id();
@@ -113,7 +113,7 @@ class Probe : public Task {
   }
 };
 
-/// 5 ms a transition, at most 12 transitions an episode: about half of them end before.
+/// 5 ms per transition, at most 12 transitions per episode: about half of the episodes end earlier.
 inline Scenario small_scenario(InProcessFactory& factory) {
   factory.add<Direct>("direct");
   factory.add<Kick>("kick");
@@ -131,7 +131,7 @@ inline std::shared_ptr<const CompiledScenario> small_env() {
   return std::make_shared<CompiledScenario>(small_scenario(factory), factory);
 }
 
-/// The action of an environment's k-th transition: of (env, k) and nothing else.
+/// The action of an environment's k-th transition: a function of (env, k) only.
 inline std::vector<float> action_of(int env, int k, int width) {
   Random<double> rng({99, static_cast<std::uint64_t>(env)}, 0, static_cast<std::uint64_t>(k), 1);
   std::vector<float> out(static_cast<std::size_t>(width));
@@ -148,8 +148,8 @@ inline std::vector<float> actions_of(const std::vector<std::int32_t>& envs, int 
   return out;
 }
 
-/// Hands every environment its transitions 0 ... count - 1, each as soon as it is back, and calls
-/// `on_row(batch, i)` for every row. Transition 0 is a reset where `begin` holds.
+/// Flies transitions 0 ... count - 1 of every environment, sends each one as soon as it returns,
+/// and calls `on_row(batch, i)` for every row. Transition 0 is a reset if `begin` is true.
 template <class OnRow>
 void fly(Pool& envs, int begin, int end, OnRow&& on_row) {
   const auto n = static_cast<std::size_t>(envs.envs());

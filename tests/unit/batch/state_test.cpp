@@ -45,7 +45,7 @@ TEST(Restore, InMidEpisodeGivesTheSameFutureWhateverTheThreads) {
   for (const int threads : {1, 4}) {
     for (const Order order : {Order::kFixed, Order::kArrival}) {
       PoolOptions other = options_of(threads, 3, order);
-      other.seed = 77;  // keys travel with the state
+      other.seed = 77;  // the state contains the keys
       Pool b(compiled, other);
       b.restore(saved);
       fly(b, 20, 50);
@@ -143,7 +143,7 @@ TEST(Fork, RekeyedCopiesDifferFromTheNextEpisodeOnAndReproducibly) {
     parent.restore(envs.save());
     envs.fork(1, std::vector<std::int32_t>{0, 2, 3}, true);
     auto now = observations(envs);
-    EXPECT_EQ(now[0], now[1]);  // the same motion so far
+    EXPECT_EQ(now[0], now[1]);  // equal motion so far
     EXPECT_EQ(now[3], now[1]);
     for (Pool* each : {&envs, &parent}) {
       each->send_reset();
@@ -156,7 +156,7 @@ TEST(Fork, RekeyedCopiesDifferFromTheNextEpisodeOnAndReproducibly) {
     EXPECT_NE(now[0], now[2]);
     EXPECT_NE(now[0], now[3]);
     EXPECT_NE(now[2], now[3]);
-    EXPECT_EQ(now[1], observations(parent)[1]);  // the source's own future is what it was
+    EXPECT_EQ(now[1], observations(parent)[1]);  // the source's future is unchanged
     EXPECT_EQ(now[5], observations(parent)[5]);
   }
   EXPECT_EQ(rows[0], rows[1]);
@@ -191,10 +191,11 @@ TEST(Params, AreOfOneEnvironment) {
   envs.send(std::vector<float>(24, 0.4f));
   envs.recv();
   const auto rows = observations(envs);
-  EXPECT_LT(rows[4][1], rows[3][1] + 0.2f);  // heavier: slower upwards, whatever the kick
+  EXPECT_LT(rows[4][1], rows[3][1] + 0.2f);  // heavier: climbs more slowly, for every initial speed
 }
 
-/// Environments of a group share its words: a fork must not meet a thread that steps a neighbour.
+/// Environments of a group share memory words: a fork must not race with a thread that steps a
+/// neighbour.
 TEST(Fork, WhileNeighboursAreInFlightCopiesAllTheSame) {
   Pool envs(small_env(), {.envs = 16, .batch = 4, .threads = 2, .order = Order::kArrival});
   ASSERT_GT(envs.lanes(), 1);

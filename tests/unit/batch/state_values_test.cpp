@@ -1,4 +1,5 @@
-// The state of a batch by path: that of each environment alone, at rest only, without a trace.
+// The state of a batch by path: equal to that of each environment alone, available only at rest,
+// and reading it changes nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +36,7 @@ std::string refusal(Call&& call) {
   return "nothing was thrown";
 }
 
-/// Asks for contacts and gives the force on the base.
+/// Subscribes to contacts and outputs the force on the base.
 class Feel : public Sensor {
  public:
   void configure(const Setup& setup) override {
@@ -75,7 +76,7 @@ TEST_P(InAnyShape, EveryValueIsThatOfTheWordsOfEachEnvironment) {
   Pool envs(compiled, GetParam());
   fly(envs, 0, 30);
   const std::vector<std::uint64_t> saved = envs.save();
-  // A second batch whose environments lie in groups of one, put where the first one is.
+  // A second batch, with groups of one environment, in the state of the first batch.
   Pool alone(compiled, {.envs = kEnvs, .threads = 64});
   ASSERT_EQ(alone.lanes(), 1);
   fly(alone, 0, 1);

@@ -1,4 +1,4 @@
-// The hand-written loops that ./dev bench compares with do what the engine does.
+// The hand-written loops that ./dev bench compares with give the engine's results.
 #include <gtest/gtest.h>
 
 #include "bench/limit/check.h"

@@ -1,5 +1,5 @@
-// Forms of allocation beside priority, on quadrotors, hexacopters, coaxial octocopters and tilted
-// rotors. tests/oracle/test_allocation.py compares qp with SciPy.
+// Forms of allocation other than priority, on quadrotors, hexacopters, coaxial octocopters and
+// tilted rotors. tests/oracle/test_allocation.py compares qp with SciPy.
 #include <cmath>
 
 #include "tests/unit/plugin_harness.h"
@@ -10,7 +10,7 @@ namespace {
 using Call = Instance::Call;
 using ::testing::HasSubstr;
 
-/// Thrust and torque of one newton of each rotor, by hand.
+/// Thrust and torque per newton of each rotor, by hand.
 using Effects = std::vector<std::array<double, 4>>;
 
 struct Robot {
@@ -33,12 +33,12 @@ struct Robot {
   }
 };
 
-/// Rotors on a circle, `layers` on top of one another, tilted about their arms by `tilt` in turn.
+/// Rotors on a circle in `layers` layers, tilted about their arms by alternating +-`tilt`.
 Robot ring(const std::string& name, int arms, int layers, double tilt) {
   Robot robot{name, {}};
   robot.world.add_robot(name, 0, 0, 1);
   robot.world.add_body(0, "base", -1, 1, 2.0, {0.03, 0.04, 0.06});
-  robot.world.bodies[0].com[0] = 0.01;  // nothing relies on symmetry
+  robot.world.bodies[0].com[0] = 0.01;  // breaks the symmetry
   for (int i = 0; i < arms * layers; ++i) {
     const double angle = kTwoPi * (i % arms + 0.5) / arms, side = i % 2 == 0 ? 1.0 : -1.0;
     const double turn = layers > 1 && i >= arms ? -side : side;
@@ -93,7 +93,7 @@ double full_of(const Robot& robot) {
   return c[SKYBODY_ROTOR_THRUST_CONSTANT] * c[SKYBODY_ROTOR_MAX_SPEED] * c[SKYBODY_ROTOR_MAX_SPEED];
 }
 
-/// A command of up to `size` of each limit.
+/// A random command of up to `size` times each limit.
 std::vector<double> random_command(const Instance& instance, std::mt19937_64& generator,
                                    double size) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -132,14 +132,15 @@ TEST(AllocationForms, PseudoInverseCutsEachRotorByItself) {
   PluginWorld own = robot.world;
   const Instance instance("ctbt", own, {{"allocation", "pseudo_inverse"}});
   const double full = full_of(robot);
-  // 20 N and a roll torque that asks 5 - 2.5/0.508 ... of each pair: left up, right down.
+  // 20 N and a roll torque that takes 5 - 2.5/0.508 ... of each pair: left up, right down.
   const std::vector<double> f = thrusts(robot, instance, {20.0, 3.0, 0.0, 0.0});
   const double share = 3.0 / (4.0 * 0.127);
   EXPECT_NEAR(f[0], std::fmin(full, 5.0 + share), 1e-12);
   EXPECT_NEAR(f[1], 0.0, 1e-12);
 }
 
-/// |w (A f - u) / scale|^2 + g |(f - P u) / full|^2 falls in no direction that limits allow.
+/// |w (A f - u) / scale|^2 + g |(f - P u) / full|^2 decreases in no direction that the limits
+/// allow.
 TEST(AllocationForms, QpIsTheMinimumWithinLimits) {
   const double weights[4] = {0.1, 1.0, 1.0, 0.01};
   for (Robot& robot : robots()) {
@@ -161,7 +162,8 @@ TEST(AllocationForms, QpIsTheMinimumWithinLimits) {
         }
         ASSERT_GE(f[i], 0.0);
         ASSERT_LE(f[i], full * (1.0 + 1e-12));
-        // The tie-break of 1e-8 tilts slopes by as much, times a setpoint of some times the limit.
+        // The tie-break term of 1e-8 tilts slopes by the same factor, times a setpoint of a few
+        // times the limit.
         if (f[i] > 1e-9 * full) {
           ASSERT_LT(slope, 1e-6) << robot.name << " " << n;
         }
@@ -180,10 +182,10 @@ TEST(AllocationForms, OfQpTheLeastWeightGivesWayFirst) {
   const Instance thrust_first(
       "ctbt", second,
       {{"allocation", "qp"}, {"allocation_weights", std::vector<double>{1, 100, 100, 10}}});
-  const std::vector<double> u = {15.0, 0.3, -0.2, 0.25};  // yaw takes 4.3 N more of each pair
+  const std::vector<double> u = {15.0, 0.3, -0.2, 0.25};  // yaw takes 4.3 N more from each pair
   const auto a = sum(robot.effects(), thrusts(robot, yaw_first, u));
   const auto b = sum(robot.effects(), thrusts(robot, thrust_first, u));
-  // What gives way is 1e-2 as dear in the cost as the next: the others miss by a share of that.
+  // Each priority has 1e-2 of the cost of the next: the others deviate by a fraction of that.
   EXPECT_NEAR(a[0], 15.0, 0.3);
   EXPECT_NEAR(a[1], 0.3, 0.01);
   EXPECT_LT(a[3], 0.23);

@@ -39,7 +39,7 @@ class ArmTest : public ::testing::Test {
     return body;
   }
 
-  /// Puts base and arm where angles say.
+  /// Sets the poses of base and arm from joint angles.
   void pose(Group& g, const V& p, const Q& q, double shoulder, double elbow) const {
     const Q one = q * from_axis_angle(V{0, 1, 0}, shoulder);
     const Q two = one * from_axis_angle(V{0, 1, 0}, elbow);
@@ -87,7 +87,7 @@ TEST_F(ArmTest, JointPdMovesTheInertiaAndBearsTheWeightOfTheFoldedArm) {
   const double z12 = -kUpper * std::cos(s) - kFore / 2 * std::cos(s + e);
   const double fore_inertia = 3e-4 + 0.1 * kFore * kFore / 4;
   const double all = 3e-4 + 0.1 * kUpper * kUpper / 4 + 3e-4 + 0.1 * (x12 * x12 + z12 * z12);
-  // About y a weight at x turns by x m g.
+  // About y, a weight at x gives the torque x m g.
   EXPECT_NEAR(g.output[0], all * 100.0 * 0.2 - 0.1 * 9.81 * (x1 + x12), 1e-14);
   EXPECT_NEAR(g.output[1], fore_inertia * (-2.0 * 10.0 * 0.5) - 0.1 * 9.81 * x2, 1e-14);
   ASSERT_EQ(instance.declared.joints.size(), 2u);
@@ -123,7 +123,7 @@ TEST_F(ArmTest, ArmReachesAPlaceAndKeepsItWhileTheVehicleSways) {
   for (int n = 0; n < 2000; ++n) {
     const V p = {0.02 * std::sin(0.01 * n), 0.0, 2.0};
     const Q q = from_axis_angle(V{0, 1, 0}, 0.1 * std::sin(0.007 * n));
-    pose(g, p, q, 0.3, 0.5);  // where the joints are does not matter any more
+    pose(g, p, q, 0.3, 0.5);  // the joints' positions no longer matter
     g.input = {place.x, place.y, place.z, 1.0, 0.0, 0.0, 0.0};
     const std::vector<double> last = g.buffer;
     instance.call(Call::kControl, g);
@@ -132,7 +132,7 @@ TEST_F(ArmTest, ArmReachesAPlaceAndKeepsItWhileTheVehicleSways) {
     }
     if (n < 1000) continue;
     const V reached = p + rotate(q, tip(g.output[0], g.output[1]));
-    // Each step leaves a hundredth or less of an error that grows by 0.3 mm.
+    // Each step leaves at most a hundredth of an error that grows by 0.3 mm.
     EXPECT_LT(norm(reached - place), 2e-4) << n;
   }
 }
@@ -144,7 +144,8 @@ TEST_F(ArmTest, ArmStretchesTowardsWhatIsOutOfReachAndLooksWhereItShould) {
   instance.call(Call::kReset, g);
   g.input = {1.0, 0.5, -1.1, 1.0, 0.0, 0.0, 0.0};
   for (int n = 0; n < 20000; ++n) instance.call(Call::kControl, g);
-  // The nearest place: on the circle of radius 0.35 m about the shoulder, towards (1, -1).
+  // The nearest reachable point: on the circle of radius 0.35 m about the shoulder, towards (1,
+  // -1).
   const V end = tip(g.output[0], g.output[1]);
   EXPECT_NEAR(end.x, 0.35 * std::sqrt(0.5), 1e-3);
   EXPECT_NEAR(end.z, -0.1 - 0.35 * std::sqrt(0.5), 1e-3);

@@ -1,5 +1,5 @@
 // position -> attitude -> ctbr in closed loop with one rigid body and rotor lag: signs, units and
-// default gains fit together.
+// default gains are consistent.
 #include "tests/unit/controllers/flight.h"
 
 namespace skybody::testing {

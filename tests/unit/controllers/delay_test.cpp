@@ -1,4 +1,4 @@
-// A delay: the command of so many steps ago, whatever lanes do beside it.
+// A delay outputs the command of a number of steps ago, independently of the other lanes.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -21,7 +21,7 @@ class DelayTest : public ::testing::Test {
     all.insert({{"signal", "ctbr"}, {"latency", latency}});
     return all;
   }
-  /// What comes out in the physics step that begins, of command k, k + 0.25, ...
+  /// The output in the next physics step, for the commands k, k + 0.25, ...
   static Numbers step(const Instance& delay, Group& g, int k) {
     for (int i = 0; i < 4; ++i) g.at(g.input, i) = k + 0.25 * i;
     delay.call(Call::kControl, g);
@@ -71,7 +71,7 @@ TEST_F(DelayTest, JitterIsUniformBetweenItsBounds) {
   ASSERT_EQ(counts.rbegin()->first, 14.0);
   for (const auto& [steps, count] : counts) {
     const double share =
-        steps == 6.0 || steps == 14.0 ? 1.0 / 16.0 : 1.0 / 8.0;  // ends: half a step
+        steps == 6.0 || steps == 14.0 ? 1.0 / 16.0 : 1.0 / 8.0;  // at the ends: half a step
     EXPECT_NEAR(count, share * kEpisodes, 4.0 * std::sqrt(share * (1 - share) * kEpisodes))
         << steps;
   }
@@ -85,13 +85,13 @@ TEST_F(DelayTest, DrawnPerActionChangesBetweenActionsAndNeverGoesBack) {
   for (int k = 0; k < 20000; ++k) {
     g.step[0] = static_cast<std::uint64_t>(k / 20);
     const double command = step(delay, g, k)[0];
-    EXPECT_GE(command, before);  // the latest that has arrived: none that was overtaken comes back
+    EXPECT_GE(command, before);  // the latest that has arrived; an overtaken command never returns
     before = command;
     if (k % 20 == 19) ++ages[k - static_cast<int>(command)];
   }
   EXPECT_EQ(ages.begin()->first, 0);
   EXPECT_EQ(ages.rbegin()->first, 10);
-  EXPECT_NEAR(ages[5], 100, 40);  // 1000 actions, a tenth each: four deviations of 9.5
+  EXPECT_NEAR(ages[5], 100, 40);  // 1000 actions, a tenth each: four standard deviations of 9.5
 }
 
 TEST_F(DelayTest, DrawnPerEpisodeStaysForTheEpisode) {
@@ -132,7 +132,7 @@ TEST_F(DelayTest, GoesOnFromItsStateWords) {
 }
 
 TEST_F(DelayTest, StaysInItsRingWhateverWordsItsStateHas) {
-  const Instance delay("delay", world, given(0.006));  // 7 places of 4 values
+  const Instance delay("delay", world, given(0.006));  // 7 slots of 4 values
   const std::vector<std::uint64_t> words{0, 1, 6, 7, 8, 1ull << 32, 1ull << 63, ~0ull};
   for (const std::uint64_t steps : words) {
     for (const std::uint64_t place : words) {

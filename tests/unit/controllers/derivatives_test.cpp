@@ -1,4 +1,4 @@
-// Derivatives of the shipped controllers in all that they read.
+// Derivatives of the shipped controllers with respect to all their inputs.
 #include "tests/unit/dual_harness.h"
 
 namespace skybody::testing {

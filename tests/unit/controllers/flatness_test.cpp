@@ -13,7 +13,7 @@ namespace {
 
 using V = Vec3<double>;
 
-/// A specific thrust that turns and grows, and a heading.
+/// A specific thrust that rotates and grows, and a heading.
 struct Example {
   double phase;
 

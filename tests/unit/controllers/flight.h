@@ -1,4 +1,4 @@
-// One rigid body under chains of controllers, written out here (Newton and Euler, explicit steps),
+// One rigid body under chains of controllers, implemented here (Newton and Euler, explicit steps)
 // without the engine.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace skybody::testing {
 
-/// QDrone2's base with four lagging rotors that drag, or a wrench at its centre of mass.
+/// QDrone2's base with four lagging rotors with drag, or a wrench at its centre of mass.
 class Flight {
  public:
   explicit Flight(const PluginWorld& plugin_world) : world(plugin_world) {}
@@ -45,8 +45,8 @@ class Flight {
   std::vector<double> speed = std::vector<double>(4, 1390.0);
   Vec3<double> other_force{0, 0, 0};   ///< W axes [N]
   Vec3<double> other_torque{0, 0, 0};  ///< B axes [N m]
-  double weak_share = 1.0;             ///< what rotor 0 still gives of thrust and reaction
-  bool spins = false;                  ///< rotors that speed up turn the body
+  double weak_share = 1.0;             ///< remaining share of rotor 0's thrust and reaction
+  bool spins = false;                  ///< accelerating rotors turn the body
 
  private:
   void add_rotor(std::size_t i, double command, Vec3<double>& force, Vec3<double>& torque) {
@@ -76,14 +76,14 @@ struct Link {
   Parameters given;
 };
 
-/// Controllers one after the other, the last of which drives the rotors of a Flight.
+/// A chain of controllers; the last one drives the rotors of a Flight.
 class Chain {
  public:
   Chain(PluginWorld& world, const std::vector<Link>& links) {
     for (const Link& link : links) {
       instances_.push_back(std::make_unique<Instance>(link.plugin, world, link.given));
     }
-    // When all parameters of the world are known.
+    // Called when all parameters of the world are known.
     for (const auto& instance : instances_) groups.push_back(instance->group(1));
   }
 
@@ -106,7 +106,7 @@ class Chain {
     return *given;
   }
 
-  std::vector<Group> groups;  ///< one a controller: all that is saved of them
+  std::vector<Group> groups;  ///< one per controller: their complete saved state
 
  private:
   std::vector<std::unique_ptr<Instance>> instances_;
@@ -118,7 +118,7 @@ inline std::vector<double> trajectory_of(const ReferencePoint<double>& point) {
   return {p.x, p.y, p.z, v.x, v.y, v.z, a.x, a.y, a.z, j.x, j.y, j.z, s.x, s.y, s.z, yaw, yaw_rate};
 }
 
-/// Where a body should stay.
+/// A reference at rest.
 inline ReferencePoint<double> standing_at(const Vec3<double>& place, double yaw = 0.0) {
   ReferencePoint<double> point{};
   point.position = place;
@@ -126,7 +126,7 @@ inline ReferencePoint<double> standing_at(const Vec3<double>& place, double yaw 
   return point;
 }
 
-/// A Lissajous curve of 1.5 m/s at most, with a heading that goes round.
+/// A Lissajous curve of 1.5 m/s at most, with a rotating heading.
 inline ReferencePoint<double> lissajous(double t) {
   const double size[3] = {1.5, 1.2, 0.3}, rate[3] = {0.6, 0.9, 1.2}, phase[3] = {0.0, 1.3, 0.4};
   double d[5][3];

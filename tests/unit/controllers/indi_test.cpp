@@ -1,5 +1,5 @@
-// indi in closed loop with one rigid body, and what it refuses. tests/oracle/test_indi.py has its
-// law in another formulation.
+// indi in closed loop with one rigid body, and the inputs that it refuses.
+// tests/oracle/test_indi.py has a second implementation of its law.
 #include <limits>
 
 #include "tests/unit/controllers/flight.h"
@@ -19,8 +19,8 @@ class IndiTest : public ::testing::Test {
     return trajectory_of(standing_at(place, yaw));
   }
 
-  /// Flies for `seconds` after commands of time. @returns the largest of error(t) over the last
-  /// second
+  /// Flies for `seconds` with commands that depend on time. @returns the largest error(t) of the
+  /// last second
   template <class Command, class Error>
   double fly(const Instance& instance, Flight& flight, double seconds, Command&& command,
              Error&& error) const {
@@ -100,8 +100,8 @@ TEST_F(IndiTest, FollowsAQuickCircleToMillimetres) {
   const double error = fly(
       instance, flight, 8.0, [&](double t) { return trajectory_of(turn(t)); },
       [&](double t) { return norm(flight.p - turn(t).position); });
-  // Commands are held for 2 ms and reach the rotors behind their lag; the yaw's acceleration, which
-  // no trajectory tells, is not fed forward.
+  // Commands are held for 2 ms and reach the rotors with a lag. The yaw acceleration is not part of
+  // a trajectory and therefore not fed forward.
   EXPECT_LT(error, 8e-3);
 }
 
@@ -120,8 +120,8 @@ TEST_F(IndiTest, TakesAttitudesAndRates) {
         const Quat<double> left = conjugate(flight.q) * setpoint;
         return norm(V{left.x, left.y, left.z});
       });
-  // It falls ever faster, and the air turns it by its rotors' drag: the filter follows that 7.5 ms
-  // behind.
+  // It falls ever faster, and the drag of its rotors turns it: the filter follows with a delay of
+  // 7.5 ms.
   EXPECT_LT(turn, 1e-4);
 
   const Instance rates("indi", world, {{"signal", "ctbr"}});
@@ -201,7 +201,7 @@ TEST_F(IndiTest, ANaNReferenceIsPassedOnAndLeavesNoTrace) {
   instance.call(Call::kControl, g);
   for (const double w : g.output) EXPECT_TRUE(std::isnan(w));
   EXPECT_FALSE(std::isnan(g.buffer[4]));
-  // From then on all that is kept is of motion, but the reaction asked for before the NaN.
+  // From here on the kept state is motion only, except the requested reaction before the NaN.
   other.input = stand({0.0, 0.0, 1.0});
   instance.call(Call::kControl, other);
   g.input = other.input;

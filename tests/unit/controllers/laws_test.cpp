@@ -1,6 +1,9 @@
-// What all laws of flight have in common: they follow a curve, save and restore in mid-flight, let
-// a NaN through in its own lane alone, never ask for less thrust than none and bring a body up that
-// lies on its back.
+// Common properties of all control laws:
+// - they follow a curve
+// - they save and restore in mid-flight
+// - a NaN affects only its own lane
+// - the commanded thrust is never negative
+// - they right a body that lies on its back
 #include <limits>
 
 #include "tests/unit/controllers/flight.h"
@@ -15,8 +18,8 @@ using ::testing::HasSubstr;
 struct Law {
   std::string name;
   std::vector<Link> chain;
-  double error;         ///< RMS on the curve that is allowed [m]
-  int thrust_from = 0;  ///< the link whose first value is the thrust [N]
+  double error;         ///< limit of the RMS error on the curve [m]
+  int thrust_from = 0;  ///< the controller whose first output is the thrust [N]
 };
 
 void PrintTo(const Law& law, std::ostream* out) { *out << law.name; }
@@ -32,7 +35,7 @@ Parameters flatness(const char* output) {
 std::vector<Law> laws() {
   return {
       // With acceleration, jerk and snap of the curve and the rotors' drag fed forward, errors of
-      // millimetres are left, by the rotors' lag.
+      // millimetres remain, caused by the rotors' lag.
       {"geometric", {{"geometric", {}}, {"ctbt", {}}}, 0.005},
       {"geometric_rates", {{"geometric", {{"output", "ctbr"}}}, {"ctbr", {}}}, 0.005},
       // No drag is fed forward: 0.08 1/s times 1.5 m/s over kp.
@@ -45,7 +48,7 @@ std::vector<Law> laws() {
         {"ctbr", {}}},
        0.03},
       {"flatness", {{"flatness", flatness("attitude")}, {"attitude", kRates}, {"ctbr", {}}}, 0.005},
-      // Without rates the attitude is late by 1 / gain of the attitude loop.
+      // Without rates the attitude lags by 1 / gain of the attitude loop.
       {"force",
        {{"flatness", flatness("force")}, {"force", {}}, {"attitude", {}}, {"ctbr", {}}},
        0.06,
@@ -91,7 +94,8 @@ TEST_P(Laws, FollowsACurveOfOneAndAHalfMetresASecond) {
   }
   EXPECT_LT(std::sqrt(sum / counted), GetParam().error);
   RecordProperty("rms_mm", std::to_string(1e3 * std::sqrt(sum / counted)));
-  // Where no yaw rate is fed forward the heading is late by it over the attitude's gain, 3 1/s.
+  // Without yaw rate feed-forward, the heading lags by the yaw rate over the attitude's gain, 3
+  // 1/s.
   EXPECT_NEAR(wrap_angle(yaw(flight.q) - 0.3 * 14.0), 0.0, 0.11);
 }
 
@@ -142,7 +146,7 @@ TEST_P(Laws, LetsANaNThroughInItsOwnLaneAlone) {
         EXPECT_EQ(clean.at(clean.output, k, l), spoilt.at(spoilt.output, k, l));
       }
     }
-    // Jerk, snap and yaw rate count only where they are fed forward.
+    // Jerk, snap and yaw rate matter only if they are fed forward.
     const bool may_be_left_out = (bad >= 9 && bad < 15) || bad == 16;
     EXPECT_TRUE(is_nan || may_be_left_out) << "value " << bad << " of the reference";
   }
@@ -178,7 +182,7 @@ TEST_P(Laws, BringsABodyUpThatLiesOnItsBack) {
   flight.q = from_rpy(3.0, 0.0, 0.4);
   control.reset(flight);
   const std::vector<double> input = trajectory_of(standing_at({0, 0, 20}));
-  // An integral is unwound at ki / kp, 0.25 1/s.
+  // An integral decays at ki / kp, 0.25 1/s.
   for (int n = 0; n < 20000; ++n) flight.step(control.control(flight, input), true);
   EXPECT_NEAR(tilt_cosine(flight.q), 1.0, 1e-4);
   EXPECT_LT(norm(flight.p - Vec3<double>{0, 0, 20}), 0.02);

@@ -62,7 +62,7 @@ TEST_F(Levels, RatesOfTheWishedAttitudeAreAddedInTheBodysAxes) {
   Numbers out = control(attitude, {9.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3});
   EXPECT_NEAR(out[1], 0.1, 1e-15);
   EXPECT_NEAR(out[3], 0.3, 1e-15);
-  // The desired body is turned by a quarter about z: its x axis is our y axis.
+  // The desired body is rotated by a quarter turn about z: its x axis is the actual body's y axis.
   const double half = std::sqrt(0.5);
   out = control(attitude, {9.0, half, 0.0, 0.0, half, 1.0, 0.0, 0.0});
   EXPECT_NEAR(out[1], 0.0, 1e-15);
@@ -70,8 +70,8 @@ TEST_F(Levels, RatesOfTheWishedAttitudeAreAddedInTheBodysAxes) {
 }
 
 TEST_F(Levels, TiltComesFirstWhereItHasPriority) {
-  // A tilt of 0.2 rad about y, then a heading of 2 rad: whatever the heading, the body's z axis is
-  // brought over by the shortest way.
+  // A tilt of 0.2 rad about y, then a heading of 2 rad: for any heading, the body's z axis moves by
+  // the shortest rotation.
   const Instance attitude("attitude", world,
                           {{"error", "tilt_priority"}, {"gain", Numbers{1, 1, 1}}});
   const Quat<double> setpoint = Quat<double>{std::cos(0.1), 0, std::sin(0.1), 0} *
@@ -109,7 +109,7 @@ Flight fly_velocity(PluginWorld& world, const Parameters& given, const Numbers& 
 
 TEST_F(Levels, AVelocityIsReachedWithTheHeadingTurningAtItsRate) {
   const Flight flight = fly_velocity(world, {}, {1.5, -0.5, 0.4, 0.7}, 4.0);
-  // Rotors' drag, 0.076 1/s, against a gain of 3 1/s.
+  // Rotor drag, 0.076 1/s, against a gain of 3 1/s.
   EXPECT_NEAR(flight.v.x, 1.5, 0.05);
   EXPECT_NEAR(flight.v.y, -0.5, 0.05);
   EXPECT_NEAR(flight.v.z, 0.4, 0.01);
@@ -123,8 +123,8 @@ TEST_F(Levels, AnIntegralTakesTheRestOfTheVelocityError) {
   EXPECT_NEAR(flight.v.z, 0.4, 1e-3);
 }
 
-/// Hovers by `position` with a body that is 0.2 kg heavier than the controller knows, after a
-/// command that is out of reach for `away` steps. @returns height above the goal over time [m]
+/// Hovers by `position` with a body 0.2 kg heavier than the controller's model, after an
+/// unreachable command for `away` steps. @returns height above the goal over time [m]
 std::vector<double> heights(PluginWorld& world, const Parameters& given, int away) {
   Chain control(world, {{"position", given}, {"attitude", {}}, {"ctbr", {}}});
   PluginWorld heavy = world;
@@ -146,13 +146,13 @@ std::vector<double> heights(PluginWorld& world, const Parameters& given, int awa
 }
 
 TEST_F(Levels, AnIntegralCarriesWhatTheControllerDoesNotKnow) {
-  // Without it, 0.2 kg cost g m / (m kp).
+  // Without an integral, 0.2 kg give an error of g m / (m kp).
   EXPECT_LT(heights(world, {}, 0).back(), -0.1);
   EXPECT_NEAR(heights(world, {{"ki", Numbers{2, 2, 4}}}, 0).back(), 0.0, 2e-3);
 }
 
 TEST_F(Levels, AnIntegralDoesNotWindUpWhileTheLimitHolds) {
-  // Held down for five seconds 2 m below its goal, where kp alone asks for 18 m/s^2 of at most 5.
+  // Held down for five seconds 2 m below its goal, where kp alone requests 18 m/s^2 of at most 5.
   const std::vector<double> height = heights(world, {{"ki", Numbers{2, 2, 4}}}, 5000);
   EXPECT_LT(*std::max_element(height.begin(), height.end()), 0.1);
 }

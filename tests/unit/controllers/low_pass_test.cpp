@@ -20,7 +20,7 @@ LowPass filter_of(double cutoff) {
   return filter;
 }
 
-/// Gain at a frequency [Hz] once the beginning has died away.
+/// Gain at a frequency [Hz] after the transient.
 double gain_at(const LowPass& filter, double frequency) {
   LowPassState<double> state{};
   std::complex<double> in, out;
@@ -37,7 +37,7 @@ double gain_at(const LowPass& filter, double frequency) {
 
 TEST(LowPass, LetsThroughSlowChangesAndHalvesPowerAtTheCutoff) {
   const LowPass filter = filter_of(30.0);
-  // 10000 samples are whole periods of these frequencies: what is left is the settled beginning.
+  // 10000 samples are whole periods of these frequencies: the remainder is the decayed transient.
   EXPECT_NEAR(gain_at(filter, 0.05), 1.0, 1e-6);
   EXPECT_NEAR(gain_at(filter, 30.0), std::sqrt(0.5), 1e-9);
   EXPECT_NEAR(gain_at(filter, 245.0), 0.0, 1e-4);
@@ -59,7 +59,7 @@ TEST(LowPass, OfAStepOvershootsByFourPercentAndEndsAtIt) {
   LowPassState<double> state{};
   double most = 0.0, last = 0.0;
   for (int n = 0; n < 1000; ++n) most = std::fmax(most, last = filter.filtered(1.0, state));
-  // exp(-pi) of damping sqrt(1/2), less what falls between samples of 1 % of the period.
+  // exp(-pi) for damping sqrt(1/2), minus the error of sampling at 1 % of the period.
   EXPECT_NEAR(most, 1.0 + std::exp(-kPi), 1e-3);
   EXPECT_NEAR(last, 1.0, 1e-12);
 }

@@ -17,8 +17,8 @@ PluginWorld cube(double min_speed) {
   PluginWorld world;
   world.add_robot("cube", 0, 0, 1);
   world.add_body(0, "base", -1, SKYBODY_FREE, 1.0, {0.01, 0.01, 0.01});
-  world.bodies[0].com[0] = 0.01;  // nothing relies on symmetry
-  // Brescianini and D'Andrea 2016: axes for which force and torque are reached alike.
+  world.bodies[0].com[0] = 0.01;  // breaks the symmetry
+  // Brescianini and D'Andrea 2016: axes with equal limits of force and torque in all directions.
   const double a = 0.5 + 1.0 / std::sqrt(12.0), b = 0.5 - 1.0 / std::sqrt(12.0),
                c = 1.0 / std::sqrt(3.0);
   const V axes[4] = {{-a, b, c}, {b, a, -c}, {-b, -a, -c}, {a, -b, c}};

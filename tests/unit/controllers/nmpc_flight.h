@@ -1,5 +1,5 @@
-// Closed loop of `nmpc` with one rigid body and lagging rotors, written out here: Newton and Euler,
-// small explicit steps, rotor speeds by eq. 2. Nothing of the controller's own model is used.
+// Closed loop of `nmpc` with one rigid body and lagging rotors, implemented here: Newton and Euler,
+// small explicit steps, rotor speeds by eq. 2. It does not use the controller's own model.
 #pragma once
 
 #include <cmath>
@@ -38,7 +38,7 @@ inline Reference sines(const Vec3<double>& centre, const std::array<Sine, 3>& ax
 /// A vehicle of a PluginWorld, and the controller in front of its rotors.
 class NmpcFlight {
  public:
-  /// @param from  where and how fast it begins; none: at rest at 1 m
+  /// @param from  initial position and velocity; none: at rest at 1 m
   NmpcFlight(PluginWorld& plugin_world, const Parameters& given, const Reference& from = {})
       : world(plugin_world),
         nmpc("nmpc", world, given),
@@ -64,7 +64,7 @@ class NmpcFlight {
     nmpc.call(Instance::Call::kControl, group);
   }
 
-  /// Moves the vehicle by a physics step, with what the controller gave last.
+  /// Moves the vehicle by a physics step with the controller's last output.
   void step() {
     Vec3<double> force{0, 0, 0}, torque{0, 0, 0};
     for (std::size_t i = 0; i < speed.size(); ++i) {
@@ -97,8 +97,8 @@ class NmpcFlight {
 
   double mass() const { return mass_factor * world.bodies[0].mass; }
 
-  /// Flies on for `seconds`, ten physics steps an iteration.
-  /// @returns root of the mean squared error of position [m] after the first `settle` seconds
+  /// Flies for `seconds` more, with ten physics steps per iteration.
+  /// @returns root mean square position error [m] after the first `settle` seconds
   double fly(const Reference& reference, double seconds, double settle = 0.0,
              const std::function<void()>& each_step = {}) {
     const auto steps = static_cast<int>(std::lround(seconds / world.dt));

@@ -25,7 +25,7 @@ class Draw {
   std::mt19937_64 generator_;
 };
 
-/// Five tilted rotors of different lags on a body without symmetry.
+/// Five tilted rotors with different lags on a body without symmetry.
 Model any_model(Draw& draw) {
   Model model;
   model.rotors = 5;
@@ -50,7 +50,7 @@ Motion any_motion(Draw& draw, int rotors) {
   return motion;
 }
 
-/// Tangents of `to` from `from`: position, velocity, turn in axes of `from`, rates, shares.
+/// Tangents of `to` from `from`: position, velocity, rotation in axes of `from`, rates, shares.
 Eigen::VectorXd difference(const Motion& to, const Motion& from, int rotors) {
   Eigen::VectorXd out(12 + rotors);
   const Quat<double> turn = conjugate(from.rotation) * to.rotation;
@@ -155,8 +155,8 @@ TEST(NmpcModel, DerivativesAreThoseOfCentralDifferences) {
   }
 }
 
-/// Error of one step of length h against many small ones. Rotors rise all along, so that no lag
-/// changes its time constant.
+/// Error of one step of length h against many small ones. All rotors speed up throughout, so the
+/// lags' time constants are constant.
 double step_error(double h) {
   Draw draw(2);
   const Model model = any_model(draw);
@@ -172,8 +172,8 @@ double step_error(double h) {
 }
 
 TEST(NmpcModel, AStepIsOfSecondOrder) {
-  // The error of a step of order 2 falls by 8 where its length is halved and is far below the lags
-  // (10 ms or more); 6 leaves room for the terms of higher order.
+  // The error of a second-order step falls by 8 when its length is halved, if the length is far
+  // below the lags (10 ms or more); 6 leaves room for the terms of higher order.
   EXPECT_GT(step_error(0.002) / step_error(0.001), 6.0);
   EXPECT_GT(step_error(0.001) / step_error(0.0005), 6.0);
 }
@@ -235,7 +235,7 @@ TEST(NmpcCondense, ProgramIsThatOfDenseAlgebra) {
   EXPECT_LT((g - gradient).norm(), 1e-12 * gradient.norm());
 }
 
-/// A random strictly convex program between bounds.
+/// A random strictly convex program with bounds.
 struct Program {
   int n;
   Eigen::MatrixXd hessian;
@@ -269,7 +269,7 @@ TEST(NmpcProgram, SolutionsMeetTheConditionsOfOptimality) {
     const Eigen::VectorXd slope = program.hessian * x + program.gradient;
     int bound = 0;
     for (int i = 0; i < n; ++i) {
-      // DAQP lets bounds be passed by 1e-6; slopes follow with the Hessian's norm.
+      // DAQP allows bounds to be exceeded by 1e-6; slopes follow with the Hessian's norm.
       EXPECT_GE(x(i), program.low(i) - 2e-6);
       EXPECT_LE(x(i), program.high(i) + 2e-6);
       const double tolerance = 1e-5 * program.hessian.norm();

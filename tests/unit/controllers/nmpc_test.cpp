@@ -1,4 +1,4 @@
-// `nmpc` in closed loop with a vehicle written out in nmpc_flight.h, and at its limits.
+// `nmpc` in closed loop with the vehicle of nmpc_flight.h, and at its limits.
 #include <cmath>
 
 #include "controllers/nmpc/solver.h"
@@ -10,12 +10,12 @@ namespace {
 using Call = Instance::Call;
 using ::testing::HasSubstr;
 
-/// Peak 1.5 m/s, as the paper's training family has it.
+/// Peak speed 1.5 m/s, as in the paper's training family.
 Reference lissajous() {
   return sines({0, 0, 1.5}, {Sine{1.0, 1.0, 0.0}, Sine{0.5, 2.0, 0.3}, Sine{0.2, 1.5, 0.1}});
 }
 
-/// A figure of eight whose greatest speed is 10.1 m/s, in the crossing; 1.5 g.
+/// A figure of eight whose maximum speed is 10.1 m/s, at the crossing; 1.5 g.
 Reference figure_of_eight() {
   return sines({0, 0, 3}, {Sine{8.0, 0.9, 0.0}, Sine{4.0, 1.8, 0.0}, Sine{0.0, 1.0, 0.0}});
 }
@@ -73,7 +73,7 @@ TEST_F(NmpcTest, EstimateOfAConstantForceIsThatForceAndLeavesNoError) {
   flight.drag = {0, 0, 0};
   flight.mass_factor = 1.05;
   flight.fly(hover_at({0, 0, 1}), 6.0);
-  // At rest thrust is the heavier weight: 5 % of g that the nominal model does not explain.
+  // At rest the thrust equals the heavier weight: the nominal model does not explain 5 % of g.
   EXPECT_NEAR(flight.info(7), -0.05 * 9.81, 1e-3);
   EXPECT_NEAR(flight.info(5), 0.0, 1e-3);
   EXPECT_LT(norm(flight.p - Vec3<double>{0, 0, 1}), 1e-3);
@@ -179,12 +179,12 @@ TEST_F(NmpcTest, APlanThatIsNotSolvedKeepsTheLimitsAndIsCounted) {
 }
 
 TEST_F(NmpcTest, AfterAFailureItBeginsAnewFromWhatTheReferenceTakes) {
-  constexpr std::size_t kFirstInput = 25;  // behind 21 words and a share for each of four rotors
+  constexpr std::size_t kFirstInput = 25;  // after 21 words and one share for each of four rotors
   NmpcFlight flight(world, {{"max_iterations", 1}});
   flight.control(hover_at({0, 0, 1}));
   ASSERT_EQ(flight.failures(), 0.0) << "no rotor is at a limit";
   for (std::size_t i = kFirstInput; i < flight.group.buffer.size(); ++i) {
-    flight.group.buffer[i] = 1.0;  // a plan that has run away
+    flight.group.buffer[i] = 1.0;  // a diverged plan
   }
   flight.p = {4, 3, 0};
   flight.control(hover_at({0, 0, 1}));

@@ -1,4 +1,4 @@
-// A base on a rail: where it is when, and what is refused.
+// A base on a rail: its pose over time, and parameters that are refused.
 #include <cmath>
 
 #include "tests/unit/plugin_harness.h"
@@ -30,7 +30,7 @@ TEST_F(RailTest, GoesFromStationToStationAtRest) {
   rail.call(Call::kReset, g);
   EXPECT_NEAR(pose(rail, g, 1000)[2], 1.0, 1e-12);  // half-way
   EXPECT_NEAR(pose(rail, g, 2000)[2], 1.5, 1e-12);
-  EXPECT_NEAR(pose(rail, g, 2001)[2], 1.5, 1e-8);  // no velocity there, nor acceleration
+  EXPECT_NEAR(pose(rail, g, 2001)[2], 1.5, 1e-8);  // neither velocity nor acceleration there
   EXPECT_NEAR(pose(rail, g, 3000)[2], 1.0, 1e-12);
   EXPECT_NEAR(pose(rail, g, 9000)[2], 0.5, 1e-12);  // stays at the last one
 }

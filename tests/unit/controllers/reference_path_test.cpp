@@ -1,5 +1,5 @@
 // Paths of references: closed forms, derivatives against finite differences, smooth beginnings and
-// splines of least snap.
+// least-snap splines.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -25,7 +25,7 @@ PathNumbers<double> numbers() {
   return n;
 }
 
-/// Waypoints with times that differ, and a yaw of their own.
+/// Waypoints with different times, and separate yaw values.
 Spline spline(SplineEnds ends = SplineEnds::kRest) {
   const std::vector<double> values = {0, 0, 1, 0, 1, 0.5, 1.2, 0.3, 2, -1, 1, 1, 0, 2, 1.5, -1};
   return Spline({0, 1.1, 1.9, 3.4}, values, ends);
@@ -135,7 +135,7 @@ TEST(Spline, PassesItsKnotsAndRestsAtItsEnds) {
       EXPECT_NEAR(norm(derivative(s.at<kOrders>(end).point, k)), 0.0, 1e-9) << end << " " << k;
     }
   }
-  EXPECT_EQ(s.at<2>(9.0).point.x.c[0], s.at<2>(3.4).point.x.c[0]);  // stays in its end
+  EXPECT_EQ(s.at<2>(9.0).point.x.c[0], s.at<2>(3.4).point.x.c[0]);  // stays at its end
   EXPECT_EQ(s.at<2>(9.0).point.x.c[1], 0.0);
 }
 
@@ -162,7 +162,7 @@ TEST(Spline, SixDerivativesAreContinuousAtInnerKnots) {
 }
 
 TEST(Spline, FreeEndsHaveNoSnapAndACubicIsReproduced) {
-  // A cubic has no snap at all, so that it is the curve of least snap through its own points.
+  // The snap of a cubic is zero, so the cubic is the least-snap curve through its own points.
   const auto cubic = [](double t) { return 1 + t * (0.5 + t * (-0.7 + 0.2 * t)); };
   std::vector<double> times, values;
   for (const double t : {0.0, 0.4, 1.1, 1.5, 2.3, 3.0}) {

@@ -1,4 +1,4 @@
-// The controller `reference`: levels, points ahead, drawn values, what it tells, what it refuses.
+// The controller `reference`: levels, points ahead, drawn values, infos, refusals.
 #include <cmath>
 #include <fstream>
 
@@ -16,7 +16,7 @@ class ReferenceTest : public ::testing::Test {
  protected:
   ReferenceTest() { world.add_quad("quad"); }
 
-  /// The output after a reset, `steps` physics steps of 1 ms into the episode.
+  /// The output after a reset and `steps` physics steps of 1 ms.
   Numbers output(const Parameters& given, int steps) {
     PluginWorld own = world;
     const Instance reference("reference", own, given);
@@ -123,7 +123,7 @@ TEST_F(ReferenceTest, ASavedStateGoesOnAlike) {
   reference.call(Call::kReset, g);
   g.physics_step[0] = 300;
   const Group saved = g;
-  g.bodies[0] = 5.0;  // where the base is now is of no matter any more
+  g.bodies[0] = 5.0;  // the base's present position no longer matters
   Group again = saved;
   reference.call(Call::kControl, g);
   reference.call(Call::kControl, again);
@@ -184,7 +184,7 @@ TEST_F(ReferenceTest, WaypointsArePassedAtTheirTimesAndAtThePeakSpeed) {
         output({{"kind", "waypoints"}, {"waypoints", waypoints}, {"peak_speed", 1.5}}, k);
     peak = std::max(peak, std::hypot(at[3], at[4], at[5]));
   }
-  EXPECT_NEAR(peak, 1.5, 0.01);  // by 32 samples a piece, and by steps of 20 ms here
+  EXPECT_NEAR(peak, 1.5, 0.01);  // by 32 samples per piece, and by steps of 20 ms here
 }
 
 TEST_F(ReferenceTest, ATablesRowsArePassed) {
@@ -250,8 +250,8 @@ class FlyableTest : public ReferenceTest {
 };
 
 TEST_F(FlyableTest, AWideCircleIsRefusedForItsThrustWithTheFastestScaleThatBreaksNoLimit) {
-  // So wide that torques do not matter: 1.54 kg sqrt(g^2 + (v^2 / 200 m)^2) is the rotors' 39.42 N
-  // at v = 68.6 m/s.
+  // So wide that torques are negligible: 1.54 kg sqrt(g^2 + (v^2 / 200 m)^2) equals the rotors'
+  // 39.42 N at v = 68.6 m/s.
   const double most = 4 * 1.9533e-6 * 2246.0 * 2246.0;
   const double speed = std::sqrt(200 * std::sqrt(std::pow(most / 1.54, 2) - 9.81 * 9.81));
   EXPECT_EQ(refused(fast(0.995 * speed, 1.0, 200)), "");
@@ -260,7 +260,7 @@ TEST_F(FlyableTest, AWideCircleIsRefusedForItsThrustWithTheFastestScaleThatBreak
   EXPECT_NEAR(number_behind(why, "takes "), 1.54 * std::hypot(9.81, 50.0), 0.05);
   EXPECT_NEAR(number_behind(why, "the vehicle has "), most, 0.01);
   const double scale = number_behind(why, "breaks no limit is ");
-  EXPECT_NEAR(scale, speed / 100, 0.003);  // bisection to 0.1 %, torques beside
+  EXPECT_NEAR(scale, speed / 100, 0.003);  // bisection to 0.1 %, plus the torques
   EXPECT_EQ(refused(fast(100.0, 0.999 * scale, 200)), "");
   EXPECT_NE(refused(fast(100.0, 1.01 * scale, 200)), "");
 }

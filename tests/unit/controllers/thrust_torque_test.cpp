@@ -13,7 +13,7 @@ struct Wrench4 {
   double thrust, x, y, z;
 };
 
-/// Newton by newton: what these rotor speeds do about the centre of mass.
+/// Wrench of these rotor speeds about the centre of mass, rotor by rotor.
 Wrench4 effect(const PluginWorld& world, const std::vector<double>& speed) {
   Wrench4 sum{0, 0, 0, 0};
   for (std::size_t i = 0; i < speed.size(); ++i) {
@@ -52,7 +52,7 @@ void expect_near(const Wrench4& got, const std::vector<double>& want, double tol
 }
 
 TEST_F(ThrustTorqueTest, ReachableWrenchesComeOut) {
-  world.bodies[0].com[0] = 0.01;  // nothing relies on symmetry
+  world.bodies[0].com[0] = 0.01;  // breaks the symmetry
   const Instance instance("ctbt", world);
   for (const std::vector<double>& u :
        {std::vector<double>{15, 0, 0, 0}, {15, 0.3, -0.2, 0.02}, {25, -0.5, 0.4, -0.03}}) {
@@ -84,7 +84,7 @@ TEST_F(ThrustTorqueTest, WhatIsCutChangesWithoutJumps) {
     return f;
   };
   for (int i = 0; i < 300; ++i) {
-    // Along a line through commands whose roll and pitch torque fit alone.
+    // Along a line through commands whose roll and pitch torques alone are within limits.
     std::vector<double> from(4), to(4);
     for (std::vector<double>* u : {&from, &to}) {
       *u = {18.0 + 20.0 * draw(generator), 0.6 * draw(generator), 0.5 * draw(generator),
@@ -95,7 +95,7 @@ TEST_F(ThrustTorqueTest, WhatIsCutChangesWithoutJumps) {
       std::vector<double> u(4);
       for (std::size_t c = 0; c < 4; ++c) u[c] = from[c] + (to[c] - from[c]) * k / 200.0;
       const std::vector<double> f = thrusts(u);
-      // The command moves by at most 0.2 N of thrust and 0.05 N of each torque a step.
+      // The command moves by at most 0.2 N of thrust and 0.05 N of each torque per step.
       for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(f[c], last[c], 1.0) << i << " at " << k;
       last = f;
     }
@@ -136,7 +136,7 @@ TEST_F(ThrustTorqueTest, ThrustGivesWayToRollAndPitch) {
   const Instance instance("ctbt", world);
   const Wrench4 low = effect(world, run(instance, {0.0, 1.0, 0.0, 0.0}));
   EXPECT_NEAR(low.x, 1.0, 1e-12);
-  EXPECT_NEAR(low.thrust, 1.0 / 0.127, 1e-12);  // two rotors at rest, as little thrust as possible
+  EXPECT_NEAR(low.thrust, 1.0 / 0.127, 1e-12);  // two rotors at rest, least possible thrust
   const double most = instance.declared.high[0];
   const Wrench4 high = effect(world, run(instance, {most, 1.0, 0.0, 0.0}));
   EXPECT_NEAR(high.x, 1.0, 1e-12);

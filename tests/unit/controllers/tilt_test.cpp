@@ -16,7 +16,7 @@ constexpr double kThrustConstant = 1.9533e-6, kMomentConstant = 2.8401e-8;
 
 class TiltTest : public ::testing::Test {
  protected:
-  /// @param pairs  else one rotor an arm, of senses in turn
+  /// @param pairs  true: two rotors per arm; false: one, with alternating directions
   explicit TiltTest(bool pairs = true) : pairs_(pairs) {
     world.add_robot("omav", 0, 0, 1);
     world.add_body(0, "base", -1, SKYBODY_FREE, 1.7, {0.01, 0.01, 0.02});
@@ -111,7 +111,7 @@ TEST_F(TiltTest, HoverIsUprightAndEqual) {
 
 TEST_F(TiltTest, AnglesGoTheShortWayAndStayWhereNothingPushes) {
   const Instance instance("tilt_allocation", world);
-  // Upside down, from a little more than half a turn: pi, not -pi.
+  // Upside down, from slightly more than half a turn: pi, not -pi.
   for (std::size_t i = 12; i < 18; ++i) {
     EXPECT_NEAR(control(instance, {0, 0, -23, 0, 0, 0}, 3.3)[i], kPi, 1e-13);
     EXPECT_NEAR(control(instance, {0, 0, 23, 0, 0, 0}, 6.0)[i], kTwoPi, 1e-13);
@@ -150,14 +150,14 @@ TEST_F(TiltTest, FullPoseBearsTheWeightAndLeansTowardsTheWishedAttitude) {
   const Q more = from_axis_angle(V{1, 0, 0}, 0.5);
   g.input = {0.0, 0.0, 1.0, more.w, more.x, more.y, more.z};
   instance.call(Call::kControl, g);
-  // Arms of 0.1 kg at 0.3 m, half of them across x: 3 x 0.1 x 0.09, and turned moments of their
-  // own.
+  // Arms of 0.1 kg at 0.3 m, half of them across x: 3 x 0.1 x 0.09, and their own rotated moments.
   const double inertia = 0.01 + 6 * 0.1 * 0.09 / 2 + 6 * 1e-4;
   EXPECT_NEAR(g.output[3], inertia * 36.0 * 2.0 * std::sin(0.05), 1e-12);
 }
 
 TEST_F(TiltTest, TheCentreOfMassIsThatOfTheJointsStart) {
-  // Arms that begin turned by a quarter have their masses, 0.1 m above the hubs' plane at 0, in it.
+  // Arms that start rotated by a quarter turn have their masses, 0.1 m above the hubs' plane at
+  // angle 0, in that plane.
   for (std::size_t i = 1; i < world.bodies.size(); ++i) world.bodies[i].com[2] = 0.1;
   const auto moment_of_push_along_x = [&] {
     return wrench(control(Instance("tilt_allocation", world, {{"least_share", 0.0}}),

@@ -1,4 +1,4 @@
-// A battery against its equations: how long it lasts, how it sags, what rotors may reach.
+// A battery against its equations: duration, voltage sag, limits of the rotor speeds.
 #include <cmath>
 #include <numeric>
 
@@ -15,7 +15,7 @@ class BatteryTest : public ::testing::Test {
  protected:
   BatteryTest() { world.add_quad("quad"); }
 
-  /// One physics step with all rotors at this speed, from neutral values as the engine gives them.
+  /// One physics step with all rotors at this speed, from the engine's neutral values.
   static void step(const Instance& battery, Group& g, double speed) {
     std::fill(g.rotor_speed.begin(), g.rotor_speed.end(), speed);
     g.held = battery.group(g.lanes).held;
@@ -25,7 +25,7 @@ class BatteryTest : public ::testing::Test {
   static double greatest(const Group& g, int rotor) {
     return g.held[SKYBODY_HELD_ROTOR_LIMIT][static_cast<std::size_t>(2 * rotor + 1)];
   }
-  /// Of the quad's four rotors at this speed [W]; QDrone2's k_m.
+  /// Power of the quad's four rotors at this speed [W]; QDrone2's k_m.
   static double power(double speed, double efficiency, double hotel) {
     return 4.0 * 2.8401e-8 * speed * speed * speed / efficiency + hotel;
   }
@@ -59,7 +59,7 @@ TEST_F(BatteryTest, OfAFlatCurveIsEmptyAtTheTimeOfTheClosedForm) {
     ASSERT_NEAR(g.buffer[2], amperes, 1e-11);
   }
   EXPECT_NEAR(steps * 0.001, 0.8 * 3600.0 * 0.01 / amperes,
-              0.001);  // the step in which it is empty
+              0.001);  // the step in which it becomes empty
   step(battery, g, 1400.0);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(greatest(g, i), 0.0);
   EXPECT_EQ(g.buffer, (Numbers{0.0, open, 0.0}));
@@ -116,7 +116,7 @@ TEST_F(BatteryTest, GivesNoMoreThanItsGreatestPower) {
   const Instance battery("battery", world, {{"internal_resistance", 0.1}});
   Group g = battery.group(1);
   battery.call(Call::kReset, g);
-  step(battery, g, 2200.0);  // takes 1728 W of 706
+  step(battery, g, 2200.0);  // draws 1728 W of 706
   EXPECT_NEAR(g.buffer[1], 8.4, 1e-12);
   EXPECT_NEAR(g.buffer[2], 84.0, 1e-10);
   EXPECT_NEAR(greatest(g, 0), 1123.0, 1e-9);

@@ -1,4 +1,4 @@
-// Coefficients of the air at hubs: whose rotors get them, what is refused.
+// Aerodynamic coefficients at hubs: the rotors that receive them, and refused parameters.
 #include "tests/unit/dual_harness.h"
 
 namespace skybody::testing {

@@ -1,4 +1,4 @@
-// Coefficients of drag: whose body gets them, what environments may draw, what is refused.
+// Drag coefficients: the bodies that receive them, drawable parameters, refused parameters.
 #include "tests/unit/dual_harness.h"
 
 namespace skybody::testing {
@@ -19,7 +19,7 @@ class BodyDragTest : public ::testing::Test {
     world.add_payload("bob");
     world.add_quad("other");
   }
-  /// What is held for bodies quad, bob and other, six values each.
+  /// Held values for bodies quad, bob and other, six each.
   Numbers held(Parameters given) {
     given.insert(kBoth.begin(), kBoth.end());
     const Instance drag("body_drag", world, given);

@@ -21,7 +21,7 @@ class CeilingEffectTest : public ::testing::Test {
     more.insert({{"height", 3.0}, {"radius", 0.1}});
     return more;
   }
-  /// Gain on the thrust of the first rotor, its hub at this distance below the ceiling.
+  /// Gain on the thrust of the first rotor, with its hub at this distance below the ceiling.
   static double gain(const Instance& effect, double distance, double roll = 0.0) {
     Group g = effect.group(1);
     const Quat<double> turn = from_rpy(roll, 0.0, 0.0);
@@ -32,8 +32,7 @@ class CeilingEffectTest : public ::testing::Test {
     EXPECT_EQ(g.held[SKYBODY_HELD_ROTOR_GAIN][SKYBODY_GAIN_MOMENT], 1.0);
     return g.held[SKYBODY_HELD_ROTOR_GAIN][SKYBODY_GAIN_THRUST];
   }
-  /// By momentum theory at constant power: the wake's speed over twice the speed at the disk, to
-  /// 2/3.
+  /// By momentum theory at constant power: (wake speed over twice the speed at the disk)^(2/3).
   static double by_momentum(double ratio) {
     return std::cbrt(std::pow(0.5 + 0.5 * std::sqrt(1.0 + 0.125 * ratio * ratio), 2));
   }
@@ -64,7 +63,7 @@ TEST_F(CeilingEffectTest, GrowsNoMoreNearerThanTheLeastDistance) {
 TEST_F(CeilingEffectTest, CountsTheWayUpTheAxisOfATiltedRotor) {
   const Instance effect("ceiling_effect", world, below_three_metres());
   EXPECT_NEAR(gain(effect, 0.2, 0.7), by_momentum(0.1 * std::cos(0.7) / 0.2), 1e-13);
-  EXPECT_EQ(gain(effect, 0.2, 2.5), 1.0);  // it takes its air from below
+  EXPECT_EQ(gain(effect, 0.2, 2.5), 1.0);  // it draws its air from below
 }
 
 TEST_F(CeilingEffectTest, IsNothingAboveTheCeiling) {

@@ -1,4 +1,4 @@
-// Jets below rotors against their equations: whom they push, where, how hard.
+// Jets below rotors against their equations: affected bodies, region, force.
 #include <cmath>
 
 #include "tests/unit/dual_harness.h"
@@ -39,7 +39,7 @@ class DownwashTest : public ::testing::Test {
     for (int k = 3; k < 6; ++k) EXPECT_EQ(f[k], 0.0);
     return {f[0], f[1], f[2]};
   }
-  /// On body 1, this far below the hubs of body 0 and beside them.
+  /// Force on body 1 at this distance below the hubs of body 0 and beside them.
   static Vec3<double> push(const Instance& effect, double below, double beside) {
     Group g = effect.group(1);
     place(g, 0, {0.3, -0.2, 5.0 - kHub});
@@ -48,7 +48,7 @@ class DownwashTest : public ::testing::Test {
     EXPECT_EQ(norm(force(g, 0)), 0.0);
     return force(g, 1);
   }
-  /// Rotor speed at which QDrone2's four carry its weight [rad/s].
+  /// Rotor speed at which QDrone2's four rotors carry its weight [rad/s].
   static double hover() { return std::sqrt(1.54 * 9.81 / (4.0 * 1.9533e-6)); }
   PluginWorld world;
 };

@@ -14,7 +14,8 @@ constexpr int kLanes = SKYBODY_GROUP_LANES;
 constexpr std::uint32_t kAll = 0xffffffffu;
 constexpr double kFoot = 0.3048;
 
-/// What the standard says of a height, with a mean wind of 10 m/s at 20 ft and 2 m/s high above.
+/// Values of the standard for a height, with a mean wind of 10 m/s at 20 ft and 2 m/s at high
+/// altitude.
 struct Expected {
   double length, length_vertical, sigma, sigma_vertical;
 };
@@ -39,7 +40,7 @@ class DrydenTest : public ::testing::Test {
     more.insert({{"wind_at_20_feet", 10.0}, {"sigma", 2.0}});
     return more;
   }
-  /// A full group, each lane an environment of its own.
+  /// A full group with one environment per lane.
   static Group environments(const Instance& dryden) {
     Group g = dryden.group(kLanes);
     for (int l = 0; l < kLanes; ++l) {
@@ -59,8 +60,8 @@ class DrydenTest : public ::testing::Test {
     dryden.call(Call::kApply, g, kAll);
     for (std::uint64_t& step : g.physics_step) step += period;
   }
-  /// Means over independent episodes of values of the buffer at the first call times values `lag`
-  /// calls later, word by word of the lists.
+  /// Means over independent episodes of the product of buffer values at the first call and buffer
+  /// values `lag` calls later, for each pair of words in the lists.
   static std::vector<double> products(const Instance& dryden, const std::vector<int>& first,
                                       const std::vector<int>& later, int lag) {
     Group g = environments(dryden);
@@ -81,8 +82,8 @@ class DrydenTest : public ::testing::Test {
     return sums;
   }
   static constexpr int kEpisodes = 1000;
-  /// Four standard errors of the mean product of two normals of unit variance and correlation
-  /// `rho`, whose variance is 1 + rho^2, over all episodes and environments.
+  /// Four standard errors of the mean product of two unit normals with correlation `rho`, whose
+  /// variance is 1 + rho^2, over all episodes and environments.
   static double tolerance(double rho) {
     return 4.0 * std::sqrt((1.0 + rho * rho) / (kEpisodes * kLanes));
   }
@@ -95,7 +96,7 @@ TEST_F(DrydenTest, GivesTheBitsOfDouble) {
   expect_same_bits("dryden", world, {{"height", 450.0}, {"follows", true}, {"heading", 1.0}});
 }
 
-// What waits in the memo may be of another environment, time or past.
+// The memo may hold values of another environment, time or history.
 TEST_F(DrydenTest, BelievesNoMemoOfOthers) {
   const Instance dryden("dryden", world, with({{"airspeed", 20.0}}));
   Group a = environments(dryden), b = environments(dryden);
@@ -111,7 +112,7 @@ TEST_F(DrydenTest, BelievesNoMemoOfOthers) {
         apply(dryden, *g);
         if (winds == &fresh) std::fill(g->memo.begin(), g->memo.end(), 0.0);
         memo = g->memo;
-        g->at(g->buffer, 4, k) += 1.0;  // as a restored state may have it
+        g->at(g->buffer, 4, k) += 1.0;  // as a restored state may contain
         winds->push_back(g->held[SKYBODY_HELD_WIND]);
       }
     }
@@ -151,7 +152,7 @@ TEST_F(DrydenTest, HasTheStandardsScalesAndIntensitiesAtEveryHeight) {
       const Instance dryden("dryden", world, with(given));
       Group zero = environments(dryden);
       for (int l = 0; l < kLanes; ++l) zero.at(zero.bodies, 2, l) = is_own_height ? height : 70.0;
-      dryden.call(Call::kReset, zero, kAll);  // looks at the height
+      dryden.call(Call::kReset, zero, kAll);  // depends on the height
       Group one = zero;
       for (int k = 3; k < 8; ++k) one.at(one.buffer, k) += 1.0;
       apply(dryden, zero);  // the same noise in both
@@ -204,7 +205,7 @@ TEST_F(DrydenTest, HasTheVarianceOfTheStandardFromTheFirstSampleOn) {
 TEST_F(DrydenTest, HasTheAutocovarianceOfTheContinuousProcessAtAnyPeriod) {
   const double height = 6.0, airspeed = 8.0;
   const Expected want = expected_at(height);
-  for (const int period : {20, 100, 400}) {  // 400 physics steps: half a length of w and more
+  for (const int period : {20, 100, 400}) {  // 400 physics steps: at least half a length of w
     const Instance dryden("dryden", world,
                           with({{"height", height}, {"airspeed", airspeed}, {"period", period}}));
     for (const double time : {0.4, 0.8, 2.0}) {
@@ -225,10 +226,10 @@ TEST_F(DrydenTest, HasTheAutocovarianceOfTheContinuousProcessAtAnyPeriod) {
 }
 
 TEST_F(DrydenTest, AddsNoiseOfTheExactCovarianceHoweverShortTheStep) {
-  // From filters at 0 a call leaves the noise alone. Its covariance is the integral of
-  // (1, s; s, s^2) e^(-2s) over s from 0 to tau, here by Simpson's rule.
+  // Starting with filters at 0, the result of a call is the noise alone. Its covariance is the
+  // integral of (1, s; s, s^2) e^(-2s) over s from 0 to tau, here by Simpson's rule.
   for (const double tau : {1e-6, 1e-3, 0.1, 0.2, 1.0, 10.0}) {
-    const double airspeed = 1.0, height = 304.8;  // every length 304.8 m
+    const double airspeed = 1.0, height = 304.8;  // all lengths are 304.8 m
     world.dt = tau * 304.8 / airspeed;
     const Instance dryden("dryden", world,
                           with({{"height", height}, {"airspeed", airspeed}, {"period", 1}}));
@@ -275,7 +276,7 @@ TEST_F(DrydenTest, BlowsAlongAndAcrossTheHeading) {
   apply(east, a);
   apply(turned, b);
   const double u = a.at(a.buffer, 0), v = a.at(a.buffer, 1), w = a.at(a.buffer, 2);
-  // An ulp or two of cosines of ours and libm's.
+  // An ulp or two between our cosine and libm's.
   EXPECT_NEAR(b.at(b.buffer, 0), std::cos(0.7) * u - std::sin(0.7) * v, 1e-14);
   EXPECT_NEAR(b.at(b.buffer, 1), std::sin(0.7) * u + std::cos(0.7) * v, 1e-14);
   EXPECT_EQ(b.at(b.buffer, 2), w);
@@ -314,7 +315,7 @@ TEST_F(DrydenTest, GivesEveryRobotTurbulenceOfItsOwnAndItsBodiesTheSame) {
     const auto i = static_cast<std::size_t>(k), row = static_cast<std::size_t>(3 * kLanes);
     EXPECT_EQ(wind[i], g.buffer[i]);
     EXPECT_EQ(wind[row + i], g.buffer[i]);            // the bob
-    EXPECT_EQ(wind[2 * row + i], g.buffer[row + i]);  // the other
+    EXPECT_EQ(wind[2 * row + i], g.buffer[row + i]);  // the other robot
   }
 }
 

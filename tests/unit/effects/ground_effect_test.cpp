@@ -1,5 +1,4 @@
-// Gains of thrust near the ground against their equations: height, tilt, bounds, the reference's
-// form.
+// Thrust gains near the ground against their equations: height, tilt, bounds, the reference's form.
 #include <cmath>
 
 #include "tests/unit/dual_harness.h"
@@ -18,7 +17,7 @@ class GroundEffectTest : public ::testing::Test {
  protected:
   GroundEffectTest() { world.add_quad("quad"); }
 
-  /// Gains on the thrust of the four rotors of the first robot at this place.
+  /// Gains on the thrust of the four rotors of the first robot at this pose.
   static Numbers gains(const Instance& effect, double z, const Quat<double>& turn) {
     Group g = effect.group(1);
     g.bodies[2] = z;
@@ -95,7 +94,7 @@ TEST_F(GroundEffectTest, OfTheReferenceAddsAThrustOverTheSquaredHeight) {
   const Instance effect("ground_effect", world, {{"form", "gzdrl"}, {"ground_constant", k}});
   for (const double height : {0.5, 0.06, 0.05, 0.01, -0.3}) {
     const double h = std::max(0.05, std::abs(height));
-    // Roundings of the height, with the slope of the gain.
+    // Roundings of the height, times the slope of the gain.
     EXPECT_NEAR(gains(effect, height - kHub, level())[2], 1.0 + k / thrust_constant / (h * h),
                 1e-14);
   }

@@ -54,7 +54,7 @@ class MotorTest : public ::testing::Test {
       for (int l = 0; l < g.lanes; ++l) g.at(g.params, rotor.first_param + constant, l) = value;
     }
   }
-  /// A step as the engine takes it, with rotor 0 alone.
+  /// A step as in the engine, with rotor 0 only.
   double step(const Instance& motor, Group& g, double command) const {
     g.held = motor.group(1).held;
     std::fill(g.rotor_command.begin(), g.rotor_command.end(), command);
@@ -77,7 +77,8 @@ TEST_F(MotorTest, ComesToTheCommandedSpeed) {
   Group g = motor.group(1);
   for (const double command : {500.0, 2100.0, 900.0}) {
     for (int i = 0; i < 1000; ++i) step(motor, g, command);
-    EXPECT_NEAR(g.rotor_speed[0], command, 1e-9 * command);  // a second, a time constant of 16 ms
+    EXPECT_NEAR(g.rotor_speed[0], command,
+                1e-9 * command);  // one second; the time constant is 16 ms
   }
 }
 
@@ -96,12 +97,12 @@ TEST_F(MotorTest, WithoutDragOfTheAirIsExactWhateverTheStep) {
   }
 }
 
-/// Commands one after another, each held as long.
+/// Commands one after another, each held for the same time.
 struct Flight {
   double start, hold;
   std::vector<double> commands;
 };
-/// Up at the limit of the current, about the hover speed, down at the limit; long and short.
+/// Up at the current limit, about the hover speed, down at the limit; long and short steps.
 const Flight kFlights[] = {{0.0, 0.1, {2000, 1390, 300, 1300}},
                            {1000.0, 0.1, {2000, 300, 2000}},
                            {300.0, 0.02, {300, 2000, 300, 1200, 2000, 700, 1900, 400}}};
@@ -129,7 +130,7 @@ TEST_F(MotorTest, FollowsAFineIntegration) {
     }
     RecordProperty("error" + std::to_string(round), std::to_string(errors[round]));
   }
-  // The README's figures [rad/s], to their last digit: it says no less and no more.
+  // The README's numbers [rad/s], correct to their last digit.
   EXPECT_NEAR(errors[0], 0.185, 0.001);
   EXPECT_NEAR(errors[1], 0.033, 0.001);
   EXPECT_NEAR(errors[2], 0.014, 0.001);
@@ -138,7 +139,7 @@ TEST_F(MotorTest, FollowsAFineIntegration) {
 TEST_F(MotorTest, KeepsToTheLimitOfTheCurrent) {
   const Instance motor("motor", world, given());
   Group g = motor.group(1);
-  // At rest the air takes nothing, and the rate of a limited current has no slope.
+  // At rest the air exerts no torque, and the rate of a limited current has no slope.
   EXPECT_NEAR(step(motor, g, 2000.0), (0.0055 * 30.0 - 0.002) / 4.92e-6, 1e-6);
   std::fill(g.rotor_speed.begin(), g.rotor_speed.end(), 2000.0);
   const Reference reference;
@@ -158,7 +159,7 @@ TEST_F(MotorTest, WithoutBrakesIsSlowedByTheAirAlone) {
     const double expected = 2000.0 / (1.0 + 2.8401e-8 / 4.92e-6 * 2000.0 * 0.001 * i);
     error = std::max(error, std::abs(g.rotor_speed[0] - expected));
   }
-  EXPECT_LT(error, 0.02);  // of second order in dt; measured: 0.013
+  EXPECT_LT(error, 0.02);  // second order in dt; measured: 0.013
 }
 
 TEST_F(MotorTest, GoesNoFasterThanTheSupplyAllows) {

@@ -1,4 +1,4 @@
-// Failures of rotors: when they come, whom they meet, what is left of the rotor.
+// Rotor failures: time, affected rotors, and remaining performance.
 #include <cmath>
 #include <set>
 
@@ -16,13 +16,13 @@ class RotorFailureTest : public ::testing::Test {
  protected:
   RotorFailureTest() { world.add_quad("quad"); }
 
-  /// Held inputs before a physics step, from neutral values as the engine gives them.
+  /// Held inputs before a physics step, from the engine's neutral values.
   static void step(const Instance& failure, Group& g, std::uint64_t physics_step) {
     g.held = failure.group(1).held;
     g.physics_step[0] = physics_step;
     failure.call(Call::kApply, g);
   }
-  /// The beginning of the episode with this number.
+  /// The start of the episode with this number.
   static Group begin(const Instance& failure, std::uint64_t episode = 1) {
     Group g = failure.group(1);
     g.episode[0] = episode;
@@ -154,7 +154,7 @@ TEST_F(RotorFailureTest, ProbabilityMayBeDrawn) {
 }
 
 TEST_F(RotorFailureTest, DerivativesAreThoseOfItsDifferences) {
-  // The harness has made this step's call before, so that speeds at the failure are kept: they and
+  // The harness has already made this step's call, so the speeds at the failure are kept: they and
   // the state depend on themselves, gains on parameters.
   expect_derivatives({"rotor_failure", world, {{"kind", "partial"}}, Call::kApply, {}},
                      {"buffer", "params", "state"});

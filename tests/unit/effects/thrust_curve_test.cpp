@@ -95,7 +95,7 @@ TEST_F(ThrustCurveTest, ThrustFallsWithTheAdvanceRatio) {
   const Quat<double> turn = from_rpy(0.3, -0.5, 1.1);
   const Vec3<double> spin{2.0, -1.0, 4.0};
   for (const double along : {-20.0, -2.0, 0.0, 4.0, 15.0, 60.0}) {
-    // Along the axis, and across it, which does nothing.
+    // Along the axis, and across it; the latter has no effect.
     const Vec3<double> velocity = rotate(turn, Vec3<double>{3.0, -2.0, along});
     const double motion[13] = {0,          0,          1,          turn.w, turn.x, turn.y, turn.z,
                                velocity.x, velocity.y, velocity.z, spin.x, spin.y, spin.z};
@@ -115,7 +115,7 @@ TEST_F(ThrustCurveTest, ThrustFallsWithTheAdvanceRatio) {
   }
 }
 
-/// Impulse of the thrust over a spin-up from 1000 to 1500 rad/s in 0.1 s behind QDrone2's lag, with
+/// Impulse of the thrust over a spin-up from 1000 to 1500 rad/s in 0.1 s with QDrone2's lag and
 /// factors from the start of each step, against the integral of the polynomial.
 double impulse_error(const Instance& curve, Group g, double dt, const Numbers& thrust) {
   const auto speed = [](double t) { return 1500.0 - 500.0 * std::exp(-t / 0.0125); };
@@ -149,7 +149,7 @@ TEST_F(ThrustCurveTest, IsOfFirstOrderInTheStep) {
   const double coarse = impulse_error(curve, g, 0.001, thrust);
   const double fine = impulse_error(curve, g, 0.0005, thrust);
   RecordProperty("coarse", std::to_string(coarse));
-  EXPECT_LT(coarse, 7e-4);  // the README's figure is 0.063 %
+  EXPECT_LT(coarse, 7e-4);  // the README states 0.063 %
   EXPECT_NEAR(coarse / fine, 2.0, 0.1);
 }
 
@@ -182,7 +182,7 @@ TEST_F(ThrustCurveTest, SaysWhatDoesNotFit) {
   EXPECT_THAT(refused({{"thrust", Numbers{0.0, 0.0, 1e-9}}}),
               HasSubstr("by `thrust` all rotors of robot `quad` give 0.0201"));
   EXPECT_THAT(refused({{"moment", Numbers{0.0, -1e-5}}}), HasSubstr("`moment` is -0.02246 N m"));
-  world.robots[0].fixed_base = 1;  // on a test bench nothing is to be carried
+  world.robots[0].fixed_base = 1;  // on a test bench there is no weight to carry
   EXPECT_EQ(refused({{"thrust", Numbers{0.0, 0.0, 1e-9}}}), "");
   world.rotors[2].constants[SKYBODY_ROTOR_MOMENT_CONSTANT] = 0.0;
   EXPECT_THAT(refused({{"moment", moment}}),

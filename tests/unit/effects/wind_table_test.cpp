@@ -1,4 +1,4 @@
-// Wind from a table: linear between rows, held or repeated at its ends; what a file must not be.
+// Wind from a table: linear between rows, held or repeated at its ends; refused files.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -40,7 +40,7 @@ class WindTableTest : public ::testing::Test {
   TempFolder folder;
 };
 
-// Rows of 0.1 s, and the same function with a row left out and one put in between.
+// Rows of 0.1 s, and the same function with one row removed and one inserted.
 constexpr const char* kEqual = "t,x,y,z\n0.1,0,1,0\n0.2,1,1,0\n0.3,2,1,0\n0.4,3,1,-2\n0.5,3,1,-4\n";
 constexpr const char* kUnequal =
     "# comment\n\nt, x, y, z\r\n0.1,0,1,0\r\n0.3, "
@@ -61,7 +61,7 @@ TEST_F(WindTableTest, IsLinearBetweenRowsAndHeldBeyondThem) {
                                      499u, 500u, 501u, 100000u}) {
       const double t = std::clamp(0.001 * static_cast<double>(step), 0.1, 0.5);
       const std::vector<double> v = at(wind, g, step);
-      // Rounding of times of the order of 1 by slopes of at most 20 m/s^2.
+      // Rounding of times of the order of 1, times slopes of at most 20 m/s^2.
       EXPECT_NEAR(v[0], t < 0.4 ? 10.0 * (t - 0.1) : 3.0, 1e-14) << step;
       EXPECT_NEAR(v[1], 1.0, 1e-14) << step;
       EXPECT_NEAR(v[2], t < 0.3 ? 0.0 : -20.0 * (t - 0.3), 1e-14) << step;

@@ -1,4 +1,4 @@
-// Wind against its equation: steady, the shape of a gust, when gusts come, whom it blows at.
+// Wind against its equation: steady part, shape and times of gusts, affected bodies.
 #include <cmath>
 
 #include "tests/unit/plugin_harness.h"
@@ -14,7 +14,7 @@ class WindTest : public ::testing::Test {
   WindTest() { world.add_quad("quad"); }
 
   static std::vector<double>& wind_of(Group& g) { return g.held[SKYBODY_HELD_WIND]; }
-  /// Wind before a physics step, from neutral values as the engine gives them.
+  /// Wind before a physics step, from the engine's neutral values.
   static std::vector<double> at(const Instance& wind, Group& g, std::uint64_t physics_step) {
     g.physics_step[0] = physics_step;
     std::fill(wind_of(g).begin(), wind_of(g).end(), 0.0);
@@ -77,8 +77,8 @@ TEST_F(WindTest, GustsComeAtTheMeanInterval) {
     ++gusts;
     headings += std::bit_cast<double>(g.state[1]);
   }
-  // 400 s in parts of 0.03 s waiting, 0.01 s gust and on average half a step until it is seen to be
-  // over: 9876 expected, deviation 0.75 sqrt(n) = 75. Four of them.
+  // 400 s in cycles of 0.03 s waiting, 0.01 s gust and on average half a step until its end is
+  // noticed: 9876 expected, standard deviation 0.75 sqrt(n) = 75. The tolerance is four of them.
   EXPECT_NEAR(gusts, 9876, 300);
   EXPECT_NEAR(headings / gusts, 0.0, 4.0 * std::sqrt(0.5 / gusts));
 }
@@ -121,7 +121,7 @@ TEST_F(WindTest, GrowsWithTheHeightOfEachBodyByItsProfile) {
       const std::vector<double> v = at(*winds[i], g, 0);
       for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_EQ(v[k], velocity[k]);  // at the reference
-        // A few ulp of logarithms and exponentials, ours and libm's.
+        // A few ulp between our logarithms and exponentials and libm's.
         EXPECT_NEAR(v[3 + k], share[i] * velocity[k], 1e-14 * 8.0) << height;
       }
     }

@@ -24,7 +24,7 @@ class ArmTorque : public Controller {
   }
 };
 
-/// The same joint twice.
+/// Declares the same joint twice.
 class ArmTwice : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -54,7 +54,7 @@ class Both : public Controller {
   }
 };
 
-/// Thrusts from a call every third physics step: those calls' number.
+/// Called every third physics step; its thrusts are the number of the call.
 class Slow : public Controller {
  public:
   template <class Real>
@@ -96,7 +96,8 @@ class WrongSize : public Controller {
   void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
-/// Has an action of its own: one height, 0 to 8, given to all rotors; commands change step by step.
+/// A task with its own action: one height, 0 to 8, for all rotors; commands interpolate over the
+/// physics steps.
 class Climb : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -115,7 +116,7 @@ class Climb : public Task {
   }
 };
 
-/// Makes commands in every physics step: how many there were.
+/// Makes commands in every physics step; they count its calls.
 class Count : public Task {
  public:
   template <class Real>
@@ -138,7 +139,7 @@ class Count : public Task {
   }
 };
 
-/// An action of its own, and no process().
+/// Declares an action of its own, but has no process().
 class Mute : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -162,7 +163,7 @@ class PassOn : public Controller {
   }
 };
 
-/// A goal, and no goal().
+/// Declares a goal, but has no goal().
 class Aimless : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -219,7 +220,7 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
   return std::make_unique<CompiledScenario>(std::move(s), factory, checking);
 }
 
-/// What making it is refused with, after the line.
+/// The message that refuses the scenario, after the line number.
 std::string refusal(const std::vector<std::string>& controllers, const std::string& task = "watch",
                     int action_repeat = 4) {
   InProcessFactory factory;
@@ -355,7 +356,7 @@ TEST(OwnAction, IsMadeOfTheTasksChannelsInTheirUnits) {
   EXPECT_EQ(env->action_channels()[0].name, "push");
   Flight flight(*env, 1);
   flight.reset();
-  flight.step({0.0f});  // the first command of an episode has nothing to come from
+  flight.step({0.0f});  // the first command of an episode has no previous one to interpolate from
   EXPECT_EQ(values(flight, env->layout().command)[0], 4.0);
 }
 
@@ -376,7 +377,8 @@ TEST(OwnAction, MayReachTheRotorsStepByStep) {
   const auto speed = [](double command) { return static_cast<float>(command / 2000.0 - 1.0); };
   jump.step(std::vector<float>(4, speed(4.0)));
   jump.step(std::vector<float>(4, speed(8.0)));
-  EXPECT_LT(quick, jump.group.reals(at_once->layout().u)[2]);  // which pushes harder from the start
+  EXPECT_LT(quick,
+            jump.group.reals(at_once->layout().u)[2]);  // the jump pushes harder from the start
 }
 
 TEST(OwnAction, CommandsMayBeMadeWithinAnAction) {

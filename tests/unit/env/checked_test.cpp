@@ -1,4 +1,4 @@
-// Checked mode: mistakes that would damage memory are said with the plugin's name.
+// Checked mode: mistakes that would damage memory are reported with the plugin's name.
 #include <gtest/gtest.h>
 #include <skybody/task_kit.h>
 
@@ -11,7 +11,7 @@ namespace {
 using test::Flight;
 using test::InProcessFactory;
 
-/// Two observation values, of which it declares one.
+/// Writes two observation values but declares one.
 class Talkative : public Task {
  public:
   void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
@@ -22,7 +22,7 @@ class Talkative : public Task {
   }
 };
 
-/// Asks for a body that is not there.
+/// Requests a body that does not exist.
 class FarLook : public Task {
  public:
   void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
@@ -32,7 +32,7 @@ class FarLook : public Task {
   }
 };
 
-/// Uses more of its buffer than it asked for.
+/// Uses more of its buffer than it requested.
 class Greedy : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -48,7 +48,7 @@ class Greedy : public Controller {
   }
 };
 
-/// Writes the first of its four speeds.
+/// Writes only the first of its four speeds.
 class Forgetful : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -61,7 +61,7 @@ class Forgetful : public Controller {
   }
 };
 
-/// Rewards robots though it did not say so.
+/// Writes robot rewards without declaring them.
 class Generous : public Task {
  public:
   void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
@@ -72,7 +72,7 @@ class Generous : public Task {
   }
 };
 
-/// Leaves out one of its two infos.
+/// Omits one of its two infos.
 class Secretive : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -87,7 +87,7 @@ class Secretive : public Task {
   }
 };
 
-/// Writes three values of a part of two, over what stands behind it.
+/// Writes three values to a part of two, and so overwrites the next part.
 class Overlong : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -105,7 +105,7 @@ class Overlong : public Task {
   task_kit::Part velocity_, height_;
 };
 
-/// Succeeds without having declared that it may, and would write over its first info.
+/// Reports success without having declared it; this would overwrite its first info.
 class Hasty : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -134,7 +134,7 @@ class Moody : public Task {
   }
 };
 
-/// Gives the commanded speeds, one of them divided by nothing.
+/// Outputs the commanded speeds, one of them divided by zero.
 class Numberless : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -148,7 +148,7 @@ class Numberless : public Controller {
 };
 
 #ifdef __SSE2__
-/// Does what is asked for, and leaves bits of the floating-point mode changed.
+/// Works correctly, but leaves bits of the floating-point mode changed.
 template <unsigned kChanged>
 class Meddler : public Controller {
  public:

@@ -76,10 +76,10 @@ TEST(TransitionContract, ControlSeesTheLatestStateInEachOfTheKSteps) {
   flight.reset();
   flight.step({-1, -1, -1, -1});
   const PluginInstance& c = env->plugins(SKYBODY_CONTROLLER)[0];
-  EXPECT_EQ(flight.group.plugin_reals(c.state)[0], 10.0);  // once a physics step
+  EXPECT_EQ(flight.group.plugin_reals(c.state)[0], 10.0);  // once per physics step
   EXPECT_EQ(flight.group.plugin_bits(c.state + 2)[0],
             9u);  // its last call: after 9 completed steps
-  // Free fall, in which midpoint is exact: z_n = z_0 - g (n dt)^2 / 2. The tenth call saw n = 9.
+  // Free fall, for which midpoint is exact: z_n = z_0 - g (n dt)^2 / 2. The tenth call reads n = 9.
   EXPECT_NEAR(flight.group.plugin_reals(c.state + 1)[0], 1.0 - 9.81e-6 * 40.5, 1e-12);
 }
 
@@ -151,7 +151,7 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   }
   flight.reset();
   flight.step(actions);
-  EXPECT_EQ(flight.status[3], kRunning);  // a reset mends it
+  EXPECT_EQ(flight.status[3], kRunning);  // a reset repairs it
 }
 
 TEST(Fault, AnObservationThatOverflowsAFloatIsOne) {
@@ -160,7 +160,7 @@ TEST(Fault, AnObservationThatOverflowsAFloatIsOne) {
   Flight flight(*env, 1);
   flight.reset();
   auto words = flight.group.save(0);
-  for (std::uint64_t& word : words) {  // the value that the task drew, which it shows
+  for (std::uint64_t& word : words) {  // the value that the task drew and outputs
     const auto value = static_cast<float>(std::bit_cast<double>(word));
     if (value == flight.observation[3]) word = std::bit_cast<std::uint64_t>(1e200);
   }
@@ -241,7 +241,7 @@ TEST(Snapshot, SaveStepRestoreStepGivesTheSameBits) {
   for (int i = 0; i < 50; ++i) flight.step({0.1f, 0.25f, 0.1f, 0.2f});
   flight.reset();
   EXPECT_EQ(flight.group.save(0), first);
-  Flight other(*env, 1);  // another work, which has seen nothing
+  Flight other(*env, 1);  // another workspace, without history
   other.group.restore(0, saved);
   for (int i = 0; i < 50; ++i) other.step({0.1f, 0.25f, 0.1f, 0.2f});
   other.reset();

@@ -1,4 +1,4 @@
-// What bodies feel: contacts by pair, and what joints exert, as plugins read them.
+// Contact forces by pair and joint reactions, as plugins read them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,14 +13,17 @@ using test::Flight;
 using test::InProcessFactory;
 using testing::HasSubstr;
 
-/// Of body 0: sum of contacts, those with the ground, with the second obstacle and with body 1
-/// (the arm, or the other robot), each force and touching; of body 1: the reaction of its joint.
+/// Outputs of this task:
+/// - body 0: sum of contacts, and contacts with the ground, with the second obstacle and with body
+///   1 (the
+///   arm, or the other robot), each as force and touching flag
+/// - body 1: the reaction of its joint
 class Feel : public Task {
  public:
   void configure(const Setup& setup) override {
     setup.channel("felt", "", 4 * 4 + 6, -kInfinity, kInfinity);
     setup.need_contacts();
-    setup.contact_pair(1, Partner::kGroundPlane);  // another one before those that count
+    setup.contact_pair(1, Partner::kGroundPlane);  // an unused pair before the used ones
     pairs_[0] = setup.contact_pair(0, Partner::kGroundPlane);
     pairs_[1] = setup.contact_pair(0, Partner::kObstacle, 1);
     pairs_[2] = setup.contact_pair(0, Partner::kBody, 1);
@@ -48,7 +51,7 @@ class Feel : public Task {
   int pairs_[3] = {}, reaction_ = 0;
 };
 
-/// Remembers what was felt where a reset draws: nothing of the episode before.
+/// Records contact and joint forces at a reset: they must not come from the previous episode.
 class Remember : public Randomizer {
  public:
   template <class Real>
@@ -71,7 +74,7 @@ class Remember : public Randomizer {
   int pair_ = 0, reaction_ = 0;
 };
 
-/// Asks about things that are not there.
+/// Requests objects that do not exist.
 class Lost : public Feel {
  public:
   void configure(const Setup& setup) override {
@@ -148,7 +151,7 @@ TEST(JointReaction, IsNothingInFreeFall) {
   flight.reset();
   flight.step({-1, -1, -1, -1});
   for (int k = 0; k < 6; ++k) {
-    // All parts fall alike; 1.1 kg times 9.81 m/s^2 cancel to rounding.
+    // All parts fall alike; 1.1 kg times 9.81 m/s^2 cancel up to rounding.
     EXPECT_NEAR(flight.observation[static_cast<std::size_t>(kReaction + k)], 0.0, 1e-6) << k;
   }
 }
@@ -211,10 +214,11 @@ TEST(ContactPair, WithAnotherRobotIsSeenFromEitherSide) {
   Flight flight(*env, 1);
   flight.reset();
   flight.step(std::vector<float>(8, -1.0f));
-  EXPECT_LT(flight.observation[kOfBody], 0.0f);  // pushed off towards -x
+  EXPECT_LT(flight.observation[kOfBody], 0.0f);  // pushed towards -x
   EXPECT_EQ(flight.observation[kOfBody], flight.observation[kSum]);
   EXPECT_EQ(flight.observation[kOfBody + 3], 1.0f);
-  for (int k = 0; k < 6; ++k) {  // a free base has no joint; forces of some 10 N cancel to rounding
+  for (int k = 0; k < 6;
+       ++k) {  // a free base has no joint; forces of some 10 N cancel up to rounding
     EXPECT_NEAR(flight.observation[static_cast<std::size_t>(kReaction + k)], 0.0, 1e-4) << k;
   }
 }

@@ -1,4 +1,4 @@
-// What effects hold over a physics step: order, sums, periods, resets, lanes.
+// Held outputs of effects over a physics step: order, sums, periods, resets, lanes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using test::Flight;
 using test::InProcessFactory;
 
-/// Wind that grows by 1 m/s a call, a gain of 0.5 on thrust, limits and no rate.
+/// Wind that grows by 1 m/s per call, a gain of 0.5 on thrust, limits; rates stay unchanged.
 class Breeze : public Effect {
  public:
   template <class Real>
@@ -45,7 +45,7 @@ class Breeze : public Effect {
   }
 };
 
-/// Says that it fills nothing, and fills wind.
+/// Declares no outputs, but writes wind.
 class Liar : public Effect {
  public:
   void configure(const Setup&) override {}
@@ -55,7 +55,7 @@ class Liar : public Effect {
   }
 };
 
-/// Steady wind of a strength that can be drawn; counts its calls.
+/// Steady wind of randomizable strength; counts its calls.
 class Steady : public Effect {
  public:
   RealParameter strength{
@@ -72,7 +72,7 @@ class Steady : public Effect {
   }
 };
 
-/// Wants to be steady and called every second physics step.
+/// Declares itself steady and requests a call every second physics step.
 class Fickle : public Effect {
  public:
   void configure(const Setup& setup) override {
@@ -128,7 +128,7 @@ TEST(Effects, SpeakBeforeEveryPhysicsStepAndHoldNeutralValuesElsewhere) {
   const PluginInstance& e = env->plugins(SKYBODY_EFFECT)[0];
   EXPECT_EQ(flight.group.plugin_reals(e.state)[0], 4.0);
   EXPECT_EQ(flight.group.plugin_bits(e.state + 1)[0], 3u);  // before the fourth step
-  EXPECT_EQ(held(flight, SKYBODY_HELD_WIND, 0), 4.0);       // added to nothing, not to the last
+  EXPECT_EQ(held(flight, SKYBODY_HELD_WIND, 0), 4.0);       // added to zero, not to the last value
   EXPECT_EQ(held(flight, SKYBODY_HELD_ROTOR_GAIN, 4 * 1 + SKYBODY_GAIN_THRUST), 0.5);
   EXPECT_EQ(held(flight, SKYBODY_HELD_ROTOR_GAIN, 4 * 1 + SKYBODY_GAIN_DRAG), 1.0);
   EXPECT_EQ(held(flight, SKYBODY_HELD_ROTOR_LIMIT, 2 * 2 + 1), 400.0);
@@ -175,7 +175,7 @@ TEST(Effects, HaveTheSameBitsInAFullGroup) {
   EXPECT_EQ(one.group.save(0), all.group.save(0));
 }
 
-/// How often the first effect was called in a lane, which is steady.
+/// Number of calls of the first effect, which is steady, in a lane.
 double calls(const Flight& flight, int lane = 0) {
   const PluginInstance& e = flight.env.plugins(SKYBODY_EFFECT)[0];
   return flight.group.reals(flight.env.layout().plugin_state.offset + e.buffer)[lane];
@@ -209,7 +209,7 @@ TEST(Effects, ThatAreSteadySpeakOnceAnEpisodeAndWhereParametersChange) {
 
 TEST(Effects, ThatAreSteadySpeakInThoseLanesWhoseParametersChange) {
   InProcessFactory factory;
-  const auto env = make(factory, {"steady", "one"});  // two hold the wind
+  const auto env = make(factory, {"steady", "one"});  // two effects hold the wind
   Flight flight(*env, kGroupLanes);
   const std::vector<float> hover(4 * kGroupLanes, 0.0f);
   flight.reset();
@@ -229,7 +229,7 @@ TEST(Effects, ThatAreSteadyFollowTheParametersOfARestoredState) {
   Flight drawn(*env, 1), other(*env, 1);
   drawn.reset();
   set_strength(drawn, 0, 7.0);
-  const auto before = drawn.group.save(0);  // nobody has spoken since
+  const auto before = drawn.group.save(0);  // no effect was called since
   drawn.step(kHover);
   other.reset();
   other.step(kHover);

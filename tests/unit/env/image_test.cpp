@@ -1,4 +1,4 @@
-// Images of sensors: their memory, their rows, and what keeps them.
+// Images of sensors: memory, rows, and lifetime.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ class Camera : public Sensor {
   struct State {};
   void configure(const Setup& setup) override {
     setup.period(2);
-    grey_ = setup.image<std::uint8_t>("grey", {3, 5}, 0);  // 15 bytes: a gap of one follows
+    grey_ = setup.image<std::uint8_t>("grey", {3, 5}, 0);  // 15 bytes: a padding byte follows
     setup.channel("height", "m", 1, -kInfinity, kInfinity);
     depth_ = setup.image<std::uint16_t>("depth", {2, 2, 1});
   }
@@ -44,7 +44,7 @@ class Camera : public Sensor {
   Image<std::uint16_t> depth_;
 };
 
-/// An image whose extents are what a parameter says.
+/// An image whose size is a parameter.
 class OddCamera : public Sensor {
  public:
   struct State {};
@@ -55,7 +55,7 @@ class OddCamera : public Sensor {
   void sense(const EnvView<double>&, State&, Values<double>) const {}
 };
 
-/// A task must not give images.
+/// A task must not output images.
 class Painter : public Task {
  public:
   struct State {};

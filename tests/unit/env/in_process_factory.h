@@ -1,4 +1,4 @@
-// Plugins that live in the test itself: the engine's tests need no shared libraries.
+// Plugins inside the test program: the engine's tests need no shared libraries.
 #pragma once
 
 #include <functional>
@@ -43,7 +43,7 @@ class InProcessFactory : public PluginFactory {
     return plugins_.at(plugin).parameters;
   }
 
-  /// A use with all defaults, as the scenario reader would fill them in.
+  /// A plugin use with all defaults, as the scenario reader would set them.
   PluginUse use(const std::string& plugin, const std::string& instance) const {
     PluginUse u;
     u.plugin = plugin;
@@ -85,7 +85,7 @@ inline RobotModel quadrotor() {
   return m;
 }
 
-/// Group, work and rows of one environment, ready to reset.
+/// Group, workspace and rows of one environment, ready to reset.
 struct Flight {
   Flight(const CompiledScenario& compiled, int lanes, std::uint64_t seed = 1)
       : env(compiled),

@@ -1,4 +1,4 @@
-// The columns of an observation: the task's, those that `observe` adds, and privileged ones.
+// The columns of an observation: the task's, those added by `observe`, and privileged ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -136,7 +136,7 @@ TEST(Observation, HasTheSensorsFirstValueAtAReset) {
   const auto env = make({.observe = {observed("gauge.height"), observed("gauge.velocity")}});
   CriticFlight flight(*env, 1);
   flight.reset();
-  EXPECT_EQ(flight.observation[4], 1.0f);  // the start's height
+  EXPECT_EQ(flight.observation[4], 1.0f);  // the initial height
   EXPECT_NE(flight.observation[5], 0.0f);  // kicked
 }
 
@@ -164,7 +164,7 @@ TEST(Observation, PrivilegedValuesAreInARowOfTheirOwn) {
   const auto env = make({.observe = {privileged("gauge.height"), observed("gauge.velocity"),
                                      observed("gauge.step")}});
   EXPECT_EQ(env->observation_size(), 7);
-  EXPECT_EQ(env->privileged_size(), 2);  // gauge.step is so by the sensor's own declaration
+  EXPECT_EQ(env->privileged_size(), 2);  // the sensor itself declares gauge.step as privileged
   EXPECT_THAT(privileged_names(*env), ElementsAre("gauge.height", "gauge.step"));
   CriticFlight flight(*env, 1);
   flight.reset();
@@ -181,7 +181,7 @@ TEST(Observation, TakesATasksPrivilegedValuesOutOfItsRow) {
   CriticFlight flight(*env, 1);
   flight.reset();
   for (int k = 0; k < 5; ++k) flight.step(1.0f);
-  EXPECT_EQ(flight.observation[1], 1.0f);                  // `one`, behind the privileged channel
+  EXPECT_EQ(flight.observation[1], 1.0f);                  // `one`, after the privileged channel
   EXPECT_EQ(flight.observation[4], flight.privileged[0]);  // vertical speed, by sensor and task
   EXPECT_GT(flight.privileged[0], 0.1f);
 }
@@ -270,7 +270,7 @@ TEST(ObservationErrors, BoundsMustNotCrossTheSensors) {
             "fit (the sensor declares 0 to 100)");
 }
 
-/// Rows, and the last observation of the state, of a task that says that values repeat others.
+/// Tests rows and the state's last observation for a task that declares repeated values.
 void expect_velocity_twice(const std::string& task) {
   const auto env = make({.task = task, .observe = {observed("gauge.height")}});
   ASSERT_EQ(env->observation_size(), 8);

@@ -7,7 +7,7 @@
 
 namespace skybody::test {
 
-/// Height and velocity, and the physics step for a critic; not finite from a physics step on.
+/// Height and velocity, and the physics step for a critic; not finite from a given physics step on.
 class Gauge : public Sensor {
  public:
   RealParameter breaks_at{
@@ -30,7 +30,8 @@ class Gauge : public Sensor {
   }
 };
 
-/// Sees its height; a critic sees its vertical speed, too, and the policy a one behind it.
+/// Observes its height; a critic also receives the vertical speed, and the policy a constant 1
+/// after it.
 class Critic : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -46,7 +47,7 @@ class Critic : public Task {
   }
 };
 
-/// Shows a policy nothing.
+/// Gives a policy no observation.
 class Blind : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -56,9 +57,9 @@ class Blind : public Task {
   void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
 };
 
-/// Shows a velocity twice, behind a height; packs leave the copy.
-/// @tparam kTo, kFrom  where the copy is declared to lie, and its source
-/// @tparam kMiddle     the critic's value lies between them, else behind them
+/// Outputs a velocity twice, after a height; packs omit the copy.
+/// @tparam kTo, kFrom  declared offset of the copy, and of its source
+/// @tparam kMiddle     true: the critic's value lies between them; false: after them
 template <int kTo, int kFrom, bool kMiddle = false>
 class Mirror : public Task {
  public:
@@ -80,7 +81,7 @@ class Mirror : public Task {
   }
 };
 
-/// Has one name twice.
+/// Uses one name twice.
 class Twice : public Sensor {
  public:
   void configure(const Setup& setup) override {

@@ -1,5 +1,5 @@
-// What small scenarios of the engine's and the learners' tests share: quadrotors in the air, whose
-// rotor speeds the actions are.
+// Scenarios shared by the tests of the engine and the learners: quadrotors in the air with rotor
+// speeds as actions.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace skybody::test {
 
-/// Rotor speeds straight from the action, 0 to 3400 rad/s: an action of 0 climbs a little.
+/// Rotor speeds directly from the action, 0 to 3400 rad/s: an action of 0 climbs slightly.
 class Direct : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -21,7 +21,7 @@ class Direct : public Controller {
   }
 };
 
-/// No robots, no ground, and at most 12 transitions an episode.
+/// No robots, no ground, and at most 12 transitions per episode.
 inline Scenario empty_air(const std::string& name) {
   Scenario s;
   s.name = name;
@@ -32,8 +32,8 @@ inline Scenario empty_air(const std::string& name) {
   return s;
 }
 
-/// A quadrotor at a height of 1 m, with a Direct.
-/// @param factory  has it as `direct`
+/// A quadrotor at a height of 1 m with a Direct controller.
+/// @param factory  provides it as `direct`
 inline RobotUse quadrotor_at(double x, const std::string& name, const InProcessFactory& factory) {
   RobotUse robot;
   robot.name = name;

@@ -1,4 +1,4 @@
-// Rows of learners: the rules of RowKernels, number by number, and which rows a transition touches.
+// Rows of learners: the rules of RowKernels, value by value, and the rows that a transition writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,21 +17,21 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr double kGuard = -77.25;  // in places that must not be written
-constexpr int kWidest = 9;         // values a row
-/// None, single lanes, octets with holes, octets alone, all.
+constexpr int kWidest = 9;         // values per row
+/// No lane, single lanes, blocks of eight with holes, full blocks, all lanes.
 constexpr std::uint32_t kMasks[] = {0u,          1u,          0x80000000u, 0x7fu,
                                     0xfeu,       0x00ff0100u, 0xff7ffeffu, 0x0ff00ff0u,
                                     0xff0000ffu, 0xffffffffu};
 
 bool holds(std::uint32_t mask, int lane) { return ((mask >> lane) & 1u) != 0; }
 
-/// A value of lane and number: within and beyond [-1, 1], zeros of both signs.
+/// A value of lane and index: inside and outside [-1, 1], zeros of both signs.
 float value(int lane, int k) {
   const int n = (lane * 7 + k * 3) % 11;
   return n == 0 ? -0.0f : 0.3f * static_cast<float>(n - 5);
 }
 
-/// Calls check(kernels, lanes, mask, count) for all of these that there are.
+/// Calls check(kernels, lanes, mask, count) for all available combinations.
 template <class Check>
 void for_all(Check&& check) {
   for (const Isa isa : kIsas) {
@@ -46,7 +46,7 @@ void for_all(Check&& check) {
   }
 }
 
-// A row of 30 values: some lie in lanes, the others are these once more.
+// A row of 30 values: some lie in lanes, the others are copies of these.
 TEST(RowKernels, WriteRowsOfWhichPartsAreCopies) {
   RowParts parts{
       30, {{0, 9}, {12, 1}, {14, 4}}, {{0, 9, 3}, {4, 13, 1}, {0, 18, 12 - 4}, {3, 26, 4}}, {}};
@@ -93,7 +93,8 @@ TEST(RowKernels, ReadFiniteRowsOfTheMaskAlone) {
       if (!holds(mask, l)) continue;
       float* row = rows.data() + l * kStride;
       for (int k = 0; k < count; ++k) row[k] = value(l, k);
-      if (l == 2 && count > 1) row[0] = row[1] = 3e38f;  // their sum is not finite, they are
+      if (l == 2 && count > 1)
+        row[0] = row[1] = 3e38f;  // their sum is not finite, but each value is
       if (l == 9 && count > 0) row[count - 1] = kNone;
       if (l == 28 && count > 0) row[0] = -std::numeric_limits<float>::infinity();
       if (std::all_of(row, row + count, [](float x) { return std::isfinite(x); }))
@@ -124,8 +125,8 @@ TEST(RowKernels, WriteRowsOfTheMaskAlone) {
       bool good = true;
       for (int k = 0; k < count; ++k) {
         double& x = values[at(k, l)] = 0.1 * static_cast<double>(value(l, k));
-        if (l == 3) x = 3e38;              // the sum of all is not finite as a float
-        if (l == 20 && k == 0) x = 1e200;  // is not
+        if (l == 3) x = 3e38;              // the sum of all overflows a float
+        if (l == 20 && k == 0) x = 1e200;  // not finite as a float
         good = good && std::isfinite(static_cast<float>(x));
       }
       if (good) finite |= 1u << l;
@@ -220,7 +221,7 @@ TEST(RowKernels, EndByTaskOrHorizon) {
 
 // --- transitions ---------------------------------------------------------------------------------
 
-/// What Watch observes, two robots' own rewards, and an info value.
+/// The observation of Watch, two robots' own rewards, and an info value.
 class Team : public test::Watch {
  public:
   void configure(const Setup& setup) override {
@@ -255,7 +256,7 @@ std::unique_ptr<CompiledScenario> two_robots(test::InProcessFactory& factory) {
   return std::make_unique<CompiledScenario>(std::move(s), factory);
 }
 
-/// A flight with all kinds of rows, guards in them, and guards behind.
+/// A flight with all kinds of rows, with guard values in them and after them.
 struct GuardedFlight : test::Flight {
   GuardedFlight(const CompiledScenario& compiled, int lanes)
       : Flight(compiled, lanes),
@@ -285,7 +286,7 @@ struct GuardedFlight : test::Flight {
   std::vector<float> agent, info;
 };
 
-/// Actions of one lane in a step; of some lanes and steps not finite.
+/// Actions of one lane in a step; not finite in some lanes and steps.
 std::vector<float> actions_of(int lane, int step) {
   std::vector<float> actions(8, 0.02f * static_cast<float>((lane + step) % 7));
   if (lane == 5 && step == 2) actions[3] = kNone;

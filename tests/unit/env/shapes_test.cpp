@@ -1,4 +1,4 @@
-// The shapes that plugins see, with ids, sizes, poses and the parameters of obstacles.
+// The shapes that plugins read, with ids, sizes, poses and the parameters of obstacles.
 #include <gtest/gtest.h>
 
 #include "core/model/located_error.h"

@@ -1,4 +1,4 @@
-// Plugins that live in the test program, small enough to see what each phase gave them.
+// Plugins inside the test program, small enough to record the inputs of each phase.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace skybody::test {
 
-/// Rotor speeds straight from the action, 0 to 4000 rad/s; counts its calls and notes what it saw.
+/// Rotor speeds directly from the action, 0 to 4000 rad/s; counts its calls and records its inputs.
 class Direct : public Controller {
  public:
   template <class Real>
@@ -66,7 +66,7 @@ class PlainDirect : public Controller {
   }
 };
 
-/// Draws the controller's scale from where it finds the robot: stale bodies would show.
+/// Sets the controller's scale from the robot's position: outdated bodies would be detected.
 class Look : public Randomizer {
  public:
   void configure(const Setup& setup) override {
@@ -82,7 +82,7 @@ class Look : public Randomizer {
   int param_ = 0;
 };
 
-/// Declares a wrench at a body that is not there.
+/// Declares a wrench at a body that does not exist.
 class LostSite : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -94,7 +94,7 @@ class LostSite : public Controller {
   void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
-/// Gives a signal that no actuator takes.
+/// Outputs a signal that no actuator takes.
 class Dangling : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -135,7 +135,8 @@ class Watch : public Task {
   }
 };
 
-/// Kicks the robot, and draws the controller's scale far out of its bounds every second reset.
+/// Gives the robot a velocity, and sets the controller's scale far out of its bounds every second
+/// reset.
 class Kick : public Randomizer {
  public:
   template <class Real>

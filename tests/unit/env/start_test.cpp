@@ -1,4 +1,4 @@
-// How often a start is drawn: no more than it helps, and from where the reset began.
+// Number of draws of a start: no more than useful, each from the state at the reset.
 #include <gtest/gtest.h>
 
 #include "tests/unit/env/small_plugins.h"
@@ -9,7 +9,7 @@ namespace {
 using test::Flight;
 using test::InProcessFactory;
 
-/// Puts the robot into the ball, always at one place.
+/// Puts the robot into the ball, always at the same place.
 class Stuck : public Randomizer {
  public:
   inline static int calls = 0;
@@ -22,7 +22,7 @@ class Stuck : public Randomizer {
   }
 };
 
-/// In the ball, or high above it; adds to what the controller's scale was, which it should not do.
+/// In the ball, or high above it; wrongly increments the controller's scale.
 class Coin : public Randomizer {
  public:
   inline static int calls = 0;
@@ -86,7 +86,7 @@ TEST(Start, IsNotDrawnOnWhereNothingThatIsDrawnMovesTheOverlap) {
   flight.reset();
   EXPECT_EQ(Stuck::calls, 1 + 4);
   EXPECT_EQ(flight.status[0] & 0x7f, kTruncated | kFault | kBadStart);
-  // At the ball's centre: as deep as both are thick together.
+  // At the ball's centre: the depth is the sum of the radii.
   EXPECT_EQ(compiled->fault_reason(flight.status[0])
                 .find("robot `quad` begins inside the obstacle `ball`, by 0.6 m"),
             0u);
@@ -111,7 +111,7 @@ TEST(Start, IsDrawnAgainFromWhereTheResetBegan) {
     flight.reset();
     EXPECT_EQ(flight.status[0], kRunning) << k;
     EXPECT_EQ(flight.group.reals(compiled->layout().q)[2], 9.0) << k;
-    // Each reset counts once and adds once, however often it draws.
+    // Each reset counts once and adds once, regardless of its number of draws.
     const int count = compiled->plugins(SKYBODY_RANDOMIZER)[0].state;
     EXPECT_EQ(flight.group.plugin_bits(count)[0], static_cast<std::uint64_t>(k));
     EXPECT_NEAR(flight.group.reals(scale)[0], 1.0 + 0.01 * k, 1e-12);

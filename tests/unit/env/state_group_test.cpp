@@ -1,4 +1,4 @@
-// StateGroup: whoever writes, bodies and stepper follow.
+// StateGroup: bodies and stepper follow every kind of write.
 #include "core/env/state_group.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 using test::Flight;
 using test::InProcessFactory;
 
-/// A quadrotor in each of 32 lanes, 1 m up.
+/// A quadrotor in each of 32 lanes at a height of 1 m.
 class StateGroupTest : public testing::Test {
  protected:
   StateGroupTest() : compiled_(scenario(), factory_), flight_(compiled_, kGroupLanes) {

@@ -1,5 +1,4 @@
-// Controllers that serve several robots: what they give goes to robots' own chains, or to
-// actuators.
+// Controllers of several robots: their outputs go to the robots' own chains, or to actuators.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +14,7 @@ using test::Flight;
 using test::InProcessFactory;
 using testing::HasSubstr;
 
-/// A robot's own: each rotor gets ten times the thrust that is commanded.
+/// A robot's own controller: each rotor gets ten times the commanded thrust.
 class Own : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -49,7 +48,7 @@ class Share : public Controller {
   int count_ = 0;
 };
 
-/// Straight to the rotors of all its robots, every second physics step.
+/// Commands the rotors of all its robots directly, every second physics step.
 class ToRotors : public Controller {
  public:
   void configure(const Setup& setup) override {
@@ -67,7 +66,7 @@ class ToRotors : public Controller {
   int count_ = 0;
 };
 
-/// Speaks to a robot that is not in its team.
+/// Commands a robot outside its team.
 class Elsewhere : public ToRotors {
  public:
   void configure(const Setup& setup) override {
@@ -97,7 +96,7 @@ class Push : public Controller {
   int count_ = 0;
 };
 
-/// A site on a robot that gets no wrench.
+/// Declares a site on a robot that receives no wrench.
 class PushesAnother : public Push {
  public:
   void configure(const Setup& setup) override {
@@ -108,7 +107,7 @@ class PushesAnother : public Push {
   }
 };
 
-/// One value for each chain's command, on its way over the physics steps of an action.
+/// One value for each chain's command, interpolated over the physics steps of an action.
 class Glide : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -129,7 +128,7 @@ class Glide : public Task {
   int size_ = 0;
 };
 
-/// Writes what it likes to the whole command, and reads it back.
+/// Writes arbitrary values to the whole command, and reads them back.
 class Commands : public Task {
  public:
   void configure(const Setup& setup) override {
@@ -151,7 +150,7 @@ class Commands : public Task {
   int chains_ = 0, size_ = 0;
 };
 
-/// Three quadrotors; robots 0 and 1 are a team unless `robots` says otherwise.
+/// Three quadrotors; robots 0 and 1 are a team unless `robots` lists others.
 struct Case {
   std::vector<std::vector<std::string>> own = {{"own"}, {"own"}, {"own"}};
   std::vector<std::string> of_team = {"share"};
@@ -289,13 +288,12 @@ TEST(Teams, PushEachRobotAtItsOwnSites) {
   Flight flight(*env, 1);
   flight.reset();
   flight.step({1.0f});
-  // 10 N on robot 2 and 20 N on robot 0, of 1 kg each, over four steps of 1 ms; robot 1 falls
-  // alone.
+  // 10 N on robot 2 and 20 N on robot 0, of 1 kg each, over four steps of 1 ms; only robot 1 falls.
   const std::vector<BodyState> bodies = flight.group.body_states(0);
   const double fall = -9.81 * 0.004;
   EXPECT_NEAR(bodies[2].velocity.z, fall + 10.0 * 0.004, 1e-12);
   EXPECT_NEAR(bodies[0].velocity.z, fall + 20.0 * 0.004, 1e-12);
-  // Its rotors run on at 100 rad/s: 4 rotors of 1e-6 N s^2 give 0.04 N.
+  // Its rotors continue at 100 rad/s: 4 rotors of 1e-6 N s^2 give 0.04 N.
   EXPECT_NEAR(bodies[1].velocity.z, fall + 0.04 * 0.004, 1e-9);
 }
 
@@ -360,7 +358,7 @@ TEST(Teams, LeaveTheCommandsOfTasksThatInterpolateOnTheirWay) {
   const std::vector<double> speeds = values(flight, env->layout().rotor_command);
   EXPECT_EQ(speeds[0], 80.0);
   EXPECT_EQ(speeds[4], 160.0);
-  env->advance(flight.group, *flight.work, 1u, 1);  // commands hold, and teams still feed
+  env->advance(flight.group, *flight.work, 1u, 1);  // commands hold, and teams still write inputs
   EXPECT_EQ(values(flight, env->layout().rotor_command)[4], 160.0);
 }
 

@@ -1,5 +1,5 @@
-// The broken files under tests/bad_input, read with a fake catalog: each gives exactly the messages
-// of cases.yaml. (The program itself, with exit codes, is run over the same table elsewhere.)
+// The bad inputs under tests/bad_input, read with a fake catalog: each gives exactly the messages
+// of cases.yaml. (tests/integration runs the program itself, with exit codes, over the same table.)
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct Case {
   std::string messages;
 };
 
-/// Cases of `check` that need nothing but the reader.
+/// Cases of `check` that need only the reader.
 std::vector<Case> cases() {
   Diagnostics diagnostics;
   const auto table = load_config("tests/bad_input/cases.yaml", diagnostics);

@@ -9,7 +9,7 @@
 
 namespace skybody {
 
-/// Declares a few plugins of each kind, among them one that cannot be loaded.
+/// Declares a few plugins of each kind, including one that cannot be loaded.
 class FakeCatalog : public PluginCatalog {
  public:
   FakeCatalog();

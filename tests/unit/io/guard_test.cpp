@@ -1,5 +1,5 @@
-// Files of strangers: small ones that ask for much, names and numbers that no robot has, text that
-// is no text. Bounds are counted, never timed.
+// Untrusted files: small ones with large demands, names and numbers of no real robot, binary data
+// in place of text. Bounds are counted, never timed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -99,7 +99,7 @@ TEST(Diagnostics, LongMessagesLoseTheirMiddle) {
 }
 
 TEST(Yaml, AliasesAreCountedWithAllThatTheyRepeat) {
-  // 20 times a list of 2 * 10^4 values: one megabyte would come to 10^8.
+  // 20 times a list of 2 * 10^4 values: one megabyte would expand to 10^8.
   const std::string text =
       "a: &a [" + repeated("1, ", 20'000) + "1]\nb: [" + repeated("*a, ", 20) + "1]\n";
   EXPECT_THAT(yaml_error(text), HasSubstr("x.yaml:2:"));

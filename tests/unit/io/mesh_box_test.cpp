@@ -1,5 +1,5 @@
-// Boxes about meshes: each format's ways to write vertices, and damaged files with the reason why
-// they are refused.
+// Bounding boxes of meshes: every form of vertices in each format, and damaged files with the
+// reason of their refusal.
 #include "core/io/mesh_box.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 class MeshBoxes : public ::testing::Test {
  protected:
-  /// "low x, y, z, high x, y, z" of the box about a mesh in whole micrometres, or why there is
+  /// "low x, y, z, high x, y, z" of the mesh's box in whole micrometres, or the reason why it has
   /// none.
   std::string read(const std::string& name, const std::string& bytes) {
     const std::string file = folder_.write(name, bytes);
@@ -47,7 +47,7 @@ std::string bytes_of(Number number, bool reversed = false) {
   return bytes;
 }
 
-/// A binary STL of triangles with one normal each, which is 0.
+/// A binary STL of triangles; each has one zero normal.
 std::string binary_stl(std::uint32_t said, const std::vector<std::array<float, 9>>& triangles) {
   std::string bytes = "solid in name alone";
   bytes.resize(80, ' ');

@@ -1,5 +1,5 @@
-// Boxes about COLLADA meshes: primitives, accessors, transformations and instances of nodes, and
-// damaged documents with the reason why they are refused.
+// Bounding boxes of COLLADA meshes: primitives, accessors, transformations and instances of nodes,
+// and damaged documents with the reason of their refusal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The box in whole micrometres: turned corners are off by the last bits of a sine.
+/// The box in whole micrometres: rotated corners are off by the last bits of a sine.
 std::string read(const std::string& text) {
   try {
     const VertexBox box = read_dae(text);
@@ -25,7 +25,8 @@ std::string read(const std::string& text) {
   }
 }
 
-/// A document with one geometry `g` of four corners of the box from 0 to (1, 2, 3), and one beyond.
+/// A document with one geometry `g` of four corners of the box from 0 to (1, 2, 3), and one
+/// outside.
 struct Dae {
   std::string unit = "<unit meter=\"1\"/>";
   std::string floats =
@@ -68,7 +69,7 @@ std::string with_primitives(const std::string& primitives) {
   return read(dae.text());
 }
 
-/// `elements`, then an instance of the geometry.
+/// A node with `elements`, then an instance of the geometry.
 std::string placed(const std::string& elements) {
   return with_nodes("<node>" + elements + "<instance_geometry url=\"#g\"/></node>");
 }
@@ -115,7 +116,7 @@ TEST(DaeMeshes, NodesPlaceGeometries) {
   EXPECT_EQ(placed("<translate>1 0 0</translate><rotate>0 0 1 90</rotate><scale>1 1 2</scale>"),
             "[-1, 0, 0, 1, 1, 6]");
   EXPECT_EQ(placed("<matrix>0 -1 0 5 1 0 0 6 0 0 1 7 0 0 0 1</matrix>"), "[3, 6, 7, 5, 7, 10]");
-  // From (0, 0, 5) down: x right, y up as they are.
+  // From (0, 0, 5) down: x right, y up, unchanged.
   EXPECT_EQ(placed("<lookat>0 0 5 0 0 0 0 1 0</lookat>"), "[0, 0, 5, 1, 2, 8]");
   // From the origin along x, z up: the node's x is -y, its y is z and its z is -x.
   EXPECT_EQ(placed("<lookat>0 0 0 1 0 0 0.5 0 1</lookat>"), "[-3, -1, 0, 0, 0, 2]");

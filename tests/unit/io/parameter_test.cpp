@@ -148,7 +148,7 @@ TEST(Parameters, TableHasEveryName) {
 
 TEST(Text, NumbersDoNotDependOnTheLocale) {
   const std::string before = std::setlocale(LC_ALL, nullptr);
-  std::setlocale(LC_ALL, "de_DE.UTF-8");  // where it is installed
+  std::setlocale(LC_ALL, "de_DE.UTF-8");  // if it is installed
   EXPECT_EQ(parse_number("2.5"), 2.5);
   EXPECT_EQ(format_number(2.5), "2.5");
   std::setlocale(LC_ALL, before.c_str());

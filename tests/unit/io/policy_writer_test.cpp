@@ -126,7 +126,7 @@ TEST(PolicyWriter, AFolderThatIsNotThereIsNamed) {
   }
 }
 
-/// Files may not grow beyond this while it lives, as on a full disk.
+/// Limits the size of files during its lifetime, as on a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

@@ -116,7 +116,7 @@ task: {plugin: hover, name: fly, parameters: {robot: quad}}
   EXPECT_NEAR(robot.pose.rotation.z, 0.70710678118654752, 1e-15);
   EXPECT_EQ(robot.constants[kDisturbanceMoment + 1], 2.0);
   const Joint& joint = robot.model.bodies.at(1).joint;
-  EXPECT_EQ(joint.constants[kJointDamping], 0.25);  // the URDF's stays
+  EXPECT_EQ(joint.constants[kJointDamping], 0.25);  // the URDF's value remains
   EXPECT_EQ(joint.constants[kJointStiffness], 3.0);
   EXPECT_EQ(joint.constants[kLimitDamping], 7.0);
   EXPECT_GT(joint.constants[kLimitStiffness], 0.0);
@@ -138,7 +138,7 @@ TEST_F(ScenarioTest, RotorsBesideTheUrdfAreFoundAndPlacedInBodyFrames) {
   EXPECT_EQ(rotors[0].direction, 1);
   EXPECT_EQ(rotors[1].body, 1);
   EXPECT_EQ(rotors[1].direction, -1);
-  // mount: 1 m above the arm's frame, turned about x by 90 degrees: its z is the arm's -y.
+  // mount: 1 m above the arm's frame, rotated about x by 90 degrees: its z is the arm's -y.
   EXPECT_NEAR(rotors[1].position().y, -0.5, 1e-15);
   EXPECT_NEAR(rotors[1].position().z, 1.0, 1e-15);
   EXPECT_NEAR(rotors[1].axis.y, -1.0, 1e-15);
@@ -207,7 +207,7 @@ TEST_F(ScenarioTest, NamesThatNoPluginOfTheKindHasAreExplained) {
   EXPECT_THAT(said_of("ctbr"), HasSubstr(unknown + "`ctbr`; `ctbr` is a controller\n"));
   EXPECT_THAT(said_of("payload"), HasSubstr(unknown + "`payload`: it is not built here; "
                                                       "`./dev build` makes all plugins"));
-  // Of a library that is closed: close to the word, but nothing to list among the kind's own.
+  // The name is in a closed library: a close match exists, but no plugin of the kind can be listed.
   EXPECT_THAT(said_of("my_own_lw"), HasSubstr("did you mean `my_own_law`?"));
   EXPECT_THAT(said_of("zzzzzzzz"), HasSubstr("; found: hover; more folders"));
 }
@@ -250,13 +250,14 @@ TEST(ShippedScenarios, ModelsAndRotorsAreSound) {
     auto model = read_urdf(urdf, {}, diagnostics);
     ASSERT_TRUE(model.has_value()) << diagnostics.to_string();
     const std::string rotors = (entry.path() / "rotors.yaml").string();
-    if (!std::filesystem::exists(rotors)) continue;  // what is carried, or stands
+    if (!std::filesystem::exists(rotors)) continue;  // loads and standing objects have no rotors
     std::string text;
     InputBudget budget;
     read_rotors(rotors, {}, *model, text, diagnostics, budget);
     EXPECT_EQ(diagnostics.to_string(), "");
     EXPECT_GE(model->rotors.size(), 3u) << name;
-    // It can hover, and in hover its drag torques cancel; of three rotors a servo holds the rest.
+    // It can hover, and in hover its drag torques cancel; with three rotors a servo balances the
+    // rest.
     double thrust = 0.0, torque = 0.0;
     for (const Rotor& rotor : model->rotors) {
       thrust += rotor.constants[kThrustConstant] * rotor.constants[kMaxSpeed] *

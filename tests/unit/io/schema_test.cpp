@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Reads one JSON value (RFC 8259); false at the first violation.
+/// Parses one JSON value (RFC 8259); false at the first violation.
 class JsonCheck {
  public:
   explicit JsonCheck(const std::string& text) : text_(text) {}

@@ -228,7 +228,7 @@ TEST_F(ShapeFiles, MeshesWithoutABoxAreRefusedWithTheReason) {
               HasSubstr("is of a format that is not read (.stl, .dae, .obj, .ply are)"));
   EXPECT_THAT(refused("large.stl", std::string(kLargestMesh + 1, ' ')),
               HasSubstr("is larger than 32 MiB"));
-  // One format in the clothes of another is not looked at by any other importer.
+  // A file of one format with the extension of another is not passed to other importers.
   EXPECT_THAT(refused("is_ply.dae", "ply\nformat ascii 1.0\nend_header\n"),
               HasSubstr("cannot be read"));
 }

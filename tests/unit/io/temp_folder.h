@@ -26,7 +26,7 @@ class TempFolder {
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Writes a file, folders above it included; returns its path.
+  /// Writes a file and creates its parent folders; returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << text;

@@ -1,5 +1,5 @@
-// URDFs of strangers: names that readers decode differently, parts that stand twice, numbers that
-// no robot has, meshes outside the model, and more links than anything flies with.
+// Untrusted URDFs: names that readers decode differently, duplicate parts, numbers of no real
+// robot, meshes outside the model, and more links than any vehicle has.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -255,7 +255,7 @@ std::string mesh_of(const std::string& file) {
   return "<visual><geometry><mesh filename=\"" + file + "\"/></geometry></visual>";
 }
 
-/// Messages about a model in pack/urdf with a visual mesh called so.
+/// Messages about a model in pack/urdf with a visual mesh of this name.
 std::string mesh_messages(const TempFolder& folder, const std::string& mesh) {
   const std::string file =
       folder.write("ws/pack/urdf/r.urdf",

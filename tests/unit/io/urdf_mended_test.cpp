@@ -1,5 +1,5 @@
-// What a URDF leaves open and its reader mends with a warning: inertias, massless links, joints
-// that cannot move.
+// Gaps in a URDF that its reader fills with a warning: inertias, massless links, joints that cannot
+// move.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -84,7 +84,7 @@ TEST(UrdfInertia, RepairKeepsTheAxesAndRaisesWhatIsNotPositive) {
   EXPECT_NEAR(mended.xx, 0.04, 1e-12);  // the axis of the largest moment is z
   EXPECT_NEAR(mended.xy, 0.03, 1e-12);
   EXPECT_NEAR(mended.zz, 0.08, 1e-12);
-  // A body without any gets a radius of gyration of 1 mm.
+  // A body without inertia gets a radius of gyration of 1 mm.
   const Vec3<double> none = eigenvalues(repaired_inertia({0, 0, 0, 0, 0, 0}, 2.0));
   EXPECT_NEAR(none.x, 2e-6, 1e-15);
   EXPECT_NEAR(none.z, 2e-6, 1e-15);

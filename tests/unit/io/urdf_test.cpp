@@ -76,8 +76,8 @@ TEST(UrdfMerge, TwoMassesOnARodMatchTheHandCalculation) {
 }
 
 TEST(UrdfMerge, RotatedFramesTurnTheInertia) {
-  // The tip's own x axis points along the base's y: its moments about x and y change places. A
-  // quarter turn in the inertial's origin turns them back.
+  // The tip's x axis points along the base's y: its moments about x and y are exchanged. A quarter
+  // turn in the inertial's origin exchanges them back.
   const std::string body = link("base", inertial(1, 0.1));
   const std::string tip_inertia =
       "<mass value=\"1\"/><inertia ixx=\"0.01\" ixy=\"0.002\" ixz=\"0\" iyy=\"0.02\" iyz=\"0\" "
@@ -204,7 +204,7 @@ TEST(UrdfJoints, TwoCrossedPinsMakeAUniversalJoint) {
 }
 
 TEST(UrdfJoints, RotatedFramesInsideAChainCount) {
-  // Both axes are `x` in their own frames; the second frame is turned by 90 degrees about z.
+  // Both axes are `x` in their own frames; the second frame is rotated by 90 degrees about z.
   const RobotModel model =
       parse(link("base", inertial(1, 0.1)) + link("cross", "") + link("arm", inertial(1, 0.1)) +
             joint("one", "continuous", "base", "cross", axis("1 0 0")) +

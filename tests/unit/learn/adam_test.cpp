@@ -23,7 +23,7 @@ double step(Adam& adam, const std::vector<float>& gradient, std::vector<float>& 
   return adam.step(parameters, 0.01);
 }
 
-/// Parameters after some steps, and the moments behind them.
+/// Parameters after some steps, and the moments after them.
 std::vector<float> after_steps(std::size_t count, Isa isa, int steps, double max_grad_norm = 0.0) {
   Adam adam(count, max_grad_norm, isa);
   std::vector<float> values = waves(count, 0.0);
@@ -35,7 +35,7 @@ std::vector<float> after_steps(std::size_t count, Isa isa, int steps, double max
   return values;
 }
 
-/// Sums what the kernels sum in another order: in double.
+/// Sums in double; the kernels sum in another order.
 double norm_of(const std::vector<float>& values) {
   double sum = 0.0;
   for (const float v : values) sum += static_cast<double>(v) * static_cast<double>(v);
@@ -89,7 +89,7 @@ TEST(Adam, ReturnsTheNormOfTheWholeGradient) {
       const std::vector<float> values = waves(count, 0.1);
       Adam adam(count, 0.5, isa);
       std::vector<float> parameters(count);
-      // 64 roundings of 2^-24 a lane at the most.
+      // At most 64 roundings of 2^-24 per lane.
       EXPECT_NEAR(step(adam, values, parameters) / norm_of(values), 1.0, 1e-6) << count;
     }
   }

@@ -23,7 +23,7 @@ std::vector<float> floats_between(float low, float high, std::uint32_t step) {
   return values;
 }
 
-/// The greatest error in units in the last place of the true value.
+/// The largest error in ulp of the true value.
 double worst_ulp(Loop loop, const std::vector<float>& x, const std::function<double(double)>& f) {
   std::vector<float> y(x.size());
   loop(x.data(), y.data(), x.size());
@@ -45,8 +45,8 @@ TEST(FloatFunctions, TanhIsWithinFiveUlp) {
   }
 }
 
-/// Box and Muller's two normals of a pair of words, in double. The uniform number is rounded to
-/// float once, as the kernel rounds it.
+/// Box and Muller's two normals for a pair of words, in double. The uniform number is rounded to
+/// float once, as in the kernel.
 std::pair<double, double> normals_of(std::uint32_t radius, std::uint32_t angle) {
   const double u = std::ldexp(static_cast<float>(radius + 0.5), -32);
   const double r = std::sqrt(-2.0 * std::log(u));
@@ -58,7 +58,7 @@ std::pair<double, double> normals_of(std::uint32_t radius, std::uint32_t angle) 
 }
 
 TEST(FloatFunctions, NormalsAreWithinEightUlpOfTheirRadius) {
-  // Logarithm 3 ulp, which the root halves, sine 2, angle 2, products 2.
+  // Error bounds: logarithm 3 ulp, halved by the root; sine 2, angle 2, products 2.
   std::vector<std::uint32_t> radius, angle;
   for (std::uint64_t word = 0; word < (std::uint64_t{1} << 32); word += 12582907) {
     for (const std::uint32_t near : {0u, 1u, 1000u}) {

@@ -1,5 +1,5 @@
-// The cost of `gradient` against its equation, written down once more in plain doubles, and its
-// derivatives against differences of that.
+// The cost of `gradient` against a second implementation of its equation in plain doubles, and its
+// derivatives against differences of that implementation.
 #include "learn/gradient/goal_cost.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 constexpr int kMotion = 13;
 using Values = std::vector<double>;
 
-/// R(q) x, q unnormalised as differences leave it: the matrix that is of second degree in q.
+/// R(q) x for unnormalised q, which differences produce: the matrix that is quadratic in q.
 void turn(const double* q, const double* x, double* out) {
   const double w = q[0], a = q[1], b = q[2], c = q[3];
   const double m[3][3] = {{1 - 2 * (b * b + c * c), 2 * (a * b - w * c), 2 * (a * c + w * b)},
@@ -27,7 +27,7 @@ void turn(const double* q, const double* x, double* out) {
   for (int i = 0; i < 3; ++i) out[i] = m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2];
 }
 
-/// @param target  where the point belongs; goals of a body's frame follow from it and the rotation
+/// @param target  the point's target; goals of a body's frame follow from it and the rotation
 double cost_of(const Values& m, const Values& target, double yaw, const Values& velocity,
                const Values& point, double rate, double speed) {
   const double* w = &m[10];
@@ -87,14 +87,14 @@ void expect_cost_and_derivatives(const Values& point, double reach) {
     velocities.push_back(velocity);
   }
   constexpr double kWeight = 0.5;
-  const std::uint32_t served = 0x7fffffffu;  // the last lane is left out
+  const std::uint32_t served = 0x7fffffffu;  // the last lane is inactive
   cost.add(served, kWeight, motion.data(), goal.data(), adjoints.data(), sum.data(),
            distance.data(), best_isa());
   for (std::size_t l = 0; l + 1 < kGroupLanes; ++l) {
     const auto at = [&](const Values& m) {
       return cost_of(m, targets[l], yaws[l], velocities[l], point, 2.0, 3.0);
     };
-    // The engine's distance has 1e-6 m added, so that 0 has a direction.
+    // The engine adds 1e-6 m to the distance, so that it has a derivative at 0.
     EXPECT_NEAR(sum[l], kWeight * at(motions[l]), 1e-5);
     for (std::size_t k = 0; k < kMotion; ++k) {
       constexpr double kStep = 1e-6;
@@ -102,7 +102,7 @@ void expect_cost_and_derivatives(const Values& point, double reach) {
       above[k] += kStep;
       below[k] -= kStep;
       const double difference = kWeight * (at(above) - at(below)) / (2.0 * kStep);
-      // Of that distance, and of differences of numbers of about 10 over 1e-6.
+      // That error, and the rounding of differences of numbers of about 10 over 1e-6.
       EXPECT_NEAR(adjoints[k * kGroupLanes + l], difference, 2e-5 * (1.0 + std::abs(difference)))
           << "value " << k << ", lane " << l;
     }

@@ -1,5 +1,5 @@
-// `gradient` beside flights that end in a fault or whose derivatives blow up: they teach nothing,
-// and spoil no other flight's lesson.
+// `gradient` beside flights that end in a fault or whose derivatives overflow. They contribute
+// nothing to the gradient, and leave that of all other flights unchanged.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,14 +31,14 @@ class SmoothDirect : public Controller {
 
 enum class Poison {
   kNone,
-  kNaN,    ///< no number as a reward: a fault
-  kSteep,  ///< a reward whose slope is far beyond what a sum of floats bears
+  kNaN,    ///< a NaN reward: a fault
+  kSteep,  ///< a reward whose slope overflows a sum of floats
 };
 
 enum class Share { kHalf, kAll };
 
-/// A robot is to fly to a drawn height. A share of the episodes, those with the greater heights, is
-/// poisoned from the first transition on.
+/// A robot flies to a random height. The episodes with the larger heights are poisoned from the
+/// first transition on.
 template <Poison kPoison, Share kShare>
 class KeepPlace : public Task {
  public:
@@ -131,7 +131,7 @@ void expect_finite(const PolicyFile& policy) {
   }
 }
 
-/// With a value function, too, whose targets are sums of rewards.
+/// Also with a value function, whose targets are sums of rewards.
 TEST(GradientFaults, AreCountedAndLeaveEverythingFinite) {
   for (const double end_value_weight : {0.0, 0.5}) {
     Options options(place<Poison::kNaN>());
@@ -158,8 +158,8 @@ TEST(GradientFaults, TeachNothingWhereThereIsNothingElse) {
   EXPECT_NE(hash_after(Options(place<Poison::kNone, Share::kAll>()), 3), before);
 }
 
-/// Half of the flights are poisoned, in one way or the other. What the sound half teaches is the
-/// same, bit for bit: the first gradient is made of observations that are not normalised yet.
+/// Half of the flights are poisoned in one way or the other. The gradient of the other half is the
+/// same, bit for bit: the observations of the first gradient are not normalised yet.
 TEST(GradientFaults, SpoilNoOtherFlightsLesson) {
   const std::uint64_t faulty = hash_after(Options(place<Poison::kNaN>()), 1);
   const std::uint64_t steep = hash_after(Options(place<Poison::kSteep>()), 1);
@@ -168,7 +168,7 @@ TEST(GradientFaults, SpoilNoOtherFlightsLesson) {
   EXPECT_NE(faulty, hash_after(Options(place<Poison::kNone>()), 0));
 }
 
-/// A steep flight goes on, and is part of what comes later: its figures stay numbers.
+/// A flight with a steep reward continues and is part of later updates: its values stay finite.
 TEST(GradientFaults, OfDerivativesAloneLeaveEverythingFinite) {
   Options options(place<Poison::kSteep>());
   AnalyticGradientLearner learner(options, options.compiled);

@@ -1,4 +1,4 @@
-// What the learner `gradient` promises.
+// Guarantees of the learner `gradient`.
 #include "learn/gradient/gradient.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(AnalyticGradientLearner, GivesTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(one.state().environments, three.state().environments);
 }
 
-/// A change of these is a change of what every seed learns: docs/golden_log.md says so.
+/// A change of these hashes changes the training result of every seed: docs/golden_log.md lists it.
 TEST(AnalyticGradientLearner, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {
@@ -130,7 +130,7 @@ TEST(AnalyticGradientLearner, BringsTheVehicleNearerToItsTarget) {
   EXPECT_LT(learner.iterate().position_error, 0.6 * before);
 }
 
-/// Fewer steps than `physics_steps` says, or more, would be learned in without a word.
+/// A different number of `physics_steps` would otherwise be trained with silently.
 TEST(AnalyticGradientLearner, RefusesAScenarioThatIsNotTheOneToTrainIn) {
   const LearnerOptions o = options(1);
   try {

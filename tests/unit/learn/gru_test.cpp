@@ -56,7 +56,7 @@ std::vector<std::vector<double>> reference(const PolicyLayer& layer, const float
   return all;
 }
 
-/// A layer with parameters and sequences, one of which begins anew in the middle.
+/// A layer with parameters and sequences, one of which restarts in the middle.
 struct Subject {
   Gru gru;
   Sequences sequences;
@@ -97,7 +97,7 @@ struct Subject {
     gru.forward(parameters, x.data(), gru.inputs(), sequences, begins.data(), states.data(),
                 memory);
   }
-  /// The gradient at the parameters, then at the inputs.
+  /// The gradient with respect to the parameters, then to the inputs.
   std::vector<float> backward() {
     std::vector<float> gradient(parameters.size()), dx(x.size());
     gru.backward(transposed, x.data(), gru.inputs(), begins.data(), memory, dy.data(), gru.units(),
@@ -127,12 +127,13 @@ TEST(Gru, IsTheReferenceForAnySizes) {
           const float* row =
               subject.memory.outputs.data() + (s * size.steps + t) * subject.gru.state_stride();
           for (int u = 0; u < size.units; ++u) {
-            // States are below 1, and forget errors of float sums of up to 92 terms.
+            // States are below 1 and decaying: errors of float sums of up to 92 terms do not
+            // accumulate.
             ASSERT_NEAR(static_cast<double>(row[u]), wanted[s][t][u], 2e-6)
                 << name(isa) << " " << size.units << " units, step " << t;
           }
         }
-        // The states that are given back are those after the last step.
+        // The returned states are those after the last step.
         EXPECT_EQ(subject.state_of(s)[0],
                   static_cast<double>(subject.memory.outputs[static_cast<std::size_t>(
                       (s * size.steps + size.steps - 1) * subject.gru.state_stride())]));
@@ -174,7 +175,8 @@ TEST(Gru, HasTheGradientOfFiniteDifferences) {
   }
 }
 
-/// All that forward() and backward() give for a subject's sequences, in calls of `at_most` of them.
+/// All outputs of forward() and backward() for a subject's sequences, in calls of at most `at_most`
+/// of them.
 std::vector<float> everything(int inputs, int units, const Sequences& all, int at_most, Isa isa) {
   Subject subject(inputs, units, all, isa);
   std::vector<float> gradient(subject.parameters.size()), dx(subject.x.size()), result;
@@ -236,7 +238,7 @@ TEST(Gru, LeavesPaddingOfStatesAndGradientsAtZero) {
   }
 }
 
-/// Changes when the arithmetic does. Without the C library: all numbers are thirty-seconds.
+/// Changes with the arithmetic. Independent of the C library: all numbers are multiples of 1/32.
 TEST(Gru, HasItsGoldenHash) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {

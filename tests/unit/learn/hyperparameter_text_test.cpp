@@ -1,4 +1,4 @@
-// Hyper-parameters as they are written: every type, and what is refused.
+// Hyper-parameters as text: every type, and refused texts.
 #include "learn/hyperparameter_text.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What learners refuse before they begin, from C++.
+// Hyper-parameters that learners refuse before they start, from C++.
 #include "learn/hyperparameters.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(Hyperparameters, WithMoreLayersThanAPolicyFileHasAreRefused) {
             "layers with the last one");
 }
 
-/// What check() lets through can be read: the deepest policies with a memory and without.
+/// Policies of all sizes that check() accepts can be read: the deepest with and without a memory.
 TEST(Hyperparameters, OfTheDeepestNetworksGivePoliciesThatCanBeRead) {
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / "deepest_policy.h5";

@@ -17,7 +17,7 @@ inline std::vector<Isa> isas() {
   return result;
 }
 
-/// Those with fused multiply-add, which all give the same bits.
+/// The sets with fused multiply-add, which all give the same bits.
 inline std::vector<Isa> fused_isas() {
 #if SKYBODY_HAS_LEVELS
   std::vector<Isa> result = isas();
@@ -28,7 +28,7 @@ inline std::vector<Isa> fused_isas() {
 #endif
 }
 
-/// For a scope, what is made runs on this set.
+/// Objects made in its scope use this set.
 class ChosenIsa {
  public:
   explicit ChosenIsa(Isa isa) {

@@ -1,5 +1,5 @@
-// The oracle is a network in double, written index by index, whose gradient is checked in its turn
-// by finite differences.
+// The oracle is a network in double, written index by index. Finite differences check the oracle's
+// gradient.
 #include "learn/network/network.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ double slope(double x, Activation activation) {
   return 1.0;
 }
 
-/// What the oracle says of some rows: outputs, and gradients of sum(outputs * dy).
+/// The oracle's results for some rows: outputs, and gradients of sum(outputs * dy).
 struct Answer {
   Matrix y, dx;
   std::vector<PolicyLayer> gradient;
@@ -98,7 +98,7 @@ Matrix random_rows(int rows, int width, unsigned seed) {
   return result;
 }
 
-/// A network with its parameters and all that its calls fill.
+/// A network with its parameters and all buffers of its calls.
 struct Subject {
   Network network;
   std::vector<float> parameters, gradient;
@@ -135,7 +135,7 @@ struct Subject {
   }
 };
 
-/// Float sums of n terms of size s end within about sqrt(n) s 2^-24 of the true ones; 30 of these.
+/// Float sums of n terms of size s have errors of about sqrt(n) s 2^-24; 30 of these are allowed.
 void expect_near(const std::vector<float>& values, const Matrix& wanted, double scale,
                  const std::string& what) {
   const std::size_t width = wanted[0].size();
@@ -335,7 +335,7 @@ TEST(Network, RefusesLayersOfAnotherShape) {
   EXPECT_THROW(network.set_layers(other.layers(parameters), parameters), Error);
 }
 
-/// Changes when the arithmetic does: of networks, Adam or initial weights.
+/// Changes with the arithmetic of networks, Adam or initial weights.
 TEST(Network, HasTheGoldenHashAfterAFewUpdates) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {

@@ -29,7 +29,7 @@ TEST(Noise, HasTheMomentsAndTheDistributionOfAStandardNormal) {
   EXPECT_NEAR(sums[2] / kCount, 1.0, error * std::sqrt(2.0));
   EXPECT_NEAR(sums[3] / kCount, 0.0, error * std::sqrt(15.0));
   EXPECT_NEAR(sums[4] / kCount, 3.0, error * std::sqrt(96.0));
-  // Kolmogorov and Smirnov's distance, at a level of 1e-6.
+  // Kolmogorov-Smirnov distance, at a level of 1e-6.
   std::sort(values.begin(), values.end());
   double distance = 0.0;
   for (std::size_t i = 0; i < kCount; ++i) {

@@ -1,4 +1,5 @@
-// The networks of PPO: whatever changes their parameters leaves what backward() reads up to date.
+// The networks of PPO: after every change of parameters, the data that backward() reads are up to
+// date.
 #include "learn/ppo/ppo_networks.h"
 
 #include <gtest/gtest.h>

@@ -16,8 +16,8 @@ namespace skybody::learn {
 namespace {
 
 TEST(RunningMoments, OfAColumnThatHardlyChangesStayFinite) {
-  // The sums of a rollout, whose differences are from a mean of 0 still: rounding makes the
-  // variance of some of these constants negative by more than what is added to it.
+  // The sums of a rollout; differences are still taken from a mean of 0. For some of these
+  // constants, rounding makes the variance negative by more than the added regularisation.
   for (int k = 0; k < 1000; ++k) {
     const double value = 1e5 + 0.37 * k;
     double sum = 0.0, squares = 0.0;
@@ -63,7 +63,7 @@ TEST(Normalizer, ClipsAndAddsUpWhatItSaw) {
   EXPECT_THAT(squares, testing::ElementsAre(2.0, 2900.0));
 }
 
-/// Everything of a loss of few rows, in double and by the formulas alone.
+/// All results for a loss of few rows, in double and by the formulas only.
 struct LossCase {
   static constexpr int kRows = 9, kActions = 2, kStride = 16;
   std::vector<float> rows = std::vector<float>(kRows * kStride);
@@ -76,7 +76,7 @@ struct LossCase {
     std::normal_distribution<float> normal;
     for (float& x : rows) x = normal(random);
     for (float& x : outputs) x = 0.5f * normal(random);
-    // Log-probabilities near today's: ratios on both sides of the range and within it.
+    // Log-probabilities near the current ones: ratios below, inside and above the range.
     for (int r = 0; r < kRows; ++r) {
       const double now = log_probability(r, outputs_as_double(), log_std_as_double());
       rows[static_cast<std::size_t>(r * kStride + 2)] =
@@ -168,7 +168,7 @@ TEST(TaskThreads, RunsEachTaskOnceAndPassesOnWhatOneThrows) {
   };
   EXPECT_THROW(threads.run(8, bad), std::runtime_error);
   EXPECT_EQ(ended.load(), 8);
-  threads.run(2, [&](int, int) { ++ended; });  // it goes on
+  threads.run(2, [&](int, int) { ++ended; });  // it continues
   EXPECT_EQ(ended.load(), 10);
 }
 

@@ -1,4 +1,4 @@
-// The border between a driver and its slices, and what a slice computes.
+// The interface between a driver and its slices, and the results of a slice.
 #include "learn/ppo/ppo_slices.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ namespace {
 using test::small_options;
 using test::small_team;
 
-/// A driver, and slices that two others hold, as workers on two machines do.
+/// A driver, and slices held by two others, as by workers on two machines.
 class TwoWorkers {
  public:
   explicit TwoWorkers(const LearnerOptions& options)
@@ -54,7 +54,7 @@ class TwoWorkers {
   template <class Work>
   void each(Work&& work) {
     networks_.set(driver_.networks().policy_parameters(), driver_.networks().value_parameters());
-    work(second_);  // in whatever order
+    work(second_);  // in any order
     work(first_);
   }
   const PpoSlice& slice(int k) const { return k < 3 ? first_.slice(k) : second_.slice(k - 3); }
@@ -160,7 +160,7 @@ TEST(PpoSlices, ValueFunctionAloneSeesPrivilegedColumns) {
   EXPECT_EQ(workers.driver().networks().value().shape().inputs, 11);
   EXPECT_EQ(workers.driver().policy().observation_size, 5);
   EXPECT_EQ(workers.driver().policy().mean.size(), 5u);
-  // Normalized: of mean 0 and deviation 1 once statistics have settled, whatever their unit.
+  // Normalized: mean 0 and deviation 1 after the statistics have settled, for any unit.
   const PpoSlice::Rollout rollout = workers.slice(0).rollout();
   for (int column = 5; column < 11; ++column) {
     double largest = 0.0;
@@ -186,8 +186,8 @@ TEST(PpoSlices, RowsAreRobotsWhereThePolicyIsShared) {
               testing::ElementsAre(testing::ElementsAre(0, 1, 2), testing::ElementsAre(3, 4, 5)));
   EXPECT_THAT(setup.agents.action, testing::ElementsAre(testing::ElementsAre(0, 1, 2, 3),
                                                         testing::ElementsAre(4, 5, 6, 7)));
-  // Both robots begin at one height and see one target: before any statistics and but for noise
-  // their rewards differ by the factor that the task pays the second one.
+  // Both robots begin at one height with one target. Before any statistics, and except for noise,
+  // their rewards differ by the factor on the second robot's reward.
   const PpoSlice::Rollout rollout = workers.slice(0).rollout();
   EXPECT_EQ(rollout.rows_of_step, 4);
   EXPECT_NEAR(rollout.reward[1] / rollout.reward[0], 2.0f, 0.3f);

@@ -1,4 +1,4 @@
-// fast-ppo as a whole: whatever may change without changing what is learned, and what is refused.
+// fast-ppo as a whole: changes that must not affect the training result, and refused settings.
 #include "learn/ppo/ppo.h"
 
 #include <gmock/gmock.h>
@@ -80,7 +80,7 @@ std::uint64_t hash_of_hover(const Sizes& hidden, Isa isa) {
   return hash_after(options, 2);
 }
 
-/// A change of these is a change of what every seed learns: docs/golden_log.md says so.
+/// A change of these hashes changes the training result of every seed: docs/golden_log.md lists it.
 TEST(Ppo, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
   if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {
@@ -97,7 +97,7 @@ TEST(Ppo, GoesOnFromItsStateBitForBit) {
   for (int k = 0; k < 3; ++k) whole.iterate();
 
   Ppo resumed(options);
-  resumed.iterate();  // whatever it did before
+  resumed.iterate();  // after any history
   resumed.restore(state);
   EXPECT_EQ(resumed.steps(), 3 * 190);
   Report last;
@@ -141,7 +141,7 @@ TEST(Ppo, RefusesDamagedEnvironmentsOfAnySliceAndStaysAsItWas) {
     EXPECT_THROW(ppo.restore(state), Error);
   };
   std::vector<std::uint64_t> damaged = good.environments;
-  damaged.back() ^= 1;  // the last slice's checksum: those before it are good
+  damaged.back() ^= 1;  // the last slice's checksum: the preceding slices are valid
   refuses(damaged);
   damaged = good.environments;
   damaged.pop_back();

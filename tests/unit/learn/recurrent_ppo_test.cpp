@@ -1,4 +1,4 @@
-// fast-ppo with a policy that remembers: what it learns from is what it saw when it acted.
+// fast-ppo with a recurrent policy: an update sees the observations and memory of the rollout.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace skybody::learn {
 namespace {
 
-/// Episodes of 17 steps, rollouts of 12: they begin and end in the middle of one another.
+/// Episodes of 17 steps, rollouts of 12: each begins and ends in the middle of the other.
 LearnerOptions options(const Sizes& hidden = {32}) {
   LearnerOptions result;
   result.compiled = compile_scenario(
@@ -41,12 +41,12 @@ double loss_of(const Report& report, const std::string& name) {
   return std::nan("");
 }
 
-/// Before the first step of an update the policy is the one that drew: if it is shown the same
-/// observations with the same memory, the ratio of probabilities is one. Means are floats near 1,
-/// of which noise of deviation e^-1 makes logarithms: the divergence is of the order of 1e-13.
+/// Before the first step of an update the policy is the one that drew the actions. With the same
+/// observations and memory, the ratio of probabilities is one. Means are floats near 1, from which
+/// noise of deviation e^-1 makes logarithms: the divergence is of the order of 1e-13.
 TEST(RecurrentPpo, RecallsInTheUpdateWhatItRememberedWhenItActed) {
   LearnerOptions how = options();
-  how.hyper.minibatch = 12 * 20;  // one step an update
+  how.hyper.minibatch = 12 * 20;  // one step per update
   how.hyper.learning_rate = 1e-2;
   Ppo ppo(how);
   for (int iteration = 0; iteration < 6; ++iteration) {
@@ -87,7 +87,7 @@ TEST(RecurrentPpo, GoesOnFromItsStateBitForBit) {
   const LearnerState state = whole.state();
   for (int k = 0; k < 2; ++k) whole.iterate();
   Ppo resumed(options());
-  resumed.iterate();  // whatever it did before
+  resumed.iterate();  // after any history
   resumed.restore(state);
   for (int k = 0; k < 2; ++k) resumed.iterate();
   EXPECT_EQ(resumed.parameter_hash(), whole.parameter_hash());

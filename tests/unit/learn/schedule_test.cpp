@@ -1,4 +1,4 @@
-// How far a training is, and the step size there; distances that tasks tell.
+// Progress of a training and its step size; distances reported by tasks.
 #include "learn/common/schedule.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// A small scenario for learners' tests: two quadrotors in the air, whose speeds the actions are,
-// with columns of each, one of nobody's, and a privileged one.
+// A small scenario for learners' tests: two quadrotors in the air with rotor speeds as actions,
+// with columns of each robot, one shared column, and a privileged one.
 #pragma once
 
 #include <limits>
@@ -12,9 +12,8 @@
 
 namespace skybody::test {
 
-/// Each robot is to keep a height that is drawn for both; robot k is paid k + 1 times as much.
-/// @tparam kSpoils  episodes whose height is drawn below a quarter have a reward that is no number,
-///                  now and then
+/// Each robot must keep a random height, common to both; robot k is rewarded k + 1 times as much.
+/// @tparam kSpoils  episodes whose height is drawn below a quarter sometimes have a NaN reward
 template <bool kSpoils>
 class KeepHeight : public Task {
  public:
@@ -59,7 +58,7 @@ class KeepHeight : public Task {
   }
 };
 
-/// 40 ms a transition, at most 12 an episode.
+/// 40 ms per transition, at most 12 per episode.
 template <bool kSpoils = false>
 std::shared_ptr<const CompiledScenario> small_team() {
   InProcessFactory factory;
@@ -75,7 +74,7 @@ std::shared_ptr<const CompiledScenario> small_team() {
   return std::make_shared<CompiledScenario>(s, factory);
 }
 
-/// A quick learner on it: 19 environments, minibatches that divide nothing.
+/// A quick learner on it: 19 environments, minibatches that divide no row count evenly.
 inline learn::LearnerOptions small_options(std::shared_ptr<const CompiledScenario> compiled) {
   learn::LearnerOptions options;
   options.compiled = std::move(compiled);

@@ -1,5 +1,5 @@
 // The hand-written adjoint of a free robot's step against forward mode: the engine's own step on
-// dual numbers, which shares no code with the adjoint but the laws of the step itself.
+// dual numbers. The two share only the laws of the step.
 #include "core/physics/step/step_adjoint.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace skybody {
 
-/// Values with tangents of their own, one behind the other.
+/// Values, each followed by its tangent.
 template <>
 class LaneValues<Dual<double>> {
  public:
@@ -80,8 +80,8 @@ std::vector<Number> step(const StepPlan& plan, const std::vector<double>& params
           m.spin.z,     speeds[0],    speeds[1],    speeds[2],    speeds[3]};
 }
 
-/// A wild state and commands, some of them beyond what a rotor can do.
-/// @param spin  about how fast it turns [rad/s]
+/// A wild state and commands, some of them beyond a rotor's limits.
+/// @param spin  approximate spin [rad/s]
 std::vector<double> wild_inputs(std::mt19937_64& random, double spin) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> speed(300, 2200), command(-300, 2800);
@@ -96,8 +96,8 @@ std::vector<double> wild_inputs(std::mt19937_64& random, double spin) {
   return x;
 }
 
-/// Constants that no other test of the step leaves at zero: a centre of mass beside the axis,
-/// products of inertia, another mass, hubs that are no rectangle.
+/// Constants that other tests of the step leave at zero: a centre of mass beside the axis, products
+/// of inertia, another mass, hubs that form no rectangle.
 std::vector<double> odd_params(const World& world) {
   std::vector<double> params = world.layout.nominal_params();
   const auto body = static_cast<std::size_t>(world.layout.body_params[0]);
@@ -128,13 +128,13 @@ void expect_adjoint_is_transpose(const std::vector<double>& params, const World&
     inputs.push_back(wild_inputs(random, l % 4 == 0 ? 3.0 : spin));
     weights.emplace_back(kInputs, 0.0);
     for (std::size_t k = 0; k < kInputs; ++k) {
-      // Of rotors' speeds, which are a thousand times as large: of a like effect.
+      // Rotor speeds are a thousand times as large, so smaller weights give them a similar effect.
       weights[l][k] = k < 17 ? normal(random) * (k < 13 ? 1.0 : 1e-3) : 0.0;
       values[k * kGroupLanes + l] = inputs[l][k];
       adjoints[k * kGroupLanes + l] = weights[l][k];
     }
   }
-  const std::uint32_t served = 0x7fffffffu;  // the last lane is left out
+  const std::uint32_t served = 0x7fffffffu;  // the last lane is inactive
   adjoint.derive(all.data(), ~0u, derived);
   adjoint.pull_back(values.data(), all.data(), derived, served, adjoints.data());
   for (std::size_t l = 0; l < kGroupLanes; ++l) {
@@ -165,7 +165,7 @@ TEST(StepAdjoint, IsTheTransposeWithAnOddBodyAndOddRotors) {
   expect_adjoint_is_transpose(odd_params(compiled->world()), compiled->world());
 }
 
-// 60 to 40,000 rad/s at 1 ms: one part of torque-free motion, several, and more than there are.
+// 60 to 40,000 rad/s at 1 ms: one part of torque-free motion, several, and more than the maximum.
 TEST(StepAdjoint, IsTheTransposeWhereLanesSpinFast) {
   const auto compiled = load("hover_learn");
   for (const double spin : {60.0, 500.0, 40000.0}) {

@@ -22,7 +22,7 @@ std::shared_ptr<const CompiledScenario> load(const std::string& scenario,
   return compile_scenario(options);
 }
 
-/// 32 flights of a few transitions, with something to weigh at their end.
+/// 32 flights of a few transitions, with a weighted sum at their end.
 class Flights {
  public:
   explicit Flights(std::shared_ptr<const CompiledScenario> scenario, bool with_reward = true)
@@ -75,7 +75,7 @@ class Flights {
     return sum;
   }
 
-  /// Derivatives of either sum by all actions, as `chosen` lies.
+  /// Derivatives of either sum with respect to all actions, in the layout of `chosen`.
   std::vector<double> derivatives(bool of_motion) {
     adjoint.begin(state, ~0u);
     AlignedArray<double> adjoints(static_cast<std::size_t>(adjoint.rows() * kGroupLanes));
@@ -115,9 +115,9 @@ class Flights {
   std::vector<double> weights;
 };
 
-/// @param step  of the differences
-/// @param tolerance  relative to the largest derivative, as is
-/// @param kink       by how much differences to both sides are apart where there is none
+/// @param step       of the differences
+/// @param tolerance  relative to the largest derivative, as is `kink`
+/// @param kink       largest distance of one-sided differences at smooth points
 void expect_derivatives(const std::string& scenario, const std::vector<std::string>& overrides,
                         bool of_motion, float step, double tolerance, double kink) {
   const FpEnvironment guard;
@@ -156,7 +156,8 @@ void expect_derivatives(const std::string& scenario, const std::vector<std::stri
         const double width = static_cast<double>(step);
         const double right = (above[lane] - here[lane]) / width;
         const double left = (here[lane] - below[lane]) / width;
-        // A rotor that stops rising in between and falls: there is no derivative to compare with.
+        // A rotor that switches from speeding up to slowing down: there is no derivative to compare
+        // with.
         if (std::abs(right - left) > kink * largest) {
           ++kinks;
           continue;
@@ -171,7 +172,7 @@ void expect_derivatives(const std::string& scenario, const std::vector<std::stri
   EXPECT_LT(kinks, kSteps * flights.actions * kGroupLanes / 20);
 }
 
-// Differences of doubles: their own error, of the second order in a step of 2^-10.
+// Differences of doubles: their own error is of second order in a step of 2^-10.
 TEST(TransitionAdjoint, GivesDifferencesOfTheMotion) {
   expect_derivatives("hover_learn", {}, true, 0x1p-10f, 1e-5, 1e-3);
 }
@@ -179,13 +180,13 @@ TEST(TransitionAdjoint, GivesDifferencesOfTheMotionWithLongSteps) {
   expect_derivatives("hover_learn", {"stepping.dt=0.005", "stepping.action_repeat=4"}, true,
                      0x1p-10f, 1e-5, 1e-3);
 }
-// Rows are floats: differences of theirs are good to 1e-7 of values of about 10, over 2^-8.
+// Rows are floats: their differences have an error of 1e-7 of values of about 10, over 2^-8.
 TEST(TransitionAdjoint, GivesDifferencesOfObservationsAndReward) {
   expect_derivatives("hover_learn", {}, false, 0x1p-8f, 2e-3, 0.01);
 }
 
-/// Differences of doubles, as above; with effects a few lanes have kinks that are too small to be
-/// told from a curve, and half of such a kink is in the difference.
+/// Differences of doubles, as above. With effects a few lanes have kinks too small to distinguish
+/// from a curve, and the difference contains half of such a kink.
 void expect_motion(const std::string& scenario, const std::vector<std::string>& overrides) {
   expect_derivatives(scenario, overrides, true, 0x1p-10f, 1e-4, 1e-3);
 }
@@ -193,23 +194,21 @@ void expect_observations(const std::string& scenario, const std::vector<std::str
   expect_derivatives(scenario, overrides, false, 0x1p-8f, 6e-3, 0.012);
 }
 
-// --- other rules of integration
-// -------------------------------------------------------------------
+// --- other rules of integration ----------------------------------------------------------------
 
 TEST(TransitionAdjoint, GivesDifferencesOfEveryFixedRule) {
   expect_motion("hover_learn", {"stepping.integrator=rk4"});
   expect_motion("hover_learn", {"stepping.integrator=semi_implicit_euler"});
 }
 
-// --- effects
-// --------------------------------------------------------------------------------------
+// --- effects -----------------------------------------------------------------------------------
 
 TEST(TransitionAdjoint, GivesDifferencesInTurbulentAirWithDrag) {
   expect_motion("windy_hover", {});
   expect_observations("windy_hover", {});
 }
 
-/// Wind is asked for in every second step: what it held before counts in the others.
+/// Wind is computed in every second step; its held value applies in the others.
 TEST(TransitionAdjoint, GivesDifferencesOfEffectsWithPeriods) {
   expect_motion("windy_hover",
                 {"effects=[{plugin: wind, parameters: {velocity: [60, 0, 0], profile: power, "
@@ -238,24 +237,23 @@ TEST(TransitionAdjoint, GivesDifferencesWithMotors) {
                  "max_current: 200, voltage: 16}}]"});
 }
 
-// --- trees
-// ----------------------------------------------------------------------------------------
+// --- trees -------------------------------------------------------------------------------------
 
 TEST(TransitionAdjoint, GivesDifferencesOfAPayloadOnARod) {
   expect_motion("payload", {});
   expect_observations("payload", {});
 }
 
-/// Joints with drives, whose commands the policy gives.
+/// Joints with drives that the policy commands.
 TEST(TransitionAdjoint, GivesDifferencesOfAnArm) { expect_motion("arm", {"randomization=[]"}); }
 
-/// Arms that tilt, under controllers with feedback. Their allocation has many limits: half of the
-/// largest kink that is let through.
+/// Tilting arms under feedback controllers. Their allocation has many limits, so the tolerance is
+/// half of the largest kink accepted as smooth.
 TEST(TransitionAdjoint, GivesDifferencesOfTiltedRotors) {
   expect_derivatives("omav", {}, true, 0x1p-10f, 5e-4, 1e-3);
 }
 
-/// Rotors whose speeds change their signs. Longer steps, so that they have the time.
+/// Rotors whose speeds change sign; longer steps give them the time to do so.
 TEST(TransitionAdjoint, GivesDifferencesOfReversibleRotors) {
   const std::string rotors = SKYBODY_SOURCE_DIR "/tests/unit/learn/reversible_rotors.yaml";
   expect_derivatives("hover_learn", {"robots.quad.rotors=" + rotors, "stepping.action_repeat=20"},
@@ -274,8 +272,7 @@ TEST(TransitionAdjoint, NeedsOneDirectionForEachValueOfATree) {
             l.q.size + l.u.size + l.rotor_speed.size + l.rotor_command.size);
 }
 
-// --- what stays out
-// -------------------------------------------------------------------------------
+// --- exclusions --------------------------------------------------------------------------------
 
 void expect_refusal(const std::string& scenario, const std::vector<std::string>& overrides,
                     const std::string& word) {
@@ -297,8 +294,8 @@ TEST(TransitionAdjoint, RefusesByNameWhatHasNoDerivatives) {
   expect_refusal("arm", {}, "`draw`");
 }
 
-/// Observations of `hover` are the values themselves, but for four of the quaternion that meet in
-/// the heading; the controller hands on what it gets.
+/// Observations of `hover` are the values themselves, except the heading, which depends on all four
+/// of the quaternion; the controller passes its inputs on.
 TEST(TransitionAdjoint, AsksPluginsAsSeldomAsTheirDependencesAllow) {
   const FpEnvironment guard;
   Flights flights(load("hover_learn"), false);

@@ -1,4 +1,5 @@
-// The value function behind a horizon: its targets, what it learns, and its way into the gradient.
+// The value function at the end of a horizon: its targets, training, and contribution to the
+// gradient.
 #include "learn/gradient/value_function.h"
 
 #include <gtest/gtest.h>
@@ -26,8 +27,8 @@ Hyperparameters small() {
 
 double wave(int k) { return std::sin(1.3 * k + 0.2); }
 
-/// The sum that the recursion stands for: (1 - lambda) lambda^k of the return over k + 1
-/// transitions, and the rest of the weight for that over all.
+/// The sum that the recursion computes: (1 - lambda) lambda^k times the return over k + 1
+/// transitions, and the remaining weight times the return over all.
 double weighted_returns(const std::vector<double>& gain, const std::vector<double>& value,
                         std::size_t from, double discount, double lambda) {
   double sum = 0.0, gained = 0.0, weight = 1.0, discounted = 1.0;
@@ -53,8 +54,8 @@ TEST(ValueFunction, HasTargetsThatWeighReturnsOverEveryNumberOfTransitions) {
   }
 }
 
-/// Rows of a horizon in which lane 0 flies on, lane 1 is terminated after two transitions, lane 2
-/// is cut off after three; the others do not fly.
+/// Rows of a horizon. Lane 0 continues, lane 1 is terminated after two transitions, lane 2 is
+/// truncated after three; the others are inactive.
 struct Horizon {
   std::vector<float> observation = std::vector<float>(4 * kGroupLanes * kStride);
   std::vector<float> end = std::vector<float>(kGroupLanes * kStride);
@@ -75,7 +76,7 @@ struct Horizon {
   }
 };
 
-/// By the delayed copy, which is the critic itself as long as nothing was learned.
+/// Value by the delayed copy, which equals the critic before the first update.
 double value_of(const ValueFunction& function, const float* x) {
   NetworkActivations memory;
   float y = 0.0f;
@@ -114,7 +115,7 @@ TEST(ValueFunction, LearnsTowardsTheTargetsOfEachFlight) {
   EXPECT_NEAR(value.loss(), loss, 1e-5 * loss);  // floats
 }
 
-/// Many steps on the same rows: the loss falls far below what it was.
+/// Many steps on the same rows: the loss becomes much smaller.
 TEST(ValueFunction, FitsItsTargets) {
   Hyperparameters hyper = small();
   hyper.learning_rate = 1e-2;
@@ -151,13 +152,13 @@ TEST(ValueFunction, HasSlopesThatAreItsDifferences) {
       x = here - 0x1p-6f;
       const double below = value_of(function, &horizon.end[lane * kStride]);
       x = here;
-      // the second order of a difference over 2^-5, and floats
+      // second-order error of a difference over 2^-5, and floats
       EXPECT_NEAR(slopes[lane * kStride + k], (above - below) / 0x1p-5, 2e-3 * largest);
     }
   }
 }
 
-/// Flights of four transitions of which nothing counts but the value at their end.
+/// Flights of four transitions whose only return is the value at their end.
 class EndOfFlights : public ::testing::Test {
  protected:
   static constexpr int kEnvs = 8;
@@ -188,7 +189,7 @@ class EndOfFlights : public ::testing::Test {
     return h;
   }
 
-  /// Flies anew from the start; the slice then holds gradient and last observations.
+  /// Flies from the start again; the slice then holds gradient and last observations.
   void fly(GradientSlice& slice) {
     TransposedWeights transposed;
     network.transpose(parameters, transposed);
@@ -245,7 +246,7 @@ TEST_F(EndOfFlights, GivesThePolicyTheDifferencesOfTheValueThere) {
     parameters[k] = here - 0x1p-7f;
     const double below = objective();
     parameters[k] = here;
-    // Observations are floats; rotors that rise faster than they fall make kinks.
+    // Observations are floats; rotors that speed up faster than they slow down make kinks.
     EXPECT_NEAR(gradient[k], (above - below) / 0x1p-6, 0.03 * largest);
     ++compared;
   }

@@ -24,7 +24,7 @@ TEST(WeightAverage, IsThePlainMeanUntilItsWindowIsFull) {
   EXPECT_FLOAT_EQ(mean[1], 0.0f);
 }
 
-/// Of weights that rise by 1 an update, an exponential mean with share s lags (1 - s) / s behind.
+/// For weights that rise by 1 per update, an exponential mean with share s lags by (1 - s) / s.
 TEST(WeightAverage, LagsBehindByItsWindow) {
   WeightAverage average(kWeights, 100.0);
   for (int t = 0; t < 400; ++t) average.add(weights_at(t), 20.0);

@@ -10,7 +10,7 @@
 namespace skybody {
 namespace {
 
-/// A chain of one body behind every kind of joint, each turned and moved on its parent and body.
+/// A chain of one body on every kind of joint, with rotated and offset frames on parent and body.
 std::vector<TreeBody> chain_of_all_joints(int& q_count, int& u_count) {
   std::vector<TreeBody> tree;
   q_count = u_count = 0;
@@ -66,8 +66,8 @@ TEST(BodyAccelerations, AreTheDerivativeOfForwardKinematicsForEveryJoint) {
       const Vec3<double> linear = (b.velocity - a.velocity) / (2 * h);
       const Vec3<double> angular = (b.angular_velocity - a.angular_velocity) / (2 * h);
       // Central differences: h^2 / 6 times a third derivative of some 1e3 along the chain, and
-      // rounding of 1e-15 / h: both below 1e-7. Straight steps in q leave the motion's own curve by
-      // second order only, which central differences do not see.
+      // rounding of 1e-15 / h: both below 1e-7. Straight steps in q leave the curve of the motion
+      // only to second order, which central differences cancel.
       EXPECT_NEAR(norm(linear - found[i].linear), 0.0, 1e-6) << trial << " body " << i;
       EXPECT_NEAR(norm(angular - found[i].angular), 0.0, 1e-6) << trial << " body " << i;
     }

@@ -1,4 +1,5 @@
-// Physical constants as EnvParams: what is drawn for one environment moves it accordingly.
+// Physical constants as EnvParams: a value drawn for one environment changes its motion
+// accordingly.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +26,7 @@ TEST(Constants, DrawnGravityLetsABodyFallAccordingly) {
     bench.param("gravity[2]") = -1.62;
     ASSERT_TRUE(bench.run_seconds(2.0));
     EXPECT_NEAR(bench.state.u[2], -1.62 * 2.0, 1e-12);
-    // Semi-implicit Euler falls half a step longer: g t dt / 2.
+    // Semi-implicit Euler falls further by half a step: g t dt / 2.
     const bool is_euler = integrator == IntegratorChoice::kSemiImplicitEuler;
     EXPECT_NEAR(bench.state.q[2], 10.0 - 0.5 * 1.62 * 4.0, is_euler ? 1.63e-3 : 1e-12);
   }
@@ -71,7 +72,7 @@ TEST(Constants, DrawnFrictionStopsASlidingBodyAfterItsWay) {
   bench.state.u[0] = 2.0;
   ASSERT_TRUE(bench.run_seconds(3.0));
   EXPECT_NEAR(bench.state.u[0], 0.0, 1e-6);
-  // v^2 / (2 mu g), a little farther on the regularised last centimetres per second.
+  // v^2 / (2 mu g), slightly further by the regularisation below some centimetres per second.
   EXPECT_NEAR(bench.state.q[0], 4.0 / (2.0 * 0.3 * 9.81), 0.01);
 }
 
@@ -97,7 +98,7 @@ TEST(Constants, AJointHasThoseThatApplyToIt) {
       << "universal and ball joints have no spring";
 }
 
-/// Other gravity, springs and dampers than the scenario's; constants of 0 as well.
+/// Gravity, springs and dampers other than the scenario's; some constants are 0.
 void draw_constants(Random<double>& random, const World& world, std::vector<double>& params) {
   for (int k = 0; k < 3; ++k)
     params[world.layout.world_params + kGravity + k] = 5.0 * random.uniform();

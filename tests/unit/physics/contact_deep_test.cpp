@@ -1,5 +1,5 @@
-// Springs that a step cannot follow: what lies deep in something leaves no faster than the law
-// says, what falls rebounds as high, and what is thrown comes to rest.
+// Springs too stiff for the step. A deeply overlapping body leaves no faster than the contact law
+// allows, a falling body rebounds to the height of the law, and a thrown body comes to rest.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,8 +18,8 @@ constexpr double kEdge = 0.2;                            // of a cube [m]
 
 Scenario cube(double dt) { return world_of(solid(1.0, make_box(kEdge, kEdge, kEdge)), dt); }
 
-/// How fast a body leaves that came at a speed, without gravity: m v dv = -f dx of the law, by
-/// parts.
+/// Rebound speed of a body with this impact speed, without gravity: m v dv = -f dx of the law, in
+/// small parts.
 double rebound_of(double speed) {
   const double d = kDamping, wanted = speed / d - std::log1p(d * speed) / (d * d);
   double low = 0.0, high = 1.0 / d;
@@ -56,7 +56,7 @@ TEST_P(Deep, ReboundsAreTheLaws) {
   }
 }
 
-/// Nothing of a deep start is faster than the law says, at any time.
+/// No part of a deep start is ever faster than the law allows.
 TEST_P(Deep, CubesInTheGroundLeaveAtTheLawsSpeed) {
   for (const double depth : {0.009, 0.05, 1.0}) {
     for (const double tilt : {0.0, 0.4}) {
@@ -96,14 +96,14 @@ TEST_P(Deep, RobotsThatOverlapDoNotFlyApart) {
   }
 }
 
-/// A body of 1 kg on shapes in a ring about it.
+/// A body of 1 kg with shapes in a ring about it.
 struct Ring {
   const char* name;
   int count;
   double radius;  // of the ring [m]
   Shape shape;
   double height;   // from the body's centre to its lowest point [m]
-  double inertia;  // about x and y, twice of it about z [kg m^2]
+  double inertia;  // about x and y; twice as much about z [kg m^2]
 };
 
 const Ring kRings[] = {
@@ -113,8 +113,8 @@ const Ring kRings[] = {
     {"feet far from a small body", 4, 0.2, make_sphere(0.01), 0.01, 2e-4},
 };
 
-/// How far a ring may lie in the ground [m]. A small body on far feet has softer springs at 4 ms:
-/// it sinks in by 12 mm.
+/// Allowed depth of a ring in the ground [m]. A small body on distant feet has softer springs at 4
+/// ms: it sinks in by 12 mm.
 double sunk(const Ring& ring, double dt) {
   return ring.inertia < 1e-3 && dt > 3e-3 ? 0.015 : 0.003;
 }
@@ -130,7 +130,7 @@ Scenario world_with(const Ring& ring, double dt) {
   return world_of(std::move(model), dt);
 }
 
-/// Springs of many places act together: dampers and parts of the step are made for their sum.
+/// Springs of many contacts act together: dampers and parts of the step are chosen for their sum.
 TEST_P(Deep, BodiesOfManyPlacesLeaveTheGroundAtTheLawsSpeed) {
   for (const Ring& ring : kRings) {
     for (const double depth : {0.02, 0.3}) {
@@ -175,8 +175,8 @@ TEST_P(Deep, BodiesOfManyPlacesThatFallGainNoEnergyAndStayAboveTheGround) {
   }
 }
 
-/// A ring that is in the top of a wide box: one that stands still, or another robot.
-/// @param box  mass; 0: it stands still [kg]
+/// A ring in the top of a wide box, which is fixed or is another robot.
+/// @param box  mass [kg]; 0: fixed
 Scenario ring_in_a_box(const Ring& ring, double box, double depth, double dt) {
   const Pose pose{{0, 0, -0.15}, {1, 0, 0, 0}};
   const Vec3<double> size{0.8, 0.8, 0.3};
@@ -209,7 +209,7 @@ TEST_P(Deep, BodiesOfManyPlacesLeaveBoxesAndRobotsAtTheLawsSpeed) {
   }
 }
 
-/// Of so many places not all are kept: the pairs of balls and box are more than two lists of them.
+/// More contacts than the list keeps: the pairs of balls and box would fill more than two lists.
 TEST_P(Deep, ABodyOfMorePlacesThanAreKeptLeavesAtTheLawsSpeed) {
   const Ring ring{"small balls", kKeptPlaces + 60, 0.2, make_sphere(0.004), 0.004, 0.02};
   for (const double depth : {0.001, 0.006}) {
@@ -232,7 +232,7 @@ LaneState thrown(Random<double>& random, LaneState state) {
   return state;
 }
 
-/// All lanes lie still after a time.
+/// Tests that all lanes lie still after this time.
 void expect_rest(LaneTries& tries, double seconds, const std::string& name) {
   tries.begin();
   for (int i = 0; i * tries.world.scenario.stepping.dt < seconds; ++i) ASSERT_TRUE(tries.advance());
@@ -243,7 +243,7 @@ void expect_rest(LaneTries& tries, double seconds, const std::string& name) {
   }
 }
 
-/// A hundred and twenty-eight boxes, thrown.
+/// 128 boxes, thrown.
 TEST_P(Deep, BoxesThatAreThrownComeToRest) {
   for (std::uint64_t k = 0; k < 4; ++k) {
     Random<double> random{RandomKey{2026, 91}, k, 0, derive_stream("contact_deep_test")};
@@ -255,8 +255,8 @@ TEST_P(Deep, BoxesThatAreThrownComeToRest) {
   }
 }
 
-/// Likewise vehicles. A plate on its side rocks for half a minute, with any dt: so all are given
-/// one.
+/// The same for vehicles. A plate on its side rocks for half a minute with any dt, so every lane
+/// gets a minute.
 TEST_P(Deep, VehiclesThatAreThrownComeToRest) {
   for (const VehicleData& data : {qdrone2(), crazyflie()}) {
     for (std::uint64_t k = 0; k < 4; ++k) {

@@ -1,5 +1,5 @@
-// Friction in impacts: results converge as the step falls, and bristles give back no more than
-// sliding has put into them.
+// Friction in impacts: results converge with the step, and bristles release no more energy than
+// sliding has stored in them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace skybody::test {
 namespace {
 
-/// A ball or box that flies at the ground at a slant, bounces and slides.
+/// A ball or box that hits the ground obliquely, bounces and slides.
 LaneState fly(const Shape& shape, double dt, double seconds) {
   Scenario scenario = world_of(solid(1.0, shape), dt);
   const bool is_ball = shape.type == ShapeType::kSphere;
@@ -28,7 +28,7 @@ TEST(Friction, OfASlantedBounceConvergesAsTheStepFalls) {
       const LaneState end = fly(shape, dt, 0.35);
       return norm(load_vec3(end.q.data()) - load_vec3(exact.q.data()));
     };
-    // Of first order, since a contact begins and slips within a step: measured 4 mm of 400 mm.
+    // First order, since a contact begins and slips within a step: measured 4 mm of 400 mm.
     EXPECT_LT(error(1e-3), 8e-3) << static_cast<int>(shape.type);
     EXPECT_LT(error(1e-4), 1e-3) << static_cast<int>(shape.type);
     EXPECT_LT(error(2e-5), 2e-4) << static_cast<int>(shape.type);
@@ -36,8 +36,8 @@ TEST(Friction, OfASlantedBounceConvergesAsTheStepFalls) {
 }
 
 TEST(Friction, TurnsNoMoreThanItStops) {
-  // A ball without spin that hits the ground at a slant: what its lowest point had of speed may
-  // turn round, but not grow.
+  // A ball without spin hits the ground obliquely: its lowest point may reverse its tangential
+  // velocity, but not increase it.
   for (const double dt : {2e-3, 1e-3, 2e-4, 5e-5}) {
     Scenario scenario = world_of(solid(1.0, make_sphere(0.05)), dt);
     scenario.robots[0].pose.position = {0, 0, 0.2};

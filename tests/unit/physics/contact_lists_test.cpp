@@ -1,6 +1,8 @@
-// Lists of contact: bodies of so many shapes that the places where they touch do not fit into the
-// list that is kept between the passes of a part; and so many obstacles that it is kept how far
-// each lane is from them, and lanes are gathered from all over their group.
+// Contact lists at their limits:
+// - bodies with more contacts than the list between the passes of a part keeps
+// - so many obstacles that each lane's distance to them is cached, with lanes gathered from the
+//   whole
+//   group
 #include <gtest/gtest.h>
 
 #include "tests/unit/physics/contact_worlds.h"
@@ -48,7 +50,7 @@ TEST(ManyShapes, LieOnAnObstacleWithAllOfTheirCorners) {
   EXPECT_NEAR(carried(bench), 2.0 * 9.81, 1e-3);
 }
 
-/// A box that its body carries far beside its origin, among twelve posts.
+/// A box far from its body's origin, among twelve posts.
 Scenario among_posts() {
   Shape box = make_box(0.1, 0.08, 0.06);
   box.pose.position = {0.15, 0.02, -0.01};

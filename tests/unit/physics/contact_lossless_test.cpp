@@ -1,4 +1,4 @@
-// Bodies that bounce keep their energy without dissipation and friction.
+// Bouncing bodies keep their energy without dissipation and friction.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,10 +11,10 @@ namespace {
 
 class Lossless : public testing::TestWithParam<double> {};
 
-/// Sixty-four boxes, thrown, over 10 s of bounces. An error of an impact is of second order in a
-/// part's share of the spring's swing: (1/16)^2 / 24 = 0.016 % of what the spring holds, of either
-/// sign, and some tens of impacts add up as a random walk: 0.1 % is some 5 standard deviations of a
-/// box, 0.015 % as many of the mean.
+/// 64 boxes, thrown, over 10 s of bounces. The error of an impact is of second order in a part's
+/// share of the spring's period: (1/16)^2 / 24 = 0.016 % of the spring's energy, of either sign.
+/// Some tens of impacts add up as a random walk: 0.1 % is about 5 standard deviations of a box,
+/// 0.015 % is as many of the mean.
 TEST_P(Lossless, TumblingBoxesKeepTheirEnergy) {
   constexpr int kGroups = 2;
   constexpr double kSeconds = 10.0;
@@ -42,7 +42,7 @@ TEST_P(Lossless, TumblingBoxesKeepTheirEnergy) {
     after = before;
     for (int i = 0; i * GetParam() < kSeconds; ++i) {
       ASSERT_TRUE(tries.advance());
-      for (int lane = 0; lane < kGroupLanes; ++lane) {  // no spring holds any
+      for (int lane = 0; lane < kGroupLanes; ++lane) {  // no spring holds energy
         const auto place = static_cast<std::size_t>(lane);
         if (!tries.was_near(lane)) after[place] = energy_of(tries.body(lane), tries.world);
       }

@@ -1,4 +1,4 @@
-// What lies, leans and stands stays where it is.
+// Lying, leaning and standing bodies stay in place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace skybody::test {
 namespace {
 
-/// Runs for a minute. No body's origin may move by more than a distance.
+/// Runs for a minute; no body's origin may move by more than `most`.
 void expect_rest(Bench& bench, int bodies, double most) {
   const std::vector<double> rest = bench.state.q;
   for (int second = 1; second <= 60; ++second) {
@@ -44,9 +44,9 @@ TEST(Stack, OfThreeBoxesRestsForAMinute) {
   EXPECT_NEAR(force_from(bench, true).z, 3.0 * 9.81, 1e-3);
 }
 
-/// A QDrone2 whose rotors stand still, one side on the ground and the other on a vertical wall. A
-/// plate stays as long as tan(its angle) > (1 - mu^2) / (2 mu) = 0.53 with the friction mu = 0.6 at
-/// both ends: from 28 degrees.
+/// A QDrone2 with stopped rotors, one side on the ground and the other on a vertical wall. A plate
+/// stays if tan(its angle) > (1 - mu^2) / (2 mu) = 0.53 with the friction mu = 0.6 at both ends:
+/// from 28 degrees.
 class Leaning : public testing::TestWithParam<double> {};
 
 TEST_P(Leaning, AVehicleOnAWallRestsForAMinute) {
@@ -73,8 +73,9 @@ TEST_P(Leaning, AVehicleOnAWallRestsForAMinute) {
 
 INSTANTIATE_TEST_SUITE_P(Angles, Leaning, testing::Values(45.0, 60.0));
 
-/// A QDrone2 on its side, a face 50 mm wide and 0.35 m high: it turns easily about the edges that
-/// carry it, so that damping in line with the ground may not be what its mass alone would take.
+/// A QDrone2 on its side, a face 50 mm wide and 0.35 m high. It turns easily about its supporting
+/// edges, so the damping of contacts in line with the ground must be less than its mass alone would
+/// allow.
 class OnItsSide : public testing::TestWithParam<double> {};
 
 TEST_P(OnItsSide, AVehicleRestsForAMinute) {
@@ -94,7 +95,7 @@ TEST_P(OnItsSide, AVehicleRestsForAMinute) {
 
 INSTANTIATE_TEST_SUITE_P(Steps, OnItsSide, testing::Values(2.5e-4, 1e-3, 2e-3, 3e-3, 4e-3));
 
-/// A can that is set down upright with a turn rests on the eight points of its rim at once.
+/// A can set down upright with a spin rests on all eight points of its rim at once.
 class Upright : public testing::TestWithParam<double> {};
 
 TEST_P(Upright, ACanRestsForAMinute) {
@@ -110,8 +111,8 @@ TEST_P(Upright, ACanRestsForAMinute) {
 
 INSTANTIATE_TEST_SUITE_P(Steps, Upright, testing::Values(2.5e-4, 1e-3, 2e-3, 3e-3, 4e-3));
 
-/// On the corners of a post that is smaller, where no bristle holds: a plate that is set down with
-/// a turn, and a QDrone2 on its side. They creep by less than 1 mm a minute, and do not rattle.
+/// On the corners of a smaller post, where no bristle holds: a plate that is set down with a spin,
+/// and a QDrone2 on its side. They creep by less than 1 mm a minute, and do not rattle.
 class OnAPost : public testing::TestWithParam<double> {};
 
 TEST_P(OnAPost, WhatOverhangsLiesStill) {

@@ -1,4 +1,5 @@
-// Obstacles by their parameters, edges against edges, and collisions as the step falls.
+// Obstacles with changed parameters, edges against edges, and convergence of collisions with the
+// step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +11,7 @@
 namespace skybody::test {
 namespace {
 
-/// Where a ball that flies at 2 m/s along x is after half a second.
+/// Position after half a second of a ball that flies at 2 m/s along x.
 double flown_to(const std::string& path, double value) {
   Scenario scenario = world_of(solid(0.1, make_sphere(0.02)));
   switch_off_gravity_and_ground(scenario);
@@ -32,8 +33,8 @@ TEST(Obstacle, IsWhereItsParametersSay) {
   EXPECT_GT(flown_to("obstacles.wall.position[0]", 0.8), 0.6);
   EXPECT_NEAR(flown_to("obstacles.wall.size[1]", 0.5), flown_to("", 0.0), 1e-9);
   EXPECT_LT(flown_to("obstacles.wall.size[0]", 0.6), 0.19);
-  // A quarter of a turn about z, and the wall's narrow side looks at the ball: its corner is 0.5 m
-  // from its centre.
+  // After a quarter turn about z, the wall's narrow side faces the ball: its corner is 0.5 m from
+  // its centre.
   EXPECT_LT(flown_to("obstacles.wall.rotation[3]", 1.0), 0.1);
 }
 
@@ -55,7 +56,7 @@ TEST(Edges, CrossedRodsMeetBetweenTheirEnds) {
     RobotModel upper = solid(0.2, rod), lower = solid(0.2, rod);
     Scenario scenario = world_of(upper);
     switch_off_gravity_and_ground(scenario);
-    // The first lies along x, turned about its axis so that its edge looks at the other.
+    // The first lies along x, rotated about its axis so that its edge faces the other.
     scenario.robots[0].pose = {{0, 0, 0.05}, from_rpy(0.0, 0.5 * kPi, 0.25 * kPi)};
     add_robot(scenario, "s", lower, {{0, 0.1, 0}, from_rpy(0.5 * kPi, 0.0, 0.1)});
     Bench bench(scenario);
@@ -67,9 +68,9 @@ TEST(Edges, CrossedRodsMeetBetweenTheirEnds) {
   }
 }
 
-/// Two vehicles meet; how far a result is from that of a very fine step after 0.6 s [m]. At 1 m/s
-/// they graze each other once more 0.21 s later, which amplifies any difference 200 times: it is
-/// looked at before.
+/// Two vehicles collide; error of the result after 0.6 s against a very fine step [m]. At 1 m/s
+/// they graze each other again 0.21 s later, which amplifies any difference 200 times: the test
+/// ends before.
 class Collision : public testing::TestWithParam<double> {};
 
 TEST_P(Collision, EndsNearTheResultOfTheFinestStep) {
@@ -93,8 +94,9 @@ TEST_P(Collision, EndsNearTheResultOfTheFinestStep) {
     return most;
   };
   const std::vector<double> exact = fly(1.25e-5);
-  // Measured 0.1, 1.6 and 3.0 mm at 1, 2 and 5 m/s. From 2 to 0.5 ms it is the same where something
-  // is stopped plastically: steps are cut into parts of about one length then. Below it falls.
+  // Measured 0.1, 1.6 and 3.0 mm at 1, 2 and 5 m/s. From 2 to 0.5 ms the error is constant if a
+  // plastic stop occurs, because steps are then cut into parts of about one length. Below 0.5 ms it
+  // decreases.
   const double most = speed > 2.0 ? 5e-3 : speed > 1.0 ? 2.5e-3 : 5e-4;
   for (const double dt : {2e-3, 1e-3, 5e-4}) EXPECT_LT(apart(fly(dt), exact), most) << dt;
   EXPECT_LT(apart(fly(1e-4), exact), 0.8 * apart(fly(1e-3), exact));

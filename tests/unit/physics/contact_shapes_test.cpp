@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSunk = 0.001;  ///< ContactSettings::penetration
 
-/// A world without ground, with an obstacle in its place.
+/// A world without the ground, with an obstacle in its place.
 Scenario world_on(const Shape& ground, RobotModel model, const Pose& start, double dt = 1e-3) {
   Scenario scenario = world_of(std::move(model), dt);
   scenario.contact.ground = false;
@@ -45,7 +45,7 @@ TEST(Plane, IsTheGroundSomewhereElse) {
     on_plane.state.u[0] = on_ground.state.u[0] = 1.0;
     ASSERT_TRUE(on_plane.run_seconds(0.5));
     ASSERT_TRUE(on_ground.run_seconds(0.5));
-    // The same law in the same places; sums of roundings through some impacts.
+    // The same law at the same contacts; sums of roundings through some impacts.
     for (std::size_t k = 0; k < on_plane.state.q.size(); ++k) {
       EXPECT_NEAR(on_plane.state.q[k], on_ground.state.q[k], 1e-6) << static_cast<int>(shape.type);
     }
@@ -88,7 +88,7 @@ TEST(Endless, ATumblingBoxComesToRestOnIt) {
         world_on(floor, solid(1.0, make_box(0.3, 0.2, 0.1)), {{0, 0, 0.5}, random.quaternion()}));
     for (int axis = 0; axis < 3; ++axis) bench.state.u[3 + axis] = random.uniform(-8.0, 8.0);
     ASSERT_TRUE(bench.run_seconds(k % 3 == 2 ? 1.5 : 6.0));
-    // On the round back of a capsule it may rock on, and slide off at last.
+    // On the round back of a capsule it may rock and finally slide off.
     if (k % 3 != 2) {
       EXPECT_LT(norm(load_vec3(bench.state.u.data())), 0.01) << k;
     }
@@ -284,7 +284,7 @@ TEST(Rim, RollsAtOneHeight) {
       scenario.obstacles.push_back({"table", make_box(4.0, 4.0, 1.0)});
       scenario.obstacles[0].shape.pose.position.z = -0.5;
     }
-    // Upright it would stand on nine points of a rim; it lies on one of each.
+    // Upright it would stand on nine points of a rim; lying, it rests on one point of each rim.
     const double sunk = kSunk * std::pow(9.0 / 2.0, 2.0 / 3.0);
     scenario.robots[0].pose = {{0, 0, radius - sunk}, from_rpy(0.5 * kPi, 0.0, 0.0)};
     Bench bench(scenario);
@@ -296,7 +296,8 @@ TEST(Rim, RollsAtOneHeight) {
       low = std::fmin(low, bench.state.q[2]);
       high = std::fmax(high, bench.state.q[2]);
     }
-    // Eight points alone let it sink in by 8 mm. On a box fixed points carry, too, as they pass.
+    // With its eight rim points only, it would sink in by 8 mm. On a box fixed points also carry as
+    // they pass.
     EXPECT_GT(low, radius - sunk - (on_box ? 0.5 : 0.1) * kSunk) << on_box;
     EXPECT_LT(high - low, on_box ? 2.0 * kSunk : 0.01 * kSunk) << on_box;
     EXPECT_NEAR(bench.state.u[0], 0.5, on_box ? 0.05 : 0.001) << on_box;
@@ -399,8 +400,8 @@ TEST(Bounces, OfNewShapesNeverGainEnergy) {
     const double before = energy(bench);
     for (int i = 0; i < 600; ++i) {
       ASSERT_TRUE(bench.run(1));
-      // Free spin by the midpoint rule keeps it to 1e-5 of itself; normals of hills jump between
-      // their triangles.
+      // The midpoint rule keeps the energy of free spin to 1e-5 of itself; normals of hills jump
+      // between their triangles.
       ASSERT_LT(energy(bench), before * (1.0 + (other < 0.6 ? 1e-4 : 1e-2)))
           << "flight " << k << " step " << i << " shape " << static_cast<int>(shape.type)
           << " floor " << static_cast<int>(floor.type);

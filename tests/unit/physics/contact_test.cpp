@@ -1,4 +1,4 @@
-// Ground contact, robots and obstacles against each other.
+// Ground contact, and contact of robots and obstacles with each other.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -150,7 +150,7 @@ TEST(Robots, ContactDependsOnTheStateAlone) {
   model.bodies[0].collisions = {make_box(0.2, 0.2, 0.1), make_sphere(0.11)};
   Bench a(two_robots(model, model, {0.4, 0.01, 0.0})), b(two_robots(model, model, {0.4, 0.01, 0}));
   a.state.u[0] = 1.0;
-  ASSERT_TRUE(a.run(200));  // they have begun to touch at 0.18 s
+  ASSERT_TRUE(a.run(200));  // contact has begun at 0.18 s
   const LaneState saved = a.state;
   ASSERT_GT(saved.u[6], 0.0);
   ASSERT_TRUE(a.run(100));

@@ -1,5 +1,5 @@
-// Nothing passes a thin wall: balls and tumbling vehicles at up to 20 m/s, on its faces, its edges
-// and its corners. And bounces never gain energy.
+// Nothing passes a thin wall: balls and tumbling vehicles at up to 20 m/s, on its faces, edges and
+// corners. Bounces never increase the energy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,14 +13,14 @@
 namespace skybody::test {
 namespace {
 
-/// What a lane flies at: a box about the origin.
+/// A lane's target: a box about the origin.
 struct Wall {
   Vec3<double> half;
   Quat<double> rotation;
 
   Vec3<double> to_local(Vec3<double> p) const { return rotate(conjugate(rotation), p); }
   double distance(Vec3<double> p) const { return box_distance(half, to_local(p)).distance; }
-  /// Whether the straight line between two points goes through the wall.
+  /// Tests if the straight line between two points goes through the wall.
   bool cuts(Vec3<double> from, Vec3<double> to) const {
     const Vec3<double> p = to_local(from), way = to_local(to) - p;
     double first = 0.0, last = 1.0;
@@ -39,8 +39,8 @@ struct Wall {
   }
 };
 
-/// A wall of 1 to 10 cm and at least 20 cm wide, in any attitude, and a flight at its face, its
-/// edge or its corner.
+/// A wall of 1 to 10 cm and at least 20 cm wide, in any attitude, and a flight towards its face,
+/// edge or corner.
 struct Attempt {
   Wall wall;
   Vec3<double> start, velocity;
@@ -52,7 +52,7 @@ Attempt draw(Random<double>& random, int lane, double radius) {
   const double thickness = random.uniform(0.01, 0.1);
   const Vec3<double> half{0.5 * thickness, random.uniform(0.1, 0.6), random.uniform(0.1, 0.6)};
   attempt.wall = {half, random.quaternion()};
-  // 0: a face; 1: an edge of it; 2: a corner; 3: beside the edge, where half of it passes.
+  // 0: a face; 1: an edge of it; 2: a corner; 3: beside the edge, where half of the body passes.
   const int kind = lane % 4;
   Vec3<double> aim{half.x, random.uniform(-half.y, half.y), random.uniform(-half.z, half.z)};
   if (kind > 0) aim.y = half.y;
@@ -95,12 +95,12 @@ Scenario before_a_wall(RobotModel model, double dt) {
 
 double random_step(Random<double>& random) { return log_uniform(random, 1e-4, 2e-3); }
 
-/// A group of 32 tries, with one body and one step.
+/// A group of 32 attempts, with one body and one step.
 class Walls : public testing::TestWithParam<int> {
  protected:
   /// @param radius  of a sphere about the body
-  /// @param depth   depth(state, wall): how deep the body is in the wall [m]
-  /// @param give    give(wall): how deep it may get [m]
+  /// @param depth   depth(state, wall): depth of the body in the wall [m]
+  /// @param give    give(wall): largest allowed depth [m]
   template <class Depth, class Give>
   void fly(LaneTries& tries, Random<double>& random, double radius, double spin, const Depth& depth,
            const Give& give) {
@@ -156,14 +156,15 @@ TEST_P(Walls, NoBallPasses) {
     fly(
         tries, random, radius, 0.0,
         [&](const BodyState& b, const Wall& wall) { return radius - wall.distance(b.position); },
-        // A quarter of the thinner one's width (docs/contact.md), and what a part of a step adds.
+        // A quarter of the thinner one's width (docs/contact.md), plus the motion during a part of
+        // a step.
         [&](const Wall& wall) { return 1.02 * 0.5 * std::min(radius, wall.half.x); });
   }
   EXPECT_EQ(tries_, 96);
   EXPECT_GT(touched_, tries_);
 }
 
-/// How far two boxes overlap along the axis where they do least; negative: they are apart.
+/// Overlap of two boxes along the axis of least overlap; negative: distance.
 double overlap_of(const Mat3<double>& a, Vec3<double> half_a, const Mat3<double>& b,
                   Vec3<double> half_b, Vec3<double> apart) {
   const auto reach = [](const Mat3<double>& axes, Vec3<double> half, Vec3<double> n) {
@@ -197,8 +198,8 @@ TEST_P(Walls, NoTumblingVehiclePasses) {
           return overlap_of(to_mat3(b.rotation), half, to_mat3(wall.rotation), wall.half,
                             b.position);
         },
-        // What is stopped is stopped as if it had the mass of the body alone: a plate that tumbles
-        // about an edge gets on by turning. The most of these was 0.36 of the thinner one's width.
+        // The stop uses the body's mass without its inertia: a plate tumbling about an edge
+        // continues by rotation. The largest depth was 0.36 of the thinner one's width.
         [&](const Wall& wall) { return 0.45 * 2.0 * std::min(half.z, wall.half.x); });
   }
   EXPECT_EQ(tries_, 96);
@@ -207,8 +208,8 @@ TEST_P(Walls, NoTumblingVehiclePasses) {
 
 INSTANTIATE_TEST_SUITE_P(Groups, Walls, testing::Range(0, 8));
 
-/// Bodies that fly about in a walled yard with a table in it. Energy is compared before and after
-/// each bounce: between them a turn's own error is no bounce's.
+/// Bodies in a walled yard with a table. The test compares the energy before and after each bounce;
+/// between bounces the error is that of free rotation.
 class Bounces : public testing::TestWithParam<int> {};
 
 TEST_P(Bounces, NeverGainEnergy) {
@@ -257,7 +258,7 @@ TEST_P(Bounces, NeverGainEnergy) {
         }
         const double now = energy_of(tries.body(lane), tries.world);
         if (was_near[l]) {
-          // What a few steps of free spin add to it.
+          // Energy error of a few steps of free spin.
           ASSERT_LE(now, free[l] * (1.0 + 1e-4)) << "world " << k << " lane " << lane << ' ' << i;
           bounces += now < free[l] * (1.0 - 1e-3);
         }

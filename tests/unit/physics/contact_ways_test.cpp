@@ -1,4 +1,4 @@
-// Contact on tree and on Simbody: the same forces, and what both make of them.
+// Contact on tree and on Simbody: equal forces and equal results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ Shape random_obstacle(Random<double>& random) {
   return shape;
 }
 
-/// Two robots, the second with an arm or without, and an obstacle, crowded together.
+/// Two robots, the second with or without an arm, and an obstacle, crowded together.
 Scenario crowd(Random<double>& random, bool has_arm) {
   const Vec3<double> com = has_arm ? Vec3<double>{0.01, 0.02, -0.01} : Vec3<double>{0, 0, 0};
   RobotModel first = make_free_body(1.0, diagonal(0.01, 0.012, 0.015), com);
@@ -66,7 +66,7 @@ class ContactOnBothDynamics : public testing::TestWithParam<int> {};
 /// 100,000 states in all the blocks.
 TEST_P(ContactOnBothDynamics, GivesTheSameAccelerations) {
   int touching = 0;
-  std::set<std::pair<ShapeType, ShapeType>> kinds;  // of what is crowded together
+  std::set<std::pair<ShapeType, ShapeType>> kinds;  // of the crowded shapes
   for (std::uint64_t k = 0; k < 125; ++k) {
     Random<double> random{RandomKey{2026, 61}, k, static_cast<std::uint64_t>(GetParam()),
                           derive_stream("contact_ways_test")};
@@ -101,8 +101,8 @@ TEST_P(ContactOnBothDynamics, GivesTheSameAccelerations) {
 
 INSTANTIATE_TEST_SUITE_P(Blocks, ContactOnBothDynamics, testing::Range(0, 4));
 
-/// Bodies about their centres of mass: beside it, the velocity of the origin is what a step moves,
-/// and the momentum is right to second order in dt, as in free flight.
+/// The bodies' origins are their centres of mass. Otherwise a step moves the velocity of the
+/// origin, and the momentum is right only to second order in dt, as in free flight.
 TEST(Robots, KeepTheirMomentumInACollision) {
   for (std::uint64_t k = 0; k < 40; ++k) {
     Random<double> random{RandomKey{2026, 62}, k, 0, derive_stream("contact_ways_test")};

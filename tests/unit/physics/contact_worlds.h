@@ -1,4 +1,4 @@
-// Worlds of single solids for tests of contact, and groups of lanes that fly side by side.
+// Worlds of single bodies for tests of contact, and groups of lanes that fly side by side.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace skybody::test {
 
-/// A free body of one shape, filled evenly.
+/// A free body of one shape with uniform density.
 inline RobotModel solid(double mass, const Shape& shape) {
   SymMat3<double> inertia = diagonal(0, 0, 0);
   const Vec3<double>& s = shape.size;
@@ -68,13 +68,13 @@ inline void switch_off_gravity_and_ground(Scenario& scenario) {
   scenario.contact.ground = false;
 }
 
-/// Kinetic and gravitational, of a free body whose centre of mass is its origin [J].
+/// Kinetic and gravitational energy of a free body whose origin is its centre of mass [J].
 inline double energy_of(const BodyState& body, const World& world) {
   const MassProperties& m = world.bodies[0].model->mass;
   return kinetic_energy(body, m) - m.mass * dot(world.scenario.gravity(), body.position);
 }
 
-/// The same of all bodies of a bench.
+/// The energy of all bodies of a bench.
 inline double energy(const Bench& bench) {
   double sum = 0.0;
   for (std::size_t i = 0; i < bench.world.bodies.size(); ++i) {
@@ -94,11 +94,11 @@ class LaneTries {
   }
 
   void set(int lane, const LaneState& state) { group_.set(lane, state); }
-  /// To be called when all lanes are set.
+  /// Call it after all lanes are set.
   void begin() { group_.refresh(kAllLanes); }
-  /// One physics step. @returns whether all lanes came through
+  /// One physics step. @returns true if no lane failed
   bool advance() { return group_.advance(kAllLanes) == kAllLanes; }
-  /// Whether anything was near enough to touch in the last step.
+  /// True if any object was near enough to touch in the last step.
   bool was_near(int lane) const { return (group_.stepper->near() >> lane & 1u) != 0; }
   BodyState body(int lane) {
     const auto value = [&](Block Layout::*block, int k) {
@@ -113,7 +113,7 @@ class LaneTries {
         vector(&Layout::u, 0),
         vector(&Layout::u, 3)};
   }
-  /// Where a parameter is in LaneState::params.
+  /// Index of a parameter in LaneState::params.
   std::size_t place(const std::string& path) const {
     const int found = world.layout.find_param(path);
     if (found < 0) throw Error("no parameter " + path);

@@ -1,4 +1,4 @@
-// Worlds whose bodies hang together, built by hand.
+// Worlds with coupled bodies, built by hand.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ inline RobotUse make_robot(const std::string& name, RobotModel model, Vec3<doubl
   return use;
 }
 
-/// A body of a solid ball's inertia, without shapes.
+/// A body with the inertia of a ball, without shapes.
 inline RobotModel make_mass(double mass, double radius = 0.05) {
   const double inertia = 0.4 * mass * radius * radius;
   return make_free_body(mass, diagonal(inertia, inertia, inertia));
@@ -52,7 +52,7 @@ inline Scenario make_team(std::vector<RobotUse> robots, std::vector<Coupling> co
   return scenario;
 }
 
-/// Where the end of a coupling is, W.
+/// Position of an end of a coupling, W.
 inline Vec3<double> end_of(const Bench& bench, int coupling, int end) {
   const auto& at = bench.world.scenario.couplings[static_cast<std::size_t>(coupling)]
                        .ends[static_cast<std::size_t>(end)];

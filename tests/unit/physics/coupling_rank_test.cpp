@@ -1,5 +1,5 @@
-// Which rows of couplings count: those that say nothing new have no pivot but rounding, whatever
-// masses there are beside them.
+// Rank of the couplings' rows: redundant rows have a pivot of round-off only, for any masses of the
+// other bodies.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ Vec3<double> pull_of(const Bench& bench, std::size_t coupling) {
   return {-pull[0], -pull[1], -pull[2]};
 }
 
-/// At the far end of a light thing a unit force does 1e11 times what it does to a tonne.
+/// At the far end of a light body a unit force has 1e11 times its effect on a tonne.
 TEST(CouplingRank, HoldsATonneBesideTheFarEndOfAGram) {
   const RobotUse light = make_robot("light", make_mass(1e-3, 1e-3), {5, 0, 0}),
                  heavy = make_robot("heavy", make_mass(1e3, 0.5), {0, 0, 0});
@@ -52,8 +52,8 @@ TEST(CouplingRank, HoldsWhatALightLinkOfATonneIsTiedTo) {
   }
 }
 
-/// A closed planar linkage, anywhere in space: one of its point's three rows says nothing, in a
-/// direction that lies along no axis.
+/// A closed planar linkage, anywhere in space: one of its point's three rows is redundant, in a
+/// direction along no axis.
 TEST(CouplingRank, ClosesAPlanarLoopInAnyPlane) {
   const auto link = [](const std::string& name, int parent, double length, double mass, double at,
                        double angle) {
@@ -73,7 +73,7 @@ TEST(CouplingRank, ClosesAPlanarLoopInAnyPlane) {
     loop.bodies.push_back(link("coupler", 1, 0.5, mass(), 0.2, std::atan2(across, along)));
     loop.bodies.push_back(link("rocker", 0, 0.4, mass(), 0.5, std::atan2(across, along - 0.3)));
     RobotUse robot = make_robot("loop", loop, {0, 0, 0});
-    // The first planes lie all but along the axes.
+    // The first planes are almost parallel to the axes.
     const double tilt = k < 20 ? std::pow(10.0, -static_cast<double>(k)) : 3.0;
     robot.pose.rotation = from_axis_angle(random.unit_vector(), tilt);
     Bench bench(make_team({robot}, {make_coupling("pin", CouplingKind::kPoint, {0, 2, {0.5, 0, 0}},
@@ -83,7 +83,7 @@ TEST(CouplingRank, ClosesAPlanarLoopInAnyPlane) {
     for (int i = 0; i < 200; ++i) {
       ASSERT_TRUE(bench.run(1)) << k << ' ' << i;
       ASSERT_LT(distance_of(bench), 1e-9) << k << ' ' << i;
-      // Nothing pulls out of the plane: it falls as one.
+      // No force acts out of the plane: the linkage falls as one body.
       ASSERT_LT(norm(pull_of(bench, 0)), 1e5) << k << ' ' << i;
     }
   }
@@ -116,7 +116,7 @@ TEST(CouplingRank, IsTheSameHoweverOftenAThingIsSaid) {
   }
 }
 
-/// Links of a gram and of ten kilograms by turns: the top one carries all.
+/// Alternating links of a gram and of ten kilograms: the top one carries all.
 TEST(CouplingRank, CarriesAChainOfLightAndHeavyLinks) {
   constexpr int kLinks = 20;
   std::vector<RobotUse> robots;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr CouplingEnd kOrigin{-1, 0, {0, 0, 0}};
 
-/// A mass that hangs on the world's origin, a metre below or beside it.
+/// A mass coupled to the world's origin, a metre below or beside it.
 Scenario hanging(CouplingKind kind, Vec3<double> at,
                  IntegratorChoice integrator = IntegratorChoice::kMidpoint) {
   return make_team({make_robot("bob", make_mass(0.5), at)},
@@ -30,8 +30,8 @@ TEST(Rod, KeepsItsLengthAndTheEnergyOfASwing) {
     const double seconds = is_euler || integrator == IntegratorChoice::kCvode ? 5.0 : 60.0;
     for (int second = 0; second < seconds; ++second) {
       ASSERT_TRUE(bench.run_seconds(1.0));
-      ASSERT_NEAR(distance_of(bench), 1.0, 1e-9);  // what counts as no gap is 1e-10
-      // The bob falls by a metre: 4.9 J. Of first order: its own error.
+      ASSERT_NEAR(distance_of(bench), 1.0, 1e-9);  // gaps below 1e-10 count as closed
+      // The bob falls by a metre: 4.9 J. First order: the integrator's own error.
       const double most = is_euler ? 0.05 : 1e-3;
       ASSERT_NEAR(mechanical_energy(bench), before, most * 4.905) << static_cast<int>(integrator);
     }
@@ -51,7 +51,7 @@ TEST(Rod, PullsAsHardAsAMassIsHeavyAndTurns) {
   Bench bench(hanging(CouplingKind::kRod, {0, 0, -1}));
   bench.state.u[0] = 2.0;
   ASSERT_TRUE(bench.run(1));
-  // m (g + v^2 / l) on the first end, the world's; a step moves the bob by 2 mm.
+  // m (g + v^2 / l) on the first end, the world's; the bob moves by 2 mm per step.
   EXPECT_NEAR(bench.state.coupling_forces[2], -0.5 * (9.81 + 4.0), 1e-3);
   EXPECT_NEAR(bench.state.coupling_forces[0], 0.0, 0.05);
 }
@@ -70,7 +70,7 @@ TEST(Rod, OfTwoRobotsKeepsTheirMomentum) {
   ASSERT_TRUE(bench.run(5000));
   const Momentum after = momentum(bench);
   EXPECT_NEAR(norm(after.linear - before.linear), 0.0, 1e-11);
-  // The step is of second order: so is the angular part.
+  // The step is of second order, and so is the error of the angular part.
   EXPECT_NEAR(norm(after.angular - before.angular), 0.0, 1e-4);
   EXPECT_NEAR(mechanical_energy(bench), energy, 1e-3 * energy);
 }
@@ -99,11 +99,11 @@ TEST(Rope, CatchesWithoutALossOfMomentumNorAGainOfEnergy) {
       ASSERT_TRUE(bench.run(1));
       ASSERT_LE(distance_of(bench), 1.0 + 1e-9);
       const double now = mechanical_energy(bench);
-      ASSERT_LE(now, energy * (1.0 + 1e-7)) << k << ' ' << i;  // a turn's own error
+      ASSERT_LE(now, energy * (1.0 + 1e-7)) << k << ' ' << i;  // error of the rotation itself
       if (now < 0.999 * energy) {
         was_caught = true;
-        // Behind the catch the rest of the step is of second order: 3e-6 at most of these, and
-        // above 1e-6 in one of twenty.
+        // After the impact the rest of the step is of second order: at most 3e-6, and above 1e-6 in
+        // one of twenty.
         ASSERT_LT(norm(momentum(bench).angular - turning), 1e-5 * norm(turning)) << k << ' ' << i;
       }
       energy = now;
@@ -132,8 +132,8 @@ TEST(Rope, IsSlackUntilItIsLongEnoughAndNeverPushes) {
   EXPECT_EQ(bench.state.coupling_forces[2], 0.0);
 }
 
-/// Thrown on a circle with less than it takes at the top, a bob leaves the circle where the rope
-/// would have to push: cos(angle from the top) = (v0^2 - 2 g l) / (3 g l), v0 the speed below.
+/// A bob thrown on a circle, too slow for the top, leaves the circle where the rope would have to
+/// push: cos(angle from the top) = (v0^2 - 2 g l) / (3 g l), v0 the speed below.
 TEST(Rope, LetsGoOnACircleWhereItWouldHaveToPush) {
   Bench bench(hanging(CouplingKind::kRope, {0, 0, -1}));
   const double speed = std::sqrt(3.5 * 9.81);
@@ -145,7 +145,8 @@ TEST(Rope, LetsGoOnACircleWhereItWouldHaveToPush) {
     ASSERT_TRUE(bench.run(1));
     height = bench.state.bodies[0].position.z;
   }
-  EXPECT_NEAR(height, (speed * speed - 2.0 * 9.81) / (3.0 * 9.81), 2e-3);  // a step goes 2 mm
+  EXPECT_NEAR(height, (speed * speed - 2.0 * 9.81) / (3.0 * 9.81),
+              2e-3);  // the bob moves by 2 mm per step
 }
 
 TEST(Point, HoldsAThingAsABallJointDoes) {
@@ -170,7 +171,7 @@ TEST(Point, HoldsAThingAsABallJointDoes) {
 }
 
 /// A crank of 0.2 m on the world drives, by a coupler of 0.5 m, a rocker of 0.4 m whose joint is
-/// 0.5 m away: the loop's closed form says where the rocker is for every angle of the crank.
+/// 0.5 m away. The loop's closed form gives the rocker's angle for every angle of the crank.
 TEST(Point, ClosesAFourBarLinkage) {
   const auto link = [](const std::string& name, int parent, double length, Vec3<double> at,
                        double angle) {
@@ -252,8 +253,8 @@ TEST(Coupling, ThatIsSaidTwiceChangesNothing) {
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a.state.u[i], b.state.u[i], 1e-7);
 }
 
-/// A chain from the world: a point, then a rod, swinging. Said once, and twice: then four of the
-/// eight rows follow from the others.
+/// A swinging chain from the world: a point, then a rod. Each coupling is declared once, and in a
+/// second run twice: then four of the eight rows are redundant.
 TEST(Coupling, DoesNotDriftInAHundredThousandSteps) {
   for (const bool is_doubled : {false, true}) {
     std::vector<Coupling> couplings{
@@ -271,7 +272,7 @@ TEST(Coupling, DoesNotDriftInAHundredThousandSteps) {
       ASSERT_TRUE(bench.run(100));
       for (std::size_t c = 0; c < couplings.size(); ++c) {
         const double wanted = c % 2 == 0 ? 0.0 : length;
-        // Gaps are closed to 1e-10 m after each step; the bar is 1e-6 m.
+        // Gaps are closed to 1e-10 m after each step; the project's limit is 1e-6 m.
         ASSERT_NEAR(distance_of(bench, static_cast<int>(c)), wanted, 1e-9) << i << ' ' << c;
       }
     }
@@ -292,9 +293,9 @@ TEST(Coupling, BringsDrawnStartsTogetherOrFailsThere) {
   EXPECT_NEAR(distance_of(bench), 1.0, 1e-9);
   const std::vector<double> q = bench.state.q, u = bench.state.u;
   bench.stepper->update_bodies(bench.state);
-  EXPECT_EQ(bench.state.q, q);  // what is together stays as it is
+  EXPECT_EQ(bench.state.q, q);  // closed couplings do not change
   EXPECT_EQ(bench.state.u, u);
-  // Two rods to the world that no place fulfils.
+  // Two rods to the world that no position satisfies.
   Bench torn(
       make_team({make_robot("bob", make_mass(0.5), {0, 0, 0})},
                 {make_coupling("a", CouplingKind::kRod, {0, 0, {0, 0, 0}}, {-1, 0, {1, 0, 0}}),
@@ -318,7 +319,7 @@ TEST(Coupling, IsRefusedWhereItsEndsAreElsewhere) {
   EXPECT_NO_THROW(fitted(CouplingKind::kSpring, 0.5, {0, 0, 1}));
 }
 
-/// A load below a vehicle-like mass that is held up by its rope's other end, the world.
+/// The robot with a ball as its collision shape.
 RobotUse with_ball(RobotUse use, double radius) {
   use.model.bodies[0].collisions = {make_sphere(radius)};
   return use;
@@ -333,13 +334,13 @@ TEST(Rope, GoesSlackWhereItsLoadIsSetDown) {
   scenario.contact.ground = true;
   Bench bench(scenario);
   ASSERT_TRUE(bench.run_seconds(0.6));
-  EXPECT_NEAR(bench.state.bodies[1].position.z, 0.1, 0.01);  // it lies
-  EXPECT_LT(distance_of(bench), 0.9);                        // the upper one falls on
+  EXPECT_NEAR(bench.state.bodies[1].position.z, 0.1, 0.01);  // it lies on the ground
+  EXPECT_LT(distance_of(bench), 0.9);                        // the upper one continues to fall
   EXPECT_EQ(bench.state.coupling_forces[2], 0.0);
 }
 
 TEST(Rod, DragsWhatHangsOnItWhereItIsHit) {
-  // Two masses on a rod fly at a wall, one behind the other: the second pushes the first.
+  // Two masses on a rod fly towards a wall, one behind the other: the second pushes the first.
   const auto fly = [](bool is_coupled) {
     Scenario scenario =
         make_team({with_ball(make_robot("first", make_mass(1.0, 0.1), {0, 0, 1}), 0.1),
@@ -358,7 +359,7 @@ TEST(Rod, DragsWhatHangsOnItWhereItIsHit) {
   const auto alone = fly(false), coupled = fly(true);
   EXPECT_LT(alone->state.u[0], 0.0);
   EXPECT_NEAR(alone->state.u[6], 2.0, 1e-12);
-  EXPECT_NEAR(coupled->state.u[0], coupled->state.u[6], 1e-9);  // they turn back together
+  EXPECT_NEAR(coupled->state.u[0], coupled->state.u[6], 1e-9);  // they rebound together
   EXPECT_LT(coupled->state.u[6], 0.0);
   EXPECT_NEAR(distance_of(*coupled), 1.0, 1e-9);
 }

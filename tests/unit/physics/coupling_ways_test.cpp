@@ -1,4 +1,4 @@
-// Couplings on the tree's algorithms and on Simbody's own constraints, and in packs.
+// Couplings by the tree's algorithms and by Simbody's own constraints, and in packs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ CouplingEnd random_end(Random<double>& random, const std::vector<RobotUse>& robo
           in_cube(random, 0.5)};
 }
 
-/// Two random trees that are joined to each other and to the world by two to four couplings.
+/// Two random trees with two to four couplings to each other and to the world.
 Scenario joined_trees(Random<double>& random) {
   std::vector<RobotUse> robots;
   for (const char* name : {"a", "b"}) robots.push_back(make_robot(name, random_tree(random), {}));
@@ -44,7 +44,7 @@ Scenario joined_trees(Random<double>& random) {
   return scenario;
 }
 
-/// Rods and ropes as long as their ends are apart.
+/// Sets the lengths of rods and ropes to the distances of their ends.
 void fit_lengths(Bench& bench) {
   bench.stepper->update_bodies(bench.state);
   for (std::size_t i = 0; i < bench.world.scenario.couplings.size(); ++i) {
@@ -54,7 +54,7 @@ void fit_lengths(Bench& bench) {
   }
 }
 
-/// A length no rod has: update_bodies() must not move anything before lengths are fitted.
+/// A length of no rod: update_bodies() must not move anything before lengths are fitted.
 void part_all(Bench& bench, double present) {
   for (const Coupling& coupling : bench.world.scenario.couplings) {
     bench.param("couplings." + coupling.name + ".present") = present;
@@ -74,7 +74,8 @@ TEST_P(CouplingsOnBothDynamicsInBlocks, GiveTheSameAccelerations) {
     std::vector<double> by_tree(bench.state.u.size()), by_simbody(bench.state.u.size()), place;
     for (int i = 0; i < 250; ++i) {
       random_state(random, bench.world, bench.state.q, bench.state.u);
-      // Other lengths make Simbody build its system anew: several motions of each place.
+      // A change of lengths makes Simbody rebuild its system, so each configuration gets several
+      // motions.
       if (i % 10 == 0) {
         part_all(bench, 0.0);
         fit_lengths(bench);
@@ -92,8 +93,8 @@ TEST_P(CouplingsOnBothDynamicsInBlocks, GiveTheSameAccelerations) {
       for (std::size_t n = 0; n < by_tree.size(); ++n) {
         apart = std::fmax(apart, std::fabs(by_tree[n] - by_simbody[n]) / scale);
       }
-      // Masses of 10 g to 50 kg on couplings that all but say the same: what is nearly singular
-      // multiplies rounding in both.
+      // Masses of 10 g to 50 kg on almost redundant couplings: the nearly singular system amplifies
+      // rounding in both.
       ASSERT_LT(apart, 1e-3) << k << ' ' << i;
       nearly_singular += apart > 1e-7;
     }
@@ -120,10 +121,11 @@ TEST(CouplingsOnBothDynamics, FlyTheSameWay) {
     for (int i = 0; i < 20 && through; ++i) {
       through = bench.stepper->advance(bench.state) && simbody->advance(other);
     }
-    if (!through || largest(other.u) > 30.0) continue;  // quick ones part on any rounding
+    if (!through || largest(other.u) > 30.0) continue;  // rounding separates fast motions
     ++compared;
     for (std::size_t n = 0; n < other.u.size(); ++n) {
-      // What a step's gaps of a micron are shared out by: Simbody counts coordinates, ours masses.
+      // Each step distributes gaps of a micron: Simbody weights coordinates equally, ours weights
+      // by mass.
       ASSERT_NEAR(bench.state.u[n], other.u[n], 2e-3) << k << ' ' << n;
     }
   }
@@ -151,8 +153,8 @@ TEST(CouplingsInPacks, HaveTheBitsOfOneAlone) {
   }
 }
 
-/// Two teams that know nothing of each other: in some lanes one touches the ground, in some the
-/// other, in some none.
+/// Two independent teams: in some lanes the first touches the ground, in some the second, in some
+/// none.
 TEST(CouplingsInPacks, OfSeveralTeamsHaveTheBitsOfOneAloneInContact) {
   std::vector<RobotUse> robots;
   for (const char* name : {"a", "b", "c", "d"}) {

@@ -1,5 +1,5 @@
-// Bodies that spin fast keep their energy and angular momentum, whatever the step, and get none
-// from what they touch.
+// Fast spinning bodies keep their energy and angular momentum at any step size, and gain none by
+// contact.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -65,9 +65,9 @@ TEST(FastSpin, KeepsTheEnergyOfAMinute) {
         const double gain = energy(bench) / before - 1.0;
         std::printf("  %.1e", gain);
         const bool is_fast = speed * speed > fast_spin_square(dt);
-        // Torque-free motion keeps both but for rounding, 1e-16 in each of up to 3e6 parts, up to
-        // 450 times that for the stick's small moment. The explicit rule, below fast_spin_square,
-        // gains 1 % at most by its own bound.
+        // Torque-free motion keeps both up to rounding: 1e-16 in each of up to 3e6 parts, and up to
+        // 450 times as much for the stick's small moment. The explicit rule, below
+        // fast_spin_square, gains at most 1 % by its own bound.
         EXPECT_NEAR(gain, 0.0, is_fast ? 1e-9 : 0.01) << s.name << ", " << speed << ", " << dt;
         if (!is_fast) continue;
         const Vec3<double> drift =
@@ -90,14 +90,14 @@ TEST(FastSpin, KeepsTheEnergyWithSemiImplicitEulerAndOnSimbody) {
         set_spin(*bench, s.spin, 100.0);
         const double before = energy(*bench);
         ASSERT_TRUE(bench->run_seconds(5.0));
-        // Simbody's accelerations have the rounding of its own inertia about the origin.
+        // Simbody's accelerations round the inertia about the origin.
         EXPECT_NEAR(energy(*bench) / before, 1.0, 1e-8) << s.name << ", " << dt;
       }
     }
   }
 }
 
-/// Attitude and spin after a second under gravity with rotors that run.
+/// Attitude and spin after a second under gravity with running rotors.
 std::array<double, 7> fly(IntegratorChoice integrator, double dt, double speed) {
   VehicleData data = qdrone2();
   RobotModel model = make_vehicle(data);
@@ -125,18 +125,18 @@ double distance(const std::array<double, 7>& a, const std::array<double, 7>& b) 
 TEST(FastSpin, ConvergesWithSecondOrder) {
   for (const double speed : {30.0, 100.0}) {
     const auto exact = fly(IntegratorChoice::kRk4, 1e-5, speed);
-    const double dt = 0.04 / speed;  // fast, and one part a half step
+    const double dt = 0.04 / speed;  // fast, and one part per half step
     const double steps = std::lround(0.5 / dt);
     const double coarse = distance(fly(IntegratorChoice::kMidpoint, 0.5 / steps, speed), exact);
     const double fine = distance(fly(IntegratorChoice::kMidpoint, 0.25 / steps, speed), exact);
     EXPECT_LT(coarse, 0.1);
-    // A fourth; what is left of third order is a tenth of it.
+    // A quarter; the remaining third-order term is a tenth of it.
     EXPECT_NEAR(coarse / fine, 4.0, 0.6) << speed;
   }
 }
 
 TEST(FastSpin, IsThatOfTheTreeAlgorithms) {
-  // A second robot with a joint keeps the world from the free robots' own step.
+  // A second robot with a joint makes the world use the general step for the free robot.
   for (const double dt : kSteps) {
     for (const Spinner& s : spinners()) {
       Scenario alone = make_scenario(s.model, IntegratorChoice::kMidpoint, dt);
@@ -152,7 +152,7 @@ TEST(FastSpin, IsThatOfTheTreeAlgorithms) {
       set_spin(free, s.spin, 300.0);
       set_spin(tree, s.spin, 300.0);
       ASSERT_TRUE(free.run(200) && tree.run(200));
-      // Roundings of other sums, which the tumbling of 200 steps makes a thousand times as large.
+      // Roundings of different sums, amplified a thousand times by the tumbling of 200 steps.
       for (std::size_t k = 0; k < 7; ++k) {
         EXPECT_NEAR(free.state.q[k], tree.state.q[k], 1e-9) << s.name;
       }
@@ -179,8 +179,8 @@ TEST(FastSpin, ARobotWithAnArmKeepsItsEnergy) {
         ASSERT_TRUE(bench.run(1));
         most = std::fmax(most, std::fabs(energy(bench) / before - 1.0));
       }
-      // Rigid: but for rounding. An arm that whirls: an integration in parts of 0.015 rad, to and
-      // fro.
+      // Rigid: up to rounding. A whirling arm: the error of integration in parts of 0.015 rad, with
+      // changing sign.
       EXPECT_LT(most, joint == JointType::kWeld ? 1e-11 : 2e-4)
           << static_cast<int>(joint) << ", " << dt;
     }
@@ -200,7 +200,7 @@ double energy_change(const RobotModel& model, double dt, double speed, int secon
   return most;
 }
 
-// An arm that swings freely about a hinge, as the base tumbles.
+// An arm that swings freely about a hinge while the base tumbles.
 TEST(FastSpin, AHingedArmKeepsTheEnergyOfAMinute) {
   for (const double mass : {0.3, 0.01}) {
     RobotModel model = make_free_body(1.0, diagonal(0.01, 0.012, 0.02));
@@ -216,7 +216,7 @@ TEST(FastSpin, AHingedArmKeepsTheEnergyOfAMinute) {
   }
 }
 
-/// A chain of links of 50 g at hinges whose axes cross, or at universal joints.
+/// A chain of links of 50 g with crossed hinges or universal joints.
 RobotModel chain(JointType joint, int links) {
   const bool has_hinges = joint == JointType::kPin;
   const Vec3<double> along = has_hinges ? Vec3<double>{0.1, 0.0, 0.0} : Vec3<double>{0.0, 0.0, 0.1};
@@ -298,8 +298,8 @@ TEST(FastSpin, SticksThrownAtAWallGainNothing) {
       bench.state.u[0] = speed;
       const double before = energy(bench);
       ASSERT_TRUE(bench.run_seconds(1.0)) << k << ", " << dt;
-      // Springs hold energy while they touch, and give back no more than they got; 1e-4 is what an
-      // explicit contact of some parts may be wrong by.
+      // Springs store energy during contact and never release more than they stored; the error of
+      // an explicit contact of several parts is 1e-4.
       EXPECT_LT(energy(bench), 1.0001 * before) << k << ", " << dt;
     }
   }

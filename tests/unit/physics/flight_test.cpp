@@ -35,7 +35,7 @@ TEST(FreeFall, MidpointAndRk4AreExact) {
     Bench bench(make_scenario(make_free_body(1.5, diagonal(0.01, 0.02, 0.025)), integrator, 0.01));
     bench.state.q[2] = 100.0;
     ASSERT_TRUE(bench.run(100));
-    // A parabola is integrated exactly but for rounding.
+    // The integration of a parabola is exact up to rounding.
     EXPECT_NEAR(bench.state.q[2], 100.0 - 0.5 * 9.81, 1e-11);
     EXPECT_NEAR(bench.state.bodies[0].position.z, bench.state.q[2], 0.0);
   }
@@ -50,7 +50,7 @@ TEST(FreeSpin, MidpointKeepsTheEnergyOfAMinute) {
   bench.stepper->update_bodies(bench.state);
   const double energy = kinetic_energy(bench.state.bodies[0], model.bodies[0].mass);
   ASSERT_TRUE(bench.run_seconds(60.0));
-  // Of third order in the step: 6e-7 with the same rule in NumPy.
+  // Third order in the step: 6e-7 by the same rule in NumPy.
   EXPECT_NEAR(kinetic_energy(bench.state.bodies[0], model.bodies[0].mass) / energy, 1.0, 1e-6);
 }
 
@@ -122,7 +122,7 @@ TEST(AsymmetricTop, SemiImplicitEulerConvergesWithFirstOrder) {
   const std::vector<double> exact = tumble(kRk4, 5e-4);
   const double coarse = distance(tumble(kEuler, 2e-3), exact);
   const double fine = distance(tumble(kEuler, 1e-3), exact);
-  // Halving dt halves the error up to the second-order term.
+  // Half of dt gives half of the error up to the second-order term.
   EXPECT_NEAR(coarse / fine, 2.0, 0.1);
 }
 
@@ -135,7 +135,8 @@ TEST(Hover, SpeedFromThrustConstantAndMassBalancesGravity) {
     EXPECT_NEAR(bench.state.rotor_speed[0], std::sqrt(data.mass * 9.81 / (data.rotors * data.kf)),
                 1e-9);
     ASSERT_TRUE(bench.run(1000));
-    // One ulp of g as a residual gives 1e-15 m; rounding over 1000 steps some hundred times that.
+    // One ulp of g as a residual gives 1e-15 m; rounding over 1000 steps is some hundred times as
+    // large.
     EXPECT_NEAR(bench.state.q[2], 5.0, 1e-11);
     EXPECT_NEAR(norm(bench.state.bodies[0].angular_velocity), 0.0, 1e-10);
   }
@@ -150,7 +151,7 @@ TEST(RotorLag, FollowsTheExponentialUpAndDownAtAnyStep) {
     bench.state.q[2] = 50.0;
     ASSERT_TRUE(bench.run(n));
     const double t = n * dt;
-    // The closed form composes exactly; 20 roundings of 1e-13 at 1000 rad/s.
+    // The closed form is exact over several steps; 20 roundings of 1e-13 at 1000 rad/s.
     EXPECT_NEAR(bench.state.rotor_speed[0], 1500 - 1000 * std::exp(-t / 0.0125), 1e-10);
     EXPECT_NEAR(bench.state.rotor_speed[1], 100 + 400 * std::exp(-t / 0.025), 1e-10);
     EXPECT_EQ(bench.state.rotor_speed[2], 500.0);
@@ -259,7 +260,7 @@ TEST(Rotor, SpinUpHandsItsAngularMomentumToTheBody) {
       bench.state.q[2] = 10.0;
       bench.state.rotor_command[0] = 1000.0;
       ASSERT_TRUE(bench.run(30));
-      // Total angular momentum about z stays zero, whatever the time constant.
+      // Total angular momentum about z stays zero, for any time constant.
       EXPECT_NEAR(0.03 * bench.state.u[5] + 1e-4 * bench.state.rotor_speed[0], 0.0, 1e-14);
     }
   }
@@ -295,7 +296,7 @@ TEST(Convergence, Rk4IsOfFourthOrderWithVelocityDependentDrag) {
   const std::vector<double> exact = fly_with_drag(kRk4, 2.5e-4);
   const double coarse = distance(fly_with_drag(kRk4, 8e-3), exact);
   const double fine = distance(fly_with_drag(kRk4, 4e-3), exact);
-  // dt / tau is a third at the finer step, so the asymptotic order is not reached to the digit.
+  // dt / tau is a third at the finer step, so the asymptotic order is not fully reached.
   EXPECT_NEAR(std::log2(coarse / fine), 4.0, 0.4);
 }
 

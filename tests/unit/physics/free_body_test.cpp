@@ -1,4 +1,4 @@
-// `dynamics: tree` on one free body against Simbody, and which worlds it takes.
+// `dynamics: tree` on one free body against Simbody, and the worlds that it accepts.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST(FreeBody, HasTheAccelerationsThatSimbodyFinds) {
   }
 }
 
-/// Everything that acts on a single body, the centre of mass beside the origin, turned axes.
+/// All forces on a single body, the centre of mass away from the origin, rotated axes.
 Scenario vehicle(IntegratorChoice integrator, DynamicsChoice dynamics) {
   RobotModel model = make_vehicle(qdrone2());
   model.bodies[0].mass.com = {0.01, -0.005, 0.02};
@@ -110,7 +110,7 @@ TEST(FreeBody, TumblesLikeSimbodysForASecond) {
       ASSERT_TRUE(bench->run(1000));
     }
     EXPECT_GT(norm(tree.state.bodies[0].angular_velocity), 1.0) << "still tumbling";
-    // 1000 steps, in each of which a height of 50 m is rounded to 7e-15 m.
+    // 1000 steps, each of which rounds a height of 50 m to 7e-15 m.
     EXPECT_LT(difference(tree.state.bodies[0], simbody.state.bodies[0]), 1e-11);
   }
 }
@@ -135,9 +135,9 @@ TEST(FreeBody, TakesOffLandsAndBouncesLikeSimbodys) {
     EXPECT_GT(highest, 0.3) << "took off";
     EXPECT_LT(fastest_landing, -1.0) << "came down";
     EXPECT_GT(fastest_bounce, 0.05) << "bounced";
-    // Within 2000 roundings of 1e-16 each before touch-down; then the ground, whose stiffness is a
-    // frequency of some 100 rad/s, turns differences of place into some hundred times larger ones
-    // of velocity, at every one of a few bounces.
+    // Before touch-down 2000 roundings of 1e-16 each. Then the ground, with a natural frequency of
+    // some 100 rad/s, turns differences of position into some hundred times larger ones of
+    // velocity, at each of a few bounces.
     EXPECT_LT(most, 1e-9);
   }
 }
@@ -172,8 +172,8 @@ TEST(FreeBody, ResultsDoNotDependOnWhatTheStepperSawBefore) {
   ASSERT_TRUE(a.run(100));
   const LaneState saved = a.state;
   ASSERT_TRUE(a.run(100));
-  // b serves another environment in between, with other masses, then masses that no body has, then
-  // a state that is no number.
+  // In between, b serves another environment, with other masses, then with invalid masses, then
+  // with a NaN state.
   b.param("robots.r.links.base.mass") = 3.0;
   b.param("robots.r.links.base.com[1]") = 0.1;
   ASSERT_TRUE(b.run(37));
@@ -222,7 +222,7 @@ TEST(FreeBody, OfImpossibleNominalMassIsRefusedWhenMade) {
   EXPECT_THROW(make_tree_dynamics(world), Error);
 }
 
-/// One step of the vehicle, spinning, on `stepper`.
+/// One step of the spinning vehicle on `stepper`.
 LaneState step_once(const World& world, std::unique_ptr<Stepper> stepper) {
   LaneState state;
   write_default_state(world, state);

@@ -1,4 +1,4 @@
-// Inputs that effects hold during a physics step: each by its closed form, on every dynamics.
+// Inputs held by effects during a physics step: each against its closed form, on all dynamics.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -33,7 +33,7 @@ RobotModel make_dragging_vehicle() {
   return model;
 }
 
-/// High above the ground.
+/// A robot high above the ground.
 Scenario aloft(RobotModel model, IntegratorChoice integrator = IntegratorChoice::kRk4) {
   Scenario scenario = make_scenario(std::move(model), integrator);
   scenario.robots[0].pose.position.z = 100.0;
@@ -147,7 +147,7 @@ TEST(HeldInputs, BodyDragActsAlongEachBodyAxisAgainstTheAir) {
       << "no moment about the centre of mass";
 }
 
-/// What gains of `place` make of the accelerations.
+/// The accelerations with these gains of `place`.
 std::vector<double> with_gains(int place, const std::vector<double>& gains) {
   RobotModel model = make_dragging_vehicle();
   for (Rotor& rotor : model.rotors) rotor.constants[kRotorInertia] = 0.0;
@@ -174,7 +174,7 @@ TEST(HeldInputs, AGainOnTheReactionScalesTheReaction) {
   const VehicleData d = qdrone2();
   const std::vector<double> udot = with_gains(1, {2.0, 1.0, 0.0, 1.0});
   // Directions + - + -, so that the reactions are -2 + 1 - 0 + 1 = 0 of k_m w^2; without the gains
-  // of rotors 0 and 2 they were 0 as well.
+  // of rotors 0 and 2 they would be 0 as well.
   const std::vector<double> twice = with_gains(1, {2.0, 1.0, 1.0, 1.0});
   const double reaction = d.km * 800.0 * 800.0 / d.inertia.zz;
   EXPECT_NEAR(udot[5], 0.0, 1e-12);
@@ -320,7 +320,7 @@ TEST(HeldInputs, NeutralOnesLeaveEveryBitAsItIs) {
   }
 }
 
-/// Everything held, at random.
+/// All held inputs, at random.
 void draw_inputs(Random<double>& random, LaneState& state) {
   for (double& v : state.held[SKYBODY_HELD_WIND]) v = random.uniform(-5.0, 5.0);
   for (double& f : state.held[SKYBODY_HELD_WRENCH]) f = random.uniform(-1.0, 1.0);
@@ -337,7 +337,7 @@ void draw_inputs(Random<double>& random, LaneState& state) {
   }
 }
 
-// A plain quadrotor in the air has a kernel of its own (HeldInputSet::kAir).
+// A plain quadrotor in the air has a separate kernel (HeldInputSet::kAir).
 TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
   RobotModel model = make_dragging_vehicle();
   for (std::size_t i = 0; i < 4; ++i) {  // in rows
@@ -349,7 +349,7 @@ TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
   const Held air = only({SKYBODY_HELD_WIND, SKYBODY_HELD_BODY_DRAG, SKYBODY_HELD_ROTOR_LIMIT});
   Held more = air;
   more[SKYBODY_HELD_WRENCH] = true;
-  for (std::size_t i = 0; i < air.size(); ++i) {  // and with some of them
+  for (std::size_t i = 0; i < air.size(); ++i) {  // with only some of them
     Held some = air;
     some[i] = false;
     Bench quick = make_bench(scenario, some), any = make_bench(scenario, more);

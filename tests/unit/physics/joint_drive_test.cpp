@@ -1,4 +1,4 @@
-// Motors in joints: by closed forms, on every dynamics.
+// Motors in joints: closed forms, on all dynamics.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,9 +8,9 @@
 namespace skybody::test {
 namespace {
 
-constexpr double kMoment = 0.05;  // of inertia about the pin [kg m^2]
+constexpr double kMoment = 0.05;  // moment of inertia about the pin [kg m^2]
 
-/// A rod on a vertical pin, so that gravity turns nothing.
+/// A rod on a vertical pin, so that gravity exerts no torque.
 RobotModel make_rod() {
   RobotModel model;
   model.fixed_base = true;
@@ -91,7 +91,8 @@ TEST(JointDrive, TheCommandComesBehindAFirstOrderLag) {
     ASSERT_TRUE(bench.run(100));
     const double t = 0.1, rest = std::exp(-t / slow.tau);
     EXPECT_NEAR(bench.state.joint_state[0], 0.2 * (1.0 - rest), 1e-13);
-    // The integral of the torque; others take it in mid-step: dt^2 / (24 tau^2) of it.
+    // The integral of the torque; other integrators evaluate it in mid-step: error dt^2 / (24
+    // tau^2).
     const double speed = 0.2 / kMoment * (t - slow.tau * (1.0 - rest));
     const bool is_rk4 = integrator == IntegratorChoice::kRk4;
     EXPECT_NEAR(bench.state.u[0], speed, (is_rk4 ? 1e-9 : 2e-5) * speed);

@@ -1,5 +1,5 @@
-// Reactions of joints against virtual work: in the ways in which a joint moves, what it exerts is
-// the joint's own force and no more; with accelerations that Simbody finds, over random trees.
+// Reactions of joints against virtual work: along a joint's degrees of freedom its reaction is the
+// joint's own force and nothing else. Accelerations are Simbody's, over random trees.
 #include "core/physics/bodies/joint_reactions.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace skybody::test {
 namespace {
 
-/// A tree at a random state under random forces, and what its joints exert then.
+/// A tree at a random state under random forces, with the reactions of its joints.
 struct Moment {
   Moment(const World& world, Random<double>& random)
       : tree(make_tree(world)),
@@ -34,7 +34,7 @@ struct Moment {
                     reactions.data());
   }
 
-  /// Work of a body's reaction where coordinate `k` of its joint alone moves with rate 1.
+  /// Work of a body's reaction if only coordinate `k` of its joint moves, with rate 1.
   double work(std::size_t body, int k) const {
     std::vector<double> rate(u.size(), 0.0);
     rate[static_cast<std::size_t>(tree[body].u + k)] = 1.0;
@@ -62,7 +62,7 @@ TEST(JointReactions, DoTheWorkOfTheJointsOwnForceInItsFreeDirections) {
     for (std::size_t i = 0; i < moment.tree.size(); ++i) {
       for (int k = 0; k < velocity_size(moment.tree[i].type); ++k) {
         const double expected = moment.joint_forces[static_cast<std::size_t>(moment.tree[i].u + k)];
-        // Accelerations of Simbody's are good to some 1e-10 of themselves near singular trees.
+        // Simbody's accelerations have a relative error of some 1e-10 near singular trees.
         EXPECT_NEAR(moment.work(i, k), expected, 1e-8 * size) << trial << " body " << i;
         ++compared;
       }

@@ -1,4 +1,4 @@
-// Stops of joints: they hold, and never give energy, whatever the step.
+// Stops of joints: they hold, and never add energy, at any step size.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@ constexpr double kG = 9.81;
 constexpr double kSteps[] = {0.00025, 0.001, 0.002, 0.003, 0.004};
 constexpr double kShoulderLimit = 1.9, kElbowLimit = 2.5;
 
-/// A light arm of two joints about y below a heavy base, with the numbers of `firefly_arm`; its
-/// springs are made for the inertia that a joint moves where the other one does not give way.
+/// A light arm of two joints about y below a heavy base, with the numbers of `firefly_arm`. Its
+/// springs are designed for the inertia that a joint moves while the other joint is rigid.
 RobotModel arm() {
   RobotModel model = make_free_body(1.612, diagonal(0.0364, 0.0475, 0.0674), {0, 0, -0.0047});
   model.bodies.push_back(make_body("upper_arm", JointType::kPin, 0, 0.09708, {0, 0, -0.1845},
@@ -47,12 +47,12 @@ double energy(const Bench& bench) {
 }
 
 struct Outcome {
-  double beyond = 0.0;  ///< of the limits [rad]
-  double rate = 0.0;    ///< the greatest of a joint [rad/s]
-  double gain = 0.0;    ///< of energy at most, springs left out [J]
+  double beyond = 0.0;  ///< largest angle beyond the limits [rad]
+  double rate = 0.0;    ///< largest rate of a joint [rad/s]
+  double gain = 0.0;    ///< largest gain of energy without springs [J]
 };
 
-/// Two seconds of a vehicle that falls with its arm bent and is thrown at a spin about its y axis.
+/// Two seconds of a falling vehicle, thrown with a bent arm and a spin about its y axis.
 Outcome fly(IntegratorChoice integrator, DynamicsChoice dynamics, double dt, double spin) {
   Scenario scenario = make_scenario(arm(), integrator, dt);
   scenario.stepping.dynamics = dynamics;
@@ -84,7 +84,7 @@ TEST(JointStops, HoldAndGiveNoEnergyWhateverTheStep) {
       const std::string where = std::to_string(dt) + " s, " + std::to_string(spin) + " rad/s";
       // docs/urdf.md: u (0.004 s + dt).
       EXPECT_LT(out.beyond, out.rate * (0.004 + dt)) << where;
-      // What midpoint leaves of the swing's own energy, of some joules, at 4 ms: 6.5e-5 measured.
+      // Energy error of midpoint for the swing, of some joules, at 4 ms: 6.5e-5 measured.
       EXPECT_LT(out.gain, 2e-4) << where;
     }
   }
@@ -99,7 +99,7 @@ TEST(JointStops, HoldWithEveryIntegratorAndBothDynamics) {
   }
 }
 
-/// A stiff undamped stop, a thousand times what a step can follow.
+/// A stiff undamped stop, a thousand times stiffer than the step can resolve.
 TEST(JointStops, OfAnyStiffnessTakeEnergy) {
   for (const double stiffness : {1e2, 1e5, 1e8}) {
     RobotModel model;

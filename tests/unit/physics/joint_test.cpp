@@ -13,7 +13,7 @@ namespace {
 constexpr double kG = 9.81;
 constexpr auto kRk4 = IntegratorChoice::kRk4;
 
-/// Turns F's z axis to -y of W, so that a pin at rest lets its body's y axis point up.
+/// Rotates F's z axis to -y of W, so that a pin at rest has its body's y axis up.
 const Quat<double> kHorizontalPin = from_axis_angle(Vec3<double>{1, 0, 0}, kHalfPi);
 
 /// One body on the world by `type`, its centre of mass `length` below the joint.
@@ -54,7 +54,8 @@ TEST(Pin, SmallAndLargeSwingsHaveTheirPeriods) {
   const double inertia = 0.02;
   const double slow = kTwoPi * std::sqrt((inertia + 0.4 * 0.49) / (0.4 * kG * 0.7));
   for (const double amplitude : {0.01, 1.0, 3.0}) {
-    // Crossings are interpolated linearly: error (w h)^2 / 8 of a step each, far below 1e-7 s.
+    // Crossings are interpolated linearly: an error of (w h)^2 / 8 of a step each, far below 1e-7
+    // s.
     EXPECT_NEAR(pendulum_period(JointType::kPin, 0, diagonal(0.01, 0.015, inertia), amplitude),
                 slow / agm(1.0, std::cos(0.5 * amplitude)), 1e-6)
         << "amplitude " << amplitude;
@@ -76,7 +77,7 @@ TEST(Ball, ConicalPendulumCirclesAtConstantHeight) {
   const double tilt = 0.6, m = 0.205, length = 1.0, axial = 0.003, transverse = 0.01;
   Bench bench(
       high_up(make_pendulum(JointType::kBall, m, length, diagonal(transverse, transverse, axial))));
-  // Turning as a whole about the vertical: W^2 (A - C) cos(tilt) = m g l, A about the pivot.
+  // Conical precession about the vertical: W^2 (A - C) cos(tilt) = m g l, A about the pivot.
   const double rate =
       std::sqrt(m * kG * length / ((transverse + m * length * length - axial) * std::cos(tilt)));
   const Quat<double> rotation = from_axis_angle(Vec3<double>{0, 1, 0}, tilt);
@@ -84,7 +85,7 @@ TEST(Ball, ConicalPendulumCirclesAtConstantHeight) {
   store(rotate_inverse(rotation, Vec3<double>{0, 0, rate}), bench.state.u.data());
   ASSERT_TRUE(bench.run(2000));
   const Vec3<double> bob = rotate(bench.state.bodies[0].rotation, Vec3<double>{0, 0, -length});
-  // rk4's phase error: (w h)^5 / 120 a step, 2000 steps.
+  // rk4's phase error: (w h)^5 / 120 per step, 2000 steps.
   EXPECT_NEAR(bob.z, -length * std::cos(tilt), 1e-10);
   EXPECT_NEAR(bob.x, -std::sin(tilt) * length * std::cos(2.0 * rate), 1e-9);
   EXPECT_NEAR(bob.y, -std::sin(tilt) * length * std::sin(2.0 * rate), 1e-9);
@@ -103,7 +104,7 @@ TEST(DoublePendulum, BothModesHaveTheirFrequencies) {
         make_body("second", JointType::kPin, 0, m2, {0, -l2, 0}, diagonal(0.004, 0.004, i2)));
     model.bodies[1].joint.frame_in_parent.position = {0, -arm, 0};
     Bench bench(high_up(model));
-    // The mode's shape: (K - w^2 M) theta = 0; the second angle is relative.
+    // Mode shape: (K - w^2 M) theta = 0; the second angle is relative.
     const double first = -1e-4, second = first * (k1 - w2 * a) / (w2 * b);
     bench.state.q = {first, second - first};
     const double period = mean_period(upward_crossings(
@@ -128,7 +129,7 @@ TEST(Slider, SpringWithDampingDecaysAsItShould) {
   const double decay = 0.6, w = std::sqrt(80.0 - decay * decay), t = 1.5;
   const double expected =
       0.1 + 0.25 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
-  // rk4: (w h)^5 / 120 = 5e-13 a step.
+  // rk4: (w h)^5 / 120 = 5e-13 per step.
   EXPECT_NEAR(bench.state.q[0], expected, 1e-9);
   EXPECT_NEAR(bench.state.bodies[0].position.x, 0.3 + expected, 1e-9);
 }
@@ -148,14 +149,15 @@ TEST(Slider, LimitPushesBackAndNeverPulls) {
     ASSERT_TRUE(bench.run(1));
     farthest = std::fmax(farthest, bench.state.q[0]);
   }
-  // Half the kinetic energy in the spring at most: x = v sqrt(m / k) = 0.01 m beyond the bound.
+  // At most half of the kinetic energy is in the spring: x = v sqrt(m / k) = 0.01 m beyond the
+  // bound.
   EXPECT_GT(farthest, 0.2);
   EXPECT_LT(farthest, 0.2101);
   EXPECT_LT(bench.state.u[0], 0.0) << "bounced back";
   EXPECT_GT(bench.state.u[0], -1.0) << "and lost energy";
 }
 
-/// A free base with a chain of every joint type, all other frames turned and offset.
+/// A free base with a chain of every joint type, with rotated and offset frames.
 RobotModel make_chain() {
   RobotModel model = make_free_body(1.2, {0.02, 0.03, 0.04, 0.001, -0.002, 0.003}, {0.01, 0.02, 0});
   const JointType types[] = {JointType::kPin,    JointType::kUniversal, JointType::kBall,
@@ -222,7 +224,7 @@ TEST(Chain, OfEveryJointTypeKeepsItsEnergy) {
   };
   const double before = energy();
   ASSERT_TRUE(bench.run(1000));
-  // A wrong sign or frame in any joint's coordinates shows at once; rk4 at 0.5 ms leaves 1e-9.
+  // A wrong sign or frame in any joint's coordinates changes the energy; rk4 at 0.5 ms leaves 1e-9.
   EXPECT_NEAR(energy(), before, 1e-7);
 }
 

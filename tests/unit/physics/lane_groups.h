@@ -13,7 +13,7 @@
 namespace skybody::test {
 
 inline constexpr std::uint32_t kAllLanes = ~0u >> (32 - kGroupLanes);
-inline constexpr std::uint32_t kSomeLanes = 0x6bff4f6b;  // now and then a part only
+inline constexpr std::uint32_t kSomeLanes = 0x6bff4f6b;  // used in some steps
 
 /// The values of a full group, and a stepper on them.
 struct PackGroup {

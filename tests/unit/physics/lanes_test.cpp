@@ -34,7 +34,7 @@ void expect_same_bits(const Vec3<EnvView>& pack, int lane, const Vec3<double>& v
   expect_same_bits(pack.z, lane, v.z, what);
 }
 
-/// A vehicle with every force there is, at the ground, with a chain of all joints.
+/// A vehicle with every kind of force, at the ground, with a chain of all joints.
 struct BusyWorld {
   BusyWorld()
       : world(make_world(make(), [](WorldPlan& plan) {

@@ -1,5 +1,5 @@
-// Groups in packs have the bits of their environments one by one: whatever the tree, the
-// instruction set and the neighbours.
+// Groups in packs have the bits of their environments one by one, for any tree, instruction set and
+// neighbours.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -111,7 +111,7 @@ TEST_P(Packs, LeaveALaneThatFailsAsItWasAndTheOthersGoOn) {
   ways.set(21, weightless);
   ways.refresh(kAllLanes);
   EXPECT_EQ(ways.advance(kAllLanes, "both"), kAllLanes & ~(1u << 2 | 1u << 21));
-  weightless.params = nominal_params(world);  // and comes back
+  weightless.params = nominal_params(world);  // and recovers
   ways.set(21, weightless);
   ways.refresh(1u << 21);
   EXPECT_EQ(ways.advance(1u << 21, "mended"), 1u << 21);
@@ -164,7 +164,8 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWhereSomeSpinFast) {
     TwoWays ways(world);
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       LaneState state = random_lane(random, world, k % 2 == 0 && lane % 3 != 0);
-      const bool is_fast = lane % 4 == 0 && (k % 3 != 1 || lane < 8);  // else in few packs
+      const bool is_fast =
+          lane % 4 == 0 && (k % 3 != 1 || lane < 8);  // otherwise only in few packs
       const double scale = is_fast ? random.uniform(2.0, 300.0) : 1.0;
       for (double& u : state.u) u *= scale;
       ways.set(lane, state);
@@ -178,13 +179,13 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWhereSomeSpinFast) {
   }
 }
 
-/// Every fourth lane has contacts that lose nothing, which are gone through in their own way.
+/// Every fourth lane has contacts without dissipation, which use a separate procedure.
 void choose_dissipation(const World& world, int lane, LaneState& state) {
   if (lane % 4 != 2) return;
   state.params[static_cast<std::size_t>(world.layout.world_params) + kDissipation] = 0.0;
 }
 
-/// Free bases somewhere near x = 2 k, or in one lane of three crowded together.
+/// Free bases near x = 2 k, or, in one lane of three, crowded together.
 LaneState scattered_lane(Random<double>& random, const World& world, bool drawn, bool crowded) {
   LaneState state = random_lane(random, world, drawn);
   for (const WorldBody& body : world.bodies) {
@@ -300,8 +301,8 @@ RobotModel on_balls(int count) {
   return model;
 }
 
-// The mass of a body is shared by the places that it has in its own lane, of which there may be
-// more than are kept.
+// A body's mass is divided among its contacts in each lane, of which there may be more than the
+// list keeps.
 TEST_P(Packs, ShareMassesByThePlacesOfEachLane) {
   for (const int count : {6, 40, kKeptPlaces + 60}) {
     Random<double> random{RandomKey{2026, 36}, static_cast<std::uint64_t>(count), 0,

@@ -18,12 +18,12 @@ inline Vec3<double> in_cube(Random<double>& random, double half_edge) {
   return {x, y, z};
 }
 
-/// Between two values, evenly by the logarithm. Without libm, whose last bits differ by machine.
+/// Log-uniform between two values. Avoids libm, whose last bits differ between machines.
 inline double log_uniform(Random<double>& random, double low, double high) {
   return low * exp(random.uniform() * log(high / low));
 }
 
-/// From 10 g in 2 cm to 50 kg in 1 m; flat, long and compact ones, on turned axes, the centre of
+/// From 10 g in 2 cm to 50 kg in 1 m; flat, long and compact ones, on rotated axes, the centre of
 /// mass anywhere within the body's size.
 inline MassProperties random_mass(Random<double>& random) {
   const double size = log_uniform(random, 0.02, 1.0);
@@ -38,7 +38,7 @@ inline MassProperties random_mass(Random<double>& random) {
   return mass;
 }
 
-/// Position and rotation, each or both or neither: code may leave out what is none.
+/// Position and rotation, each or both or neither: code may skip identity parts.
 inline Pose random_frame(Random<double>& random) {
   Pose frame;
   if (random.uniform() < 0.6) frame.position = in_cube(random, 0.3);
@@ -46,7 +46,7 @@ inline Pose random_frame(Random<double>& random) {
   return frame;
 }
 
-/// Free more often than not; else fixed, or on any joint.
+/// Free in most cases; otherwise fixed, or on any joint.
 inline JointType random_root(Random<double>& random) {
   const double draw = random.uniform();
   if (draw < 0.6) return JointType::kFree;
@@ -55,7 +55,7 @@ inline JointType random_root(Random<double>& random) {
                                 static_cast<int>((draw - 0.75) * 16.0));
 }
 
-/// A base, and up to five bodies more on joints anywhere in the tree.
+/// A base, and up to five more bodies on joints anywhere in the tree.
 inline RobotModel random_tree(Random<double>& random) {
   RobotModel model;
   model.name = "tree";
@@ -77,7 +77,7 @@ inline RobotModel random_tree(Random<double>& random) {
   return model;
 }
 
-/// Coordinates and rates of all joints: anywhere, quaternions of norm 1.
+/// Random coordinates and rates of all joints; quaternions have norm 1.
 inline void random_state(Random<double>& random, const World& world, std::vector<double>& q,
                          std::vector<double>& u) {
   for (const TreeBody& body : make_tree(world)) {

@@ -1,4 +1,5 @@
-// Random worlds of random robots, and values for their lanes: whatever the tree engine can have.
+// Random worlds of random robots, and values for their lanes: they cover all features of the tree
+// engine.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace skybody::test {
 
-/// With joints that are sprung and limited, and rotors with every effect on two of the bodies.
+/// Adds springs and limits to joints, and rotors with every effect to two of the bodies.
 inline RobotModel busy(RobotModel model, Random<double>& random) {
   for (Body& body : model.bodies) {
     if (random.uniform() < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
@@ -75,7 +76,7 @@ inline LaneState random_lane(Random<double>& random, const World& world, bool dr
   return state;
 }
 
-/// A drive in every joint that may have one, of any mode.
+/// A drive of random mode in every joint that may have one.
 inline std::vector<JointDrive> drives_for(Random<double>& random, const Topology& world) {
   std::vector<JointDrive> drives;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
@@ -90,7 +91,7 @@ inline std::vector<JointDrive> drives_for(Random<double>& random, const Topology
   return drives;
 }
 
-/// Two or three robots, now and then beside an obstacle.
+/// Two or three robots, sometimes beside an obstacle.
 inline Scenario several(Random<double>& random, IntegratorChoice integrator) {
   Scenario scenario = make_scenario(busy(random_tree(random), random), integrator);
   scenario.robots.push_back(scenario.robots[0]);

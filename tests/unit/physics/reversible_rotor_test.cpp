@@ -1,4 +1,4 @@
-// Rotors that turn backwards, and hovering speeds of rotors that do not all push upwards.
+// Reversible rotors, and hover speeds of rotors that do not all push upwards.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,8 @@ TEST(HoverSpeed, IsOfTheAxesInTheFrameOfTheBase) {
 }
 
 TEST(HoverSpeed, KnowsWhereJointsAreAtAReset) {
-  // Rolled by 60 degrees in the file and turned back by as much: the axes lie 60 degrees off.
+  // Rolled by 60 degrees in the file and back by 60 degrees in the joint: the axes are 60 degrees
+  // off.
   const Scenario scenario = make_scenario(make_hinged(kPi / 3.0, -kPi / 3.0));
   EXPECT_NEAR(hover_rotor_speed(scenario, 0), kUpright / std::sqrt(0.5), 1e-9);
 }
@@ -74,7 +75,7 @@ TEST(HoverSpeed, IsOfTheRotorsThatLift) {
 }
 
 TEST(HoverSpeed, IsBackwardsWhereReversibleRotorsLiftSo) {
-  // Two rotors up and two down, of which one is reversible; k_f w |w| of three carries the weight.
+  // Two rotors up and two down, one of which is reversible; k_f w |w| of three carries the weight.
   RobotModel model = make_free_body(1.5, diagonal(0.01, 0.01, 0.02));
   model.rotors = {make_rotor({0, 0, 1}), make_rotor({0.6, 0, -0.8}, -600.0),
                   make_rotor({0, 0, 1}, -600.0), make_rotor({0, 0, -1})};
@@ -83,7 +84,7 @@ TEST(HoverSpeed, IsBackwardsWhereReversibleRotorsLiftSo) {
   const double speed = std::sqrt(1.5 * 9.81 / (2.8 * kForce));
   EXPECT_GT(speed, 600.0);
   const Bench bench(scenario);
-  const double expected[] = {speed, -600.0, speed, 0.0};  // held to the least speed
+  const double expected[] = {speed, -600.0, speed, 0.0};  // clamped to the minimum speed
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(bench.state.rotor_speed[i], expected[i], 1e-9);
 
   scenario.robots[0].model.rotors.assign(4, make_rotor({0, 0, -1}, -900.0));
@@ -139,7 +140,7 @@ TEST(ReversibleRotor, HandsTheWholeImpulseOverWhileItsSpeedChangesItsSign) {
       const double w = tau > 0.0 ? command - (command - start) * std::exp(-t / tau) : command;
       impulse += kForce * w * std::abs(w) * end / kParts;
     }
-    // The quadrature's own error where the speed jumps within a few of its parts.
+    // The quadrature's own error when the speed jumps within a few of its parts.
     EXPECT_NEAR(bench.state.u[2], impulse, 1e-7 * std::abs(impulse)) << tau;
   }
 }

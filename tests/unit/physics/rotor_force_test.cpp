@@ -1,4 +1,4 @@
-// The quicker forms of the rotors' law against the law, rotor by rotor.
+// The fast forms of the rotors' law against the law, rotor by rotor.
 #include "core/physics/forces/rotor_force.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace skybody::test {
 namespace {
 
-/// Four level rotors in rows, alike, under random conditions.
+/// Four identical level rotors in rows, under random conditions.
 struct Case {
   std::vector<RotorMount> places;
   std::vector<double> constants;  ///< kRotorParamCount each
@@ -68,7 +68,7 @@ struct Case {
   }
 };
 
-/// Some hundred operations on terms of the size of the whole thrust and its moments.
+/// Some hundred operations on terms of the size of the total thrust and its moments.
 void expect_equal(const SpatialForce<double>& a, const SpatialForce<double>& b) {
   const double force = 50.0, moment = 20.0;
   EXPECT_LT(norm(a.force - b.force), 1e-14 * force);

@@ -1,4 +1,4 @@
-// Where a rotor's hub is can be drawn: the vehicle flies as one that was built so.
+// A drawn rotor position: the vehicle flies like one built with that position.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -45,7 +45,7 @@ RobotModel vehicle() {
   return model;
 }
 
-/// The same as its model has it.
+/// The vehicle with these hubs in its model.
 RobotModel built(RobotModel model, Hubs hubs) {
   for (std::size_t i = 0; i < 4; ++i) {
     Rotor& rotor = model.rotors[i];
@@ -54,7 +54,7 @@ RobotModel built(RobotModel model, Hubs hubs) {
   return model;
 }
 
-/// The same as an environment's own values have it.
+/// Sets these hubs in an environment's own values.
 void draw(Bench& bench, Hubs hubs) {
   for (int i = 0; i < 4; ++i) {
     const std::string path = "robots.r.rotors[" + std::to_string(i) + "].position[";
@@ -114,7 +114,7 @@ TEST(RotorMount, NominalValuesThatWereDrawnLeaveTheBits) {
   Bench drawn(make_scenario(vehicle())), nominal(make_scenario(vehicle()));
   start(drawn);
   start(nominal);
-  // Something that has no effect in flight, so that each lane reads its own values.
+  // A parameter without effect in flight, so that each lane reads its own values.
   drawn.param("contact.friction") = 0.5;
   ASSERT_TRUE(drawn.run(200));
   ASSERT_TRUE(nominal.run(200));

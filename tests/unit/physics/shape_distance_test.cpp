@@ -36,7 +36,7 @@ TEST(CapsuleDistance, IsThatOfTheNearestPointOfItsLine) {
     }
     const SurfaceDistance<double> found = capsule_distance(radius, half, p);
     EXPECT_LE(found.distance, nearest - radius + 1e-12);
-    EXPECT_GE(found.distance, nearest - radius - 3e-4);  // places are 0.3 mm apart
+    EXPECT_GE(found.distance, nearest - radius - 3e-4);  // points are 0.3 mm apart
     EXPECT_NEAR(norm(found.normal), 1.0, 1e-12);
     EXPECT_NEAR(capsule_distance(radius, half, p - found.normal * found.distance).distance, 0.0,
                 1e-12);
@@ -117,10 +117,10 @@ TEST(HeightFieldDistance, IsThatOfTheNearestPointOfItsSurface) {
     for (const Vec3<double>& s : surface) nearest = std::min(nearest, norm(s - p));
     const auto found = distance_from_heights(*field.heights, 0.5, 0.4, kInfinity, p);
     EXPECT_LE(std::abs(found.distance), nearest + 1e-12) << k;
-    EXPECT_GE(std::abs(found.distance), nearest - 0.012) << k;  // half of the way between points
+    EXPECT_GE(std::abs(found.distance), nearest - 0.012) << k;  // half the distance between points
     EXPECT_NEAR(norm(found.normal), 1.0, 1e-12);
     EXPECT_NEAR(distance_from(field, p - found.normal * found.distance), 0.0, 1e-9) << k;
-    // A short reach does not change what lies within it, nor bring anything nearer.
+    // A short reach keeps all distances within it, and makes none smaller.
     const double near = distance_from(field, p, 0.1);
     if (std::abs(found.distance) < 0.1) {
       EXPECT_EQ(near, found.distance);

@@ -9,7 +9,7 @@
 
 namespace skybody::test {
 
-/// A group of one lane. Whatever a test has changed in the state counts in the next call.
+/// A group of one lane. A change of the state by a test takes effect in the next call.
 class Stepper {
  public:
   Stepper(const World& world, DynamicsBackend use)
@@ -50,7 +50,7 @@ class Stepper {
   PhysicsScratch scratch_;
 };
 
-/// With the dynamics that the scenario asks for, the tree's algorithms alone, or Simbody.
+/// With the scenario's dynamics, the tree's algorithms alone, or Simbody.
 inline std::unique_ptr<Stepper> make_stepper(const World& world) {
   return std::make_unique<Stepper>(world, chosen_dynamics(world));
 }

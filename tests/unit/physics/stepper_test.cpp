@@ -1,4 +1,4 @@
-// Wrenches, disturbances, drives, and what the stepper promises.
+// Wrenches, disturbances, drives, and guarantees of the stepper.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr auto kRk4 = IntegratorChoice::kRk4;
 
-/// An off-centre body in space, turned by a quarter about z: body x is world y.
+/// An off-centre body in space, rotated by a quarter turn about z: body x is world y.
 Scenario turned_body() {
   Scenario scenario =
       make_scenario(make_free_body(2.0, diagonal(0.01, 0.02, 0.03), {0.1, 0.0, 0.0}));
@@ -120,7 +120,7 @@ TEST(VelocityDrive, TurnsTheBase) {
   Bench bench(driven_payload(), [](WorldPlan& plan) { plan.drives = {DriveKind::kVelocity}; });
   bench.state.drive[5] = 0.5;
   ASSERT_TRUE(bench.run(1000));
-  // Each step turns by atan(w h / 2) 2 rather than w h at most: (w h)^3 / 12 a step.
+  // Each step turns by 2 atan(w h / 2) rather than w h: an error of at most (w h)^3 / 12 per step.
   EXPECT_NEAR(yaw(load_quat(bench.state.q.data() + 3)), 0.5, 1e-8);
 }
 
@@ -154,8 +154,8 @@ Scenario payload_flight() {
 }
 
 TEST(Stepper, DrawnParametersCountHoweverOftenTheyChange) {
-  // The same values twice, broken ones between, and nominal ones between: each state goes on as
-  // that of a stepper that has seen nothing else.
+  // The same values twice, with invalid ones and nominal ones in between: each state continues as
+  // on a stepper without history.
   Bench bench(payload_flight());
   const std::vector<double> nominal = bench.state.params;
   std::vector<double> heavy = nominal, broken = nominal;
@@ -181,7 +181,7 @@ TEST(Stepper, AfterAMassChangeIsTheSameAsAFreshWorldOfThatMass) {
   Bench fresh(std::move(heavy));
   Bench changed(payload_flight());
   ASSERT_TRUE(changed.run(50));
-  changed.state = fresh.state;  // parameters and all
+  changed.state = fresh.state;  // including parameters
   ASSERT_TRUE(changed.run(200));
   ASSERT_TRUE(fresh.run(200));
   EXPECT_TRUE(same_bits(changed.state, fresh.state));
@@ -193,7 +193,7 @@ TEST(Stepper, ResultsDoNotDependOnWhatItSawBefore) {
   ASSERT_TRUE(a.run(100));
   const LaneState saved = a.state;
   ASSERT_TRUE(a.run(100));
-  // b serves another environment in between, with other parameters, then a failing one.
+  // In between, b serves another environment, with other parameters, then a failing one.
   b.state.q[7] = 1.0;
   b.param("robots.r.links.base.mass") = 3.0;
   b.param("robots.r.rotors[0].tau_up") = 0.1;

@@ -1,4 +1,4 @@
-// CVODE and ARKODE against closed forms and rk4, and what a step of theirs promises.
+// CVODE and ARKODE against closed forms and rk4, and guarantees of their steps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -74,17 +74,17 @@ class EverySolver : public testing::TestWithParam<Solver> {};
 TEST_P(EverySolver, FliesAsRk4DoesInSmallSteps) {
   Scenario fine = vehicle();
   fine.stepping.integrator = IntegratorChoice::kRk4;
-  fine.stepping.dt = 5e-5;  // (dt / tau)^4: far below what is asked for
+  fine.stepping.dt = 5e-5;  // (dt / tau)^4: far below the requested tolerance
   const std::vector<double> exact = fly(fine);
   for (const DynamicsChoice dynamics : {DynamicsChoice::kTree, DynamicsChoice::kSimbody}) {
-    // Values are up to 100 in size; a hundred steps add up what the tolerance allows each.
+    // Values are up to 100 in size; a hundred steps each add an error within the tolerance.
     EXPECT_LT(distance(fly(with(GetParam(), 1e-10, vehicle(dynamics))), exact), 1e-6);
   }
 }
 
 TEST_P(EverySolver, IsMoreExactWithATighterTolerance) {
   Scenario coarse = vehicle();
-  coarse.stepping.dt = 0.02;  // room for steps of its own
+  coarse.stepping.dt = 0.02;  // several solver steps per physics step
   const std::vector<double> exact = fly(with(GetParam(), 1e-11, coarse));
   const double tight = distance(fly(with(GetParam(), 1e-8, coarse)), exact);
   const double loose = distance(fly(with(GetParam(), 1e-4, coarse)), exact);
@@ -122,7 +122,7 @@ TEST(Cvode, KeepsAPendulumsEnergyForAMinuteByDefault) {
   model.fixed_base = true;
   model.bodies.push_back(
       make_body("rod", JointType::kPin, -1, 0.4, {0, -0.35, 0}, diagonal(0.01, 0.01, 0.01)));
-  // The pin's axis is z of its frame: lay it level.
+  // The pin's axis is z of its frame: make it horizontal.
   model.bodies[0].joint.frame_in_parent.rotation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};
   Scenario scenario = make_scenario(model);
   scenario.contact.ground = false;
@@ -199,7 +199,7 @@ TEST_P(EverySolver, GivesUpOnAStateThatIsNotFinite) {
   EXPECT_TRUE(bench.stepper->advance(bench.state)) << "and goes on with the next that is";
 }
 
-/// Without a bound by the step, a stiff contact carries the weight at its own penetration.
+/// A stiff contact, without a limit by the step, carries the weight at the scenario's penetration.
 TEST_P(EverySolver, RestsOnStiffGroundAsDeepAsTheScenarioSays) {
   Scenario scenario = with(GetParam(), 1e-6, make_scenario(make_vehicle(qdrone2())));
   scenario.contact.penetration = 0.000215;

@@ -1,4 +1,4 @@
-// Signed distances against the nearest of many points of the surface, and what lies in one another.
+// Signed distances against the nearest of many points of the surface, and tests for points inside.
 #include "core/physics/shapes/surface_distance.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using Points = std::vector<Vec3<double>>;
 
-constexpr int kFine = 200;  ///< places along an edge
+constexpr int kFine = 200;  ///< points along an edge
 const Vec3<double> kHalf{0.3, 0.2, 0.1};
 constexpr double kRadius = 0.25, kHalfLength = 0.15;
 
@@ -58,7 +58,7 @@ double nearest(const Points& surface, const Vec3<double>& p) {
 template <class Distance, class IsInside>
 void expect_nearest(const Points& surface, const Distance& distance, const IsInside& is_inside) {
   Random<double> random(RandomKey{2026, 12}, 0, 0, derive_stream("surface_distance_test"));
-  const double grid = 0.006;  // half the diagonal between the surface's points, and more
+  const double grid = 0.006;  // above half the diagonal between the surface's points
   for (int k = 0; k < 300; ++k) {
     const Vec3<double> p{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6),
                          random.uniform(-0.6, 0.6)};
@@ -68,7 +68,7 @@ void expect_nearest(const Points& surface, const Distance& distance, const IsIns
     EXPECT_LE(std::abs(found.distance), expected + 1e-12);
     EXPECT_GE(std::abs(found.distance), expected - grid);
     EXPECT_NEAR(norm(found.normal), 1.0, 1e-12);
-    // Along the normal lies the surface.
+    // The surface lies along the normal.
     EXPECT_NEAR(distance(p - found.normal * found.distance).distance, 0.0, 1e-12);
   }
 }

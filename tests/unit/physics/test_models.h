@@ -1,4 +1,4 @@
-// Small robots built by hand, and what tests of physics do with them.
+// Small robots built by hand, and helpers for tests of physics with them.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace skybody::test {
 
-/// The integrators of fixed steps.
+/// The integrators with fixed steps.
 inline constexpr IntegratorChoice kFixedSteps[] = {
     IntegratorChoice::kRk4, IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kMidpoint};
 
@@ -93,7 +93,7 @@ inline RobotModel make_free_body(double mass, SymMat3<double> inertia,
   return model;
 }
 
-/// What a vehicle comes down to. Shapes as in scenarios/models.
+/// The parameters of a simple vehicle. Shapes as in scenarios/models.
 struct VehicleData {
   double mass;  ///< [kg]
   SymMat3<double> inertia;
@@ -154,7 +154,7 @@ inline VehicleData firefly() {
           6};
 }
 
-/// Height of the base's origin above what it stands on [m].
+/// Height of the base's origin above its support [m].
 inline double clearance(const VehicleData& d) { return 0.5 * d.box.z + 3.0 * d.foot; }
 
 /// A multirotor with alternating rotors in the plane of its centre of mass and a box to land on.
@@ -197,7 +197,7 @@ inline Scenario make_scenario(RobotModel model,
   return scenario;
 }
 
-/// A world as controllers would have it: `prepare` may set sites and drives.
+/// A world as controllers would set it up: `prepare` may set sites and drives.
 inline World make_world(Scenario scenario, const std::function<void(WorldPlan&)>& prepare = {}) {
   const Topology topology(std::move(scenario));
   WorldPlan plan(topology);

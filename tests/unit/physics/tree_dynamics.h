@@ -1,4 +1,4 @@
-// The tree's algorithms behind the interface of Simbody's dynamics, to be held against it.
+// The tree's algorithms behind the interface of Simbody's dynamics, for comparison.
 #pragma once
 
 #include <memory>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// What accelerations are asked with.
+/// The inputs of accelerations.
 struct Point {
   explicit Point(const World& world)
       : q(world.layout.q.size),
@@ -27,7 +27,7 @@ struct Point {
     for (SpatialForce<double>& f : forces) f = {in_cube(random, 1.0), in_cube(random, 5.0)};
   }
 
-  /// The same, every number off by some units in its last place.
+  /// The same, with every number changed by some ulp.
   Point shaken(Random<double>& random) const {
     Point other = *this;
     const auto shake = [&](double& x) { x *= 1.0 + 4.0 * kEpsilon * random.uniform(-1.0, 1.0); };
@@ -62,10 +62,10 @@ struct Pair {
     simbody->set_params(params.data());
   }
 
-  /// Difference of the accelerations, and how much of it rounding explains. A solution moves as
-  /// much as Simbody's own does where its inputs are off by a few units in the last place; either
-  /// algorithm rounds some hundreds of times on the way, which is the factor. What does not depend
-  /// on the inputs (rounding of constants, cancellation between large forces) is the second term.
+  /// Difference of the accelerations, and the part of it that rounding explains. First term: the
+  /// change of Simbody's solution when its inputs change by a few ulp, times the number of
+  /// roundings in either algorithm, some hundreds. Second term: errors independent of the inputs
+  /// (rounding of constants, cancellation between large forces).
   void compare(Random<double>& random, const Point& p, double& difference, double& allowed) const {
     const std::vector<double> ours = accelerations(*tree, p), theirs = accelerations(*simbody, p);
     double moved = 0.0;
@@ -101,7 +101,7 @@ TEST(Tree, HasTheAccelerationsThatSimbodyFinds) {
   }
 }
 
-/// One step from the same state; coordinates may differ by what rates do in dt.
+/// One step from the same state; coordinates may differ by dt times the difference of rates.
 TEST(Tree, StepsAsSimbodyDoes) {
   for (std::uint64_t k = 0; k < 1000; ++k) {
     Random<double> random = random_numbers(100'000 + k);
@@ -124,7 +124,7 @@ TEST(Tree, StepsAsSimbodyDoes) {
       pair.compare(random, point, difference, allowed);
       ASSERT_TRUE(make_tree_stepper(world)->advance(by_tree));
       ASSERT_TRUE(make_simbody_stepper(world)->advance(by_simbody));
-      // RK4 also passes points that are a step away: ten times the start's bound.
+      // RK4 also evaluates points within a step: ten times the bound at the start.
       const double rate = 10.0 * allowed * dt;
       EXPECT_LE(largest_difference(by_tree.u, by_simbody.u), rate + 1e-13) << "tree " << k;
       EXPECT_LE(largest_difference(by_tree.q, by_simbody.q), rate * dt + 1e-13) << "tree " << k;
@@ -132,8 +132,9 @@ TEST(Tree, StepsAsSimbodyDoes) {
   }
 }
 
-/// @param moments  of the lightest body, largest about its joint over smallest: turning its inertia
-///                 into other axes rounds by a few units of the largest, some hundred times in all
+/// @param moments  of the lightest body: the largest moment about its joint over the smallest;
+///        rotating its inertia into other axes rounds by a few ulp of the largest, some hundred
+///        times in all
 void expect_agreement(const RobotModel& model, std::uint64_t seed, double moments = 1.0,
                       const std::function<void(const World&, Point&)>& place = {}) {
   const Pair pair(make_scenario(model));
@@ -186,7 +187,7 @@ TEST(TreeNearSingular, AHeavyLoadOnALightVehicle) {
       4);
 }
 
-/// A vehicle with a bob on a rod on a ball joint, which stands on the bob.
+/// A vehicle with a bob on a rod on a ball joint, standing on the bob.
 Scenario vehicle_with_bob(DynamicsChoice dynamics) {
   RobotModel model = make_vehicle(qdrone2());
   Body rod = make_body("rod", JointType::kBall, 0, 0.1, {0, 0, 0}, diagonal(1e-3, 1e-3, 4e-5));
@@ -210,7 +211,7 @@ TEST(Tree, TakesOffLandsAndBouncesLikeSimbodys) {
   }
   for (int i = 0; i < 1600; ++i) {
     for (Bench* bench : {&tree, &simbody}) {
-      // A little askew, so that the bob swings and nothing is symmetric.
+      // Slightly tilted, so that the bob swings and the motion has no symmetry.
       const double speed = i < 600 ? 1600.0 : 1000.0;
       bench->state.rotor_command = {speed + 1.0, speed, speed, speed};
       ASSERT_TRUE(bench->run(1));
@@ -225,8 +226,8 @@ TEST(Tree, TakesOffLandsAndBouncesLikeSimbodys) {
   EXPECT_GT(highest, 0.3) << "took off";
   EXPECT_LT(fastest_landing, -1.0) << "came down";
   EXPECT_GT(fastest_bounce, 0.05) << "bounced";
-  // 1600 roundings of 1e-16 each; the ground, whose stiffness is a frequency of some 100 rad/s,
-  // turns differences of place into a hundred times larger ones of velocity.
+  // 1600 roundings of 1e-16 each; the ground, with a natural frequency of some 100 rad/s, turns
+  // differences of position into a hundred times larger ones of velocity.
   EXPECT_LT(most, 2e-11);
 }
 

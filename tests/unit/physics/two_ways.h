@@ -33,7 +33,7 @@ struct TwoWays {
     packs.refresh(lanes);
     alone.refresh(lanes);
   }
-  /// @returns the lanes that came through, which must be the same
+  /// @returns the lanes that did not fail; both ways must agree
   std::uint32_t advance(std::uint32_t lanes, const std::string& where) {
     const std::uint32_t through = packs.advance(lanes);
     EXPECT_EQ(through, alone.advance(lanes)) << where;

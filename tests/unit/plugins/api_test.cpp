@@ -1,4 +1,4 @@
-// What the headers for authors decide while they compile.
+// Compile-time properties of the headers for plugin authors.
 #include <gtest/gtest.h>
 #include <skybody/plugin.h>
 
@@ -16,7 +16,7 @@ class InPacks : public Controller {
   void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
-/// For one width of packs only, which is not what every machine has.
+/// For one width of packs only, which not every machine supports.
 class InFours : public Controller {
  public:
   void configure(const Setup&) override {}
@@ -36,9 +36,9 @@ TEST(PluginApi, NumbersInMessagesKeepTheirSize) {
   EXPECT_EQ(to_text(4.0), "4");
 }
 
-/// abi.h and the hash of its structures name the same ones, in the same order.
+/// abi.h and the hash of its structures list the same structures, in the same order.
 TEST(PluginApi, HandshakeCoversEveryStructure) {
-  // Every word that stands between `before` and `after` and begins with Skybody.
+  // All words between `before` and `after` that begin with Skybody.
   const auto names = [](const std::string& file, const std::string& before,
                         const std::string& after) {
     std::ifstream in(std::string(SKYBODY_SOURCE_DIR) + file);

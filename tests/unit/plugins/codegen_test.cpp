@@ -1,6 +1,6 @@
-// Lane code must end up inside the kernels: a function on packs that stays outside is compiled for
-// the baseline, slow, and called with packs in registers that it does not expect. And the kernels
-// for v3 and v4 must use wide registers.
+// Lane code must be inlined into the kernels. A separate function on packs is compiled for the
+// baseline: it is slow, and does not expect packs in the caller's registers. The kernels for v3 and
+// v4 must use wide registers.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -33,7 +33,7 @@ bool kernels_are_inlined() {
 #endif
 }
 
-/// Whether a disassembled function is a kernel of an instruction set (core/base/kernels.h).
+/// Tests if a disassembled function is a kernel of an instruction set (core/base/kernels.h).
 bool is_kernel(const std::string& function, Isa isa) {
   return function.find("::detail::Kernel<") != std::string::npos &&
          function.find(">::" + std::string(name(isa)) + "(") != std::string::npos;
@@ -87,9 +87,9 @@ TEST(Codegen, WideKernelsUseWideRegisters) {
   EXPECT_EQ(ymm_in_v2, 0);
 }
 
-/// g++ 12 fuses products with sums and differences side by side, whatever -ffp-contract says: other
-/// bits on v3 and v4 than on v2 (SKYBODY_UNFUSED_OPTION). Networks fuse on purpose, in a library of
-/// their own.
+/// g++ 12 fuses products with sums and differences in vector code regardless of -ffp-contract,
+/// which gives other bits on v3 and v4 than on v2 (SKYBODY_UNFUSED_OPTION). Networks fuse on
+/// purpose, in a library of their own.
 TEST(Codegen, NothingInTheStepPathFusesProductsAndSums) {
   std::vector<std::filesystem::path> files = plugin_files();
   files.emplace_back(SKYBODY_BINARY_DIR "/lib/libskybody.so");
@@ -108,7 +108,7 @@ TEST(Codegen, NothingInTheStepPathFusesProductsAndSums) {
 }
 
 /// A vector of values read one by one, such as a robot's position, velocity and attitude in code
-/// for one lane, which g++ computes with together.
+/// for one lane, on which g++ then computes jointly.
 class LaneByLaneReads {
  public:
   void see(const std::string& line) {
@@ -130,9 +130,9 @@ class LaneByLaneReads {
   int reads_ = 0;
 };
 
-/// g++ 12 takes some selections and stores apart and puts them together again lane by lane, from
-/// eight registers of one lane each: by pairs, of which four lanes become a half of the vector, and
-/// both halves the vector. The last is counted: pairs alone are pointers in code for one lane, too.
+/// g++ 12 splits some selections and stores into lanes and reassembles them from eight registers of
+/// one lane each: by pairs, then four lanes to half of the vector, then both halves. The test
+/// counts the last kind, because pairs alone also occur as pointers in code for one lane.
 TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
   if (!kernels_are_inlined()) GTEST_SKIP() << "this build does not inline kernels";
   if (!has_kernels(Isa::v4)) GTEST_SKIP() << "this build has no kernels for v4";

@@ -1,4 +1,4 @@
-// Derivatives of plugins that authors write: with counters in their state, and with process().
+// Derivatives of plugins as authors write them: with counters in their state, and with process().
 #include "tests/unit/dual_harness.h"
 
 namespace skybody::testing {

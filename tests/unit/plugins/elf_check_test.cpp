@@ -1,4 +1,4 @@
-// What is refused without running any of it.
+// Libraries that are refused without running any of their code.
 #include "plugins/host/elf_check.h"
 
 #include <elf.h>
@@ -27,7 +27,7 @@ class ElfCheck : public testing::Test {
     std::filesystem::copy_file(test::good_plugins() / "lane_controller.so", file);
   }
 
-  /// What is said about the file, without its name; empty: nothing.
+  /// The message about the file, without its name; empty: none.
   std::string refusal() const {
     try {
       check_library_file(file);
@@ -38,7 +38,7 @@ class ElfCheck : public testing::Test {
     }
     return {};
   }
-  /// Zeros from there to the end.
+  /// Sets the file to zero from there to the end.
   void zero_from(std::uintmax_t at) const {
     const std::uintmax_t size = std::filesystem::file_size(file);
     std::filesystem::resize_file(file, at);
@@ -117,7 +117,7 @@ long peak_kilobytes() {
 TEST_F(ElfCheck, LooksAtASparseFileOfFourGigabytesWithoutReadingIt) {
   const long before = peak_kilobytes();
   std::filesystem::resize_file(file, std::uintmax_t{4} << 30);
-  EXPECT_EQ(refusal(), "");  // an ELF file may be followed by anything
+  EXPECT_EQ(refusal(), "");  // any data may follow an ELF file
   write(static_cast<std::streamoff>(offsetof(Elf64_Ehdr, e_shoff)), std::string("\0\0\0\xf0", 4));
   EXPECT_THAT(refusal(), StartsWith("has lost its end"));
   EXPECT_LT(peak_kilobytes() - before, 64 * 1024);  // a few pages are needed

@@ -1,4 +1,4 @@
-// Instances: what they declare, how they refuse, how long their library lives.
+// Instances: declarations, refusals, and the lifetime of their library.
 #include "plugins/host/instance.h"
 
 #include <gmock/gmock.h>
@@ -70,7 +70,7 @@ TEST_F(Instance, KeepsItsLibraryLoaded) {
   const SkybodyKernels kernels = kernels_for(*copy.descriptor, kIsas[0]);
   std::weak_ptr<PluginLibrary> library = copy.library;
   auto self = world.create();
-  // Only the instance is left to hold it.
+  // Only the instance still holds the library.
   const int state_words = static_cast<int>(copy.descriptor->state_words);
   copy.library.reset();
   registry_.reset();

@@ -1,4 +1,4 @@
-// The handshake: what is refused, and in which words.
+// The handshake: refused libraries and their messages.
 #include "plugins/host/library.h"
 
 #include <gmock/gmock.h>
@@ -35,7 +35,8 @@ constexpr const char* kNoSymbol =
     "is no plugin: it does not export `skybody_plugin_library`; a plugin says "
     "SKYBODY_PLUGIN(Class, name, version, doc) once";
 
-/// Where the file shrinks meanwhile, SIGBUS ends the process: the watcher must know the file.
+/// If the file shrinks during the check, SIGBUS ends the process: the watcher must have the file's
+/// name.
 TEST(PluginLibrary, IsWatchedWhileItsFileIsChecked) {
   const test::Folder folder;
   const path file = std::filesystem::canonical(folder.path()) / "short.so";

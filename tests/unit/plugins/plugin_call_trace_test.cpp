@@ -1,4 +1,4 @@
-// What a watcher finds where a plugin has ended the process.
+// Information for a watcher after a plugin has ended the process.
 #include "core/base/plugin_call_trace.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What becomes of plugins that end, or never end, the child process that opens them.
+// Plugins that end, or never end, the child process that opens them.
 #include "app/plugin_child.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 namespace skybody {
 namespace {
 
-/// Writes why files are refused, or calls the plugin's code, if any, `in configure()`.
+/// Prints the reasons for refused files, or calls the plugin's code, if any, `in configure()`.
 template <class Code>
 ChildOutput output_with(const Code& code, unsigned patience = kPluginTimeout) {
   return output_of_child(
@@ -51,7 +51,7 @@ TEST(PluginChild, RefusesAPluginThatBlocksEverySignalAndLoops) {
             "another plugin\n");
 }
 
-/// Each is shorter than the patience, all together are not.
+/// Each phase is shorter than the time limit, all together are longer.
 TEST(PluginChild, IsPatientWithEachPhase) {
   const ChildOutput output = output_of_child(
       [](const RefusedFiles& refused) {

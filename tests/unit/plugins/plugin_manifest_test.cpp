@@ -1,4 +1,4 @@
-// What libraries promise by their names and sidecars.
+// Declarations of libraries by their names and sidecar files.
 #include "plugins/host/plugin_manifest.h"
 
 #include <gmock/gmock.h>
@@ -53,7 +53,7 @@ TEST(Promises, OfALongSidecarAreAProblem) {
 }
 
 TEST(Promises, OfAFolderThatCannotBeReadAreAProblem) {
-  const std::string name(300, 'x');  // longer than any file system's names
+  const std::string name(300, 'x');  // longer than the names of any file system
   EXPECT_EQ(folder_problem("/" + name), "/" + name +
                                             ": this folder of plugins cannot be read: File name "
                                             "too long; make it readable or leave it out");

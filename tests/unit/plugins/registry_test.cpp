@@ -1,4 +1,4 @@
-// What is found on a search path, and what does not stop it.
+// Plugins found on a search path, and problems that do not stop the search.
 #include "plugins/host/registry.h"
 
 #include <gmock/gmock.h>
@@ -87,7 +87,7 @@ TEST(PluginRegistry, TwoFilesWithOnePluginMakeBothUnusable) {
   EXPECT_THAT(registry.names(SKYBODY_CONTROLLER), ElementsAre());
 }
 
-/// Whether the plugin `leaves_a_mark` has been loaded since this was made.
+/// True if the plugin `leaves_a_mark` has been loaded since the construction.
 class Mark {
  public:
   Mark() : file_(folder_.path() / "mark") { setenv("SKYBODY_TEST_MARK", file_.c_str(), 1); }
@@ -113,7 +113,7 @@ TEST_F(Marked, IsOpenedOnlyWhereItIsNamed) {
   put("leaves_a_mark.so");
   const PluginRegistry registry({folder.path(), test::good_plugins()});
   EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "lane_controller")->failure, "");
-  // Its kind is not known before it is opened.
+  // Its kind is unknown before it is opened.
   EXPECT_THAT(registry.names(SKYBODY_SENSOR), Not(Contains("leaves_a_mark")));
   EXPECT_FALSE(mark.is_there());
   EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure, "");
@@ -195,13 +195,13 @@ TEST_F(Marked, IsNotOpenedWhereItsSidecarIsTooLong) {
 }
 
 TEST(PluginRegistry, ListsAFolderThatCannotBeRead) {
-  const path folder = "/" + std::string(300, 'x');  // longer than any file system's names
+  const path folder = "/" + std::string(300, 'x');  // longer than the names of any file system
   const PluginRegistry registry({folder});
   ASSERT_EQ(registry.open_all().size(), 1u);
   EXPECT_THAT(registry.open_all()[0]->failure, HasSubstr("cannot be read"));
 }
 
-/// It could become a library in the next moment, which nobody would have checked.
+/// It could become an unchecked library at any moment.
 TEST_F(Marked, IsRefusedAsAPipeWithoutBeingOpened) {
   const path pipe = folder.path() / "wind.so";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);

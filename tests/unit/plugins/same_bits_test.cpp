@@ -1,5 +1,5 @@
-// Every plugin's kernels give the same bits: for each instruction set, in lanes and one by one; and
-// lanes that are not served keep everything.
+// Every plugin's kernels give the same bits on each instruction set, in lanes and one by one;
+// inactive lanes keep all values.
 #include <gtest/gtest.h>
 
 #include "tests/unit/plugins/small_world.h"
@@ -46,7 +46,7 @@ TEST_P(SameBits, AcrossInstructionSetsLanesAndMasks) {
       all.run(kernels, self.get(), kSteps);
       for (std::uint32_t e = 0; e < kLanes; ++e) {
         const bool served = (active >> e & 1u) != 0;
-        // Of lanes that are not served, commands of controllers and what tasks say are scratch.
+        // In inactive lanes, outputs of controllers and tasks are scratch memory.
         EXPECT_EQ(served ? all.lane(e) : all.kept(e, kind == SKYBODY_SENSOR),
                   served ? expected[e] : kept[e])
             << skybody::name(isa) << ", lanes " << active << ", environment " << e;

@@ -1,4 +1,4 @@
-// A world of one quadrotor as a plugin sees it, with made-up values for a group of environments.
+// A world of one quadrotor as seen by a plugin, with artificial values for a group of environments.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// What a plugin declares in configure(), as one line each.
+/// A plugin's declarations in configure(), one line each.
 struct Declared {
   std::vector<std::string> lines;
   int buffer_words = 0;
@@ -59,18 +59,18 @@ class SmallWorld {
   SkybodySetup setup_{};
 };
 
-/// Values in lanes for `lanes` environments; those of several are those of each of them alone.
+/// Values in lanes for `lanes` environments; each lane has the values of that environment alone.
 class Group {
  public:
   /// @param first  the first environment
   Group(std::uint32_t lanes, std::uint32_t first, std::uint32_t active, int state_words,
         int buffer_words);
-  /// Every step function that `kernels` has, `steps` times after a reset.
+  /// Calls every step function of `kernels` `steps` times after a reset.
   void run(const SkybodyKernels& kernels, const void* self, int steps);
-  /// Bits of everything that was written, of one lane.
+  /// Bits of all written values of one lane.
   std::vector<std::uint64_t> lane(std::uint32_t l) const;
-  /// Bits of what the host keeps from call to call, of one lane.
-  /// @param with_output  whether the plugin's output is such (a sensor's)
+  /// Bits of one lane that the host keeps between calls.
+  /// @param with_output  true: the output is kept too (a sensor's)
   std::vector<std::uint64_t> kept(std::uint32_t l, bool with_output) const;
 
  private:

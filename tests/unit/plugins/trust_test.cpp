@@ -1,4 +1,4 @@
-// Whose libraries are opened.
+// Trust: owners and permissions of libraries that may be opened.
 #include "plugins/host/trust.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ namespace {
 using std::filesystem::path;
 using testing::HasSubstr;
 
-/// outer/inner/x.so in a folder of our own.
+/// outer/inner/x.so in a folder of this user.
 class Trust : public testing::Test {
  protected:
   Trust() : outer(root.path() / "outer"), inner(outer / "inner"), file(inner / "x.so") {
@@ -81,7 +81,7 @@ TEST_F(Trust, IsGivenToThePrivateGroupAlone) {
 
 constexpr uid_t kNobodysNumber = 54321;  // without a name
 
-/// trust_problem(file) in a child process that `become` has made another user's.
+/// trust_problem(file) in a child process that `become` has switched to another user.
 template <class Become>
 std::string problem_as(const Become& become, const path& file) {
   int ends[2];
@@ -117,7 +117,7 @@ TEST_F(Trust, IsGivenToTheGroupOfTheUsersNumberWhereNeitherHasAName) {
 TEST_F(Trust, IsGivenBelowFoldersOfARootThatIsNotMapped) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give files away";
   ASSERT_EQ(chown(outer.c_str(), kNobodysNumber, kNobodysNumber), 0);
-  const auto become = [] {  // root outside is 1000 inside, and nobody else is anybody
+  const auto become = [] {  // root outside is 1000 inside, and no other user is mapped
     if (unshare(CLONE_NEWUSER) != 0) return false;
     std::ofstream("/proc/self/uid_map") << "1000 0 1\n";
     return geteuid() == 1000;

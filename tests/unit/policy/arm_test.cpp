@@ -1,4 +1,4 @@
-// Geometry and statics of the shipped arm as the hold baseline knows them.
+// Geometry and statics of the shipped arm in the hold baseline.
 #include "core/policy/arm.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST_F(ShippedArm, FindsAnglesForEveryPlaceThatTheScenarioDraws) {
   for (double x = -0.12; x <= 0.181; x += 0.01) {
     for (double z = -0.42; z <= -0.284; z += 0.005) {
       const Vec3<double> p = two.place(two.reach({x, 0.0, z}));
-      // A hundredth of the error is left after each of 40 steps: it ends by its own bar, 1e-9 m.
+      // Each of the 40 steps leaves a hundredth of the error: it ends at its own limit, 1e-9 m.
       EXPECT_NEAR(std::hypot(p.x - x, p.y, p.z - z), 0.0, 1e-8) << x << " " << z;
     }
   }
@@ -87,9 +87,9 @@ TEST_F(ShippedArm, UnderHoldStandsStillWithItsTipInPlaceWhereverItIs) {
     const std::vector<BodyState> bodies = simulation.bodies();
     const BodyState &base = bodies[0], &forearm = bodies[2];
     const Vec3<double> tool = forearm.position + rotate(forearm.rotation, tip);
-    // Weight is borne by what hold knows of it, so that no offset is left but what 10 s of loops
-    // with poles at 2 rad/s leave: a step of 0.1 m times 20 e^-20, far below a tenth of a
-    // millimetre.
+    // The hold baseline compensates the arm's weight from its model, so the only offset is the
+    // residual of loops with poles at 2 rad/s after 10 s: a step of 0.1 m times 20 e^-20, far below
+    // a tenth of a millimetre.
     EXPECT_NEAR(norm(base.position - Vec3<double>{0.0, 0.0, 2.0}), 0.0, 1e-4) << x;
     EXPECT_NEAR(norm(tool - Vec3<double>{x, 0.0, 1.7}), 0.0, 1e-4) << x;
   }

@@ -1,4 +1,4 @@
-// Randomizer `course`: tracks, the gate that comes first, and starts before it.
+// Randomizer `course`: tracks, the index of the first gate, and starts before it.
 #include <cmath>
 #include <set>
 

@@ -95,7 +95,7 @@ TEST_F(LissajousDraws, LeaveTheRestAlone) {
 }
 
 TEST_F(LissajousDraws, PutARobotNearTheFiguresBeginningInEveryEpisode) {
-  const int start = world.robots[0].first_param + 6;  // behind the disturbance
+  const int start = world.robots[0].first_param + 6;  // after the disturbance
   for (int k = 0; k < 3; ++k) params["start" + std::to_string(k)] = start + k;
   auto drawn = draw({{"robot", "quad"}, {"start_within", Numbers{0.5, 0.2, 0.0}}, {"every", 4}});
   std::array<Numbers, 3> off;

@@ -21,7 +21,7 @@ class Randomization : public ::testing::Test {
     r.call(Call::kRandomize, g);
   }
   double& param(Group& g, int k) { return g.params[static_cast<std::size_t>(k)]; }
-  /// Values of a start from `path` on, behind robots.NAME.start.
+  /// Values of a start from `path` on, after robots.NAME.start.
   Numbers start(const Group& g, const std::string& path, int count,
                 const std::string& robot = "quad") {
     const std::string first = "robots." + robot + ".start." + path;
@@ -92,8 +92,8 @@ TEST_F(Randomization, InertiaStaysPhysicalAndNeverDrifts) {
 }
 
 TEST_F(Randomization, ARangeOfOneReturnsToTheNominalBits) {
-  // After any history, a randomizer of the same parameters with scale 1 +- 0 gives the nominal
-  // back.
+  // After any history, a randomizer of the same parameters with scale 1 +- 0 restores the nominal
+  // values.
   const Instance wide(
       "draw", world,
       {{"what", Texts{"robot.links.base.mass"}}, {"range", Numbers{0.5, 2.0}}, {"form", "scale"}});

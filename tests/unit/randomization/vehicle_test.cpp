@@ -1,5 +1,5 @@
-// Randomizer `vehicle`: each quantity has its distribution, those that belong together rise and
-// fall together, and no draw is unphysical.
+// Randomizer `vehicle`: each quantity has its distribution, related quantities are correlated, and
+// no draw is unphysical.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -18,11 +18,11 @@ using Numbers = std::vector<double>;
 constexpr int kDraws = 10000;
 constexpr double kGravity = 9.81, kDensity = 1.225;
 
-/// What one draw made, taken back out of the EnvParams.
+/// The quantities of one draw, computed back from the EnvParams.
 struct Drawn {
   double mass, arm, azimuth;
   double inertia[3];
-  double rotor[SKYBODY_ROTOR_CONSTANT_COUNT];  ///< of the first
+  double rotor[SKYBODY_ROTOR_CONSTANT_COUNT];  ///< of the first rotor
 
   double full_thrust() const {
     const double w = rotor[SKYBODY_ROTOR_MAX_SPEED];
@@ -80,8 +80,8 @@ Numbers values_of(const std::vector<Drawn>& drawn, const Quantity& quantity) {
   return values;
 }
 
-/// The largest distance of the empirical distribution from F (Kolmogorov and Smirnov), times the
-/// root of their number: above 1.95 once in a thousand times.
+/// Largest difference between the empirical distribution and F (Kolmogorov-Smirnov), times the
+/// square root of the count: above 1.95 with probability 1e-3.
 double kolmogorov(Numbers values, const std::function<double(double)>& share_below) {
   std::sort(values.begin(), values.end());
   const auto n = static_cast<double>(values.size());
@@ -98,7 +98,7 @@ constexpr double kRare = 1.95;
 std::function<double(double)> uniform(double low, double high) {
   return [=](double x) { return std::clamp((x - low) / (high - low), 0.0, 1.0); };
 }
-/// Of the logarithm: normal about the middle, the ends two deviations away.
+/// Of the logarithm: normal about the middle, with the ends two deviations away.
 std::function<double(double)> normal_between(double low, double high) {
   const double mean = 0.5 * (low + high), deviation = 0.25 * (high - low);
   const double below = normal_cdf(-2.0), between = normal_cdf(2.0) - below;
@@ -186,7 +186,7 @@ TEST_F(VehicleDraws, SizeRunsThroughAllThatFollowsFromIt) {
   const auto against_mass = [&](const Quantity& of) {
     return line_of(mass, values_of(drawn, [&](const Drawn& d) { return std::log(of(d)); }));
   };
-  // Slopes of laws, with about three of their own standard errors: spread / (2 sqrt(n)).
+  // Slopes of laws, with about three of their standard errors: spread / (2 sqrt(n)).
   const Line arm = against_mass([](auto& d) { return d.arm; });
   EXPECT_NEAR(arm.slope, 1.0 / 3.0, 0.003);
   // sqrt(v / (v + s^2)), with v = (log(1000) / 3)^2 / 12 of the law, s = 0.176 of the residue.
@@ -198,7 +198,7 @@ TEST_F(VehicleDraws, SizeRunsThroughAllThatFollowsFromIt) {
   EXPECT_NEAR(against_mass([](auto& d) { return d.rotor[SKYBODY_ROTOR_MAX_SPEED]; }).slope,
               -1.0 / 6.0, 0.008);
   EXPECT_NEAR(against_mass([](auto& d) { return d.moment_arm(); }).slope, 1.0 / 3.0, 0.006);
-  // What does not follow from it: 4 / sqrt(n) is reached once in 15,000 times.
+  // Independent quantities: 4 / sqrt(n) is exceeded with probability 1 / 15,000.
   const double none = 4.0 / std::sqrt(kDraws);
   EXPECT_LT(std::abs(against_mass([](auto& d) { return d.thrust_to_weight(); }).correlation), none);
   EXPECT_LT(std::abs(against_mass([](auto& d) { return d.gyration(); }).correlation), none);

@@ -13,14 +13,15 @@ class ImuTest : public ::testing::Test {
  protected:
   ImuTest() { world.add_quad("quad"); }
 
-  /// Resets, then senses once as the engine does.
+  /// Resets, then evaluates the sensor once, as in the engine.
   static Group begin(const Instance& imu) {
     Group g = imu.group(1);
     imu.call(Call::kReset, g);
     imu.call(Call::kSense, g);
     return g;
   }
-  /// One physics step with velocity `v` of the base's origin after it; senses when due.
+  /// One physics step with velocity `v` of the base's origin after it; evaluates the sensor when
+  /// due.
   static void step(const Instance& imu, Group& g, const std::vector<double>& v) {
     g.before = g.bodies;
     for (std::size_t k = 0; k < 3; ++k) g.bodies[7 + k] = v[k];
@@ -88,7 +89,7 @@ TEST_F(ImuTest, ReadsCentripetalAccelerationOnACircle) {
     g.bodies[8] = r * w * std::sin(a);
     ++g.physics_step[0];
     imu.call(Call::kSense, g);
-    // the mean over the step lies half a step behind: v^2/r up to (w dt)^2/6, turned by w dt/2
+    // the mean over the step lags by half a step: v^2/r up to (w dt)^2/6, rotated by w dt/2
     EXPECT_NEAR(g.output[1], r * w * w, r * w * w * 1e-5);
     EXPECT_NEAR(g.output[0], 0.5 * w * 0.001 * r * w * w, 1e-4);
     EXPECT_NEAR(g.output[2], 9.81, 1e-12);
@@ -183,7 +184,7 @@ TEST_F(ImuTest, SamplesAtItsRateAndDeliversLater) {
   Group g = begin(imu);
   for (int n = 1; n <= 30; ++n) {
     step(imu, g, {0.001 * 0.5 * n * (n + 1), 0, 0});
-    const int sampled = n >= 6 ? (n - 2) / 4 * 4 : 0;  // at 4, 8, ..; seen from 6, 10, .. on
+    const int sampled = n >= 6 ? (n - 2) / 4 * 4 : 0;  // at 4, 8, ..; visible from 6, 10, .. on
     EXPECT_NEAR(g.output[0], sampled, 1e-9) << n;
   }
 }

@@ -19,14 +19,14 @@ class RangeFinderTest : public ::testing::Test {
  protected:
   RangeFinderTest() { world.add_quad("quad", 0, 0, 1); }
 
-  /// What it reads at the start.
+  /// Its output at the start.
   Numbers ranges(const Parameters& given) {
     const Instance finder("range_finder", world, given);
     Group g = finder.group(1);
     finder.call(Call::kSense, g);
     return g.output;
   }
-  /// The only ray, straight ahead unless `given` says else.
+  /// The only ray, straight ahead unless `given` changes it.
   double ahead(Parameters given = {}) {
     given.insert({"rays", 1});
     return ranges(given)[0];
@@ -70,7 +70,7 @@ TEST_F(RangeFinderTest, MeetsTheEdgeOfATurnedBox) {
 TEST_F(RangeFinderTest, MeetsACylindersSideAndPassesOverItsTop) {
   world.add_obstacle(SKYBODY_CYLINDER, {0.2, 1.8}, {2.0, 0.0, 0.0});
   EXPECT_EQ(ahead(), 5.0) << "its top is at 0.9 m, the ray at 1 m";
-  // Down by 0.1 m a metre, to the top's near edge at (1.8, 0.82): it meets the side there.
+  // Down by 0.1 m per metre, to the top's near edge at (1.8, 0.82): it meets the side there.
   EXPECT_NEAR(ahead({{"elevations", Numbers{-std::atan(0.1)}}}), 1.8 * std::hypot(1.0, 0.1),
               kRounding);
 }

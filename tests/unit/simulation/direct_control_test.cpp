@@ -31,7 +31,7 @@ Simulation hover(const std::string& controllers = "[{plugin: rotor_speed}]",
   return simulation;
 }
 
-/// The message of what `call` throws.
+/// The message of the exception that `call` throws.
 template <class Call>
 std::string refusal(Call&& call) {
   try {
@@ -42,7 +42,7 @@ std::string refusal(Call&& call) {
   return "nothing was thrown";
 }
 
-/// Command, `n` steps, and the position that this led to.
+/// Sends a command, advances `n` steps, and returns the position.
 Vec3<double> fly(Simulation& world, const std::vector<double>& command, int n) {
   world.command("quad", command);
   EXPECT_TRUE(world.advance(n));
@@ -69,7 +69,7 @@ TEST(DirectControl, EveryModeFlies) {
   }
   {
     Simulation world = hover("[{plugin: velocity}]");
-    // A driven base goes exactly as told: 1 m/s for 0.5 s; sums of 500 steps round to 1e-12.
+    // A driven base follows its command exactly: 1 m/s for 0.5 s; sums of 500 steps round to 1e-12.
     EXPECT_NEAR(fly(world, {1, 0, 0, 0, 0, 0}, 500).x, 0.5, 1e-12);
   }
   {
@@ -80,7 +80,7 @@ TEST(DirectControl, EveryModeFlies) {
   {
     Simulation world = hover("[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]");
     const Vec3<double> end = fly(world, {1, -1, 1.5, 0}, 8000);
-    // The chain has no error at rest; after 8 s the slowest mode (about 1.6 rad/s) has died away.
+    // The chain has no error at rest; after 8 s the slowest mode (about 1.6 rad/s) has decayed.
     EXPECT_NEAR(end.x, 1.0, 1e-3);
     EXPECT_NEAR(end.y, -1.0, 1e-3);
     EXPECT_NEAR(end.z, 1.5, 1e-3);
@@ -117,7 +117,7 @@ TEST(DirectControl, AdvancingInPartsIsAdvancingAtOnce) {
   EXPECT_TRUE(parts.advance(0));
   EXPECT_EQ(whole.save().words, parts.save().words);
   EXPECT_EQ(whole.physics_steps(), 300u);
-  EXPECT_EQ(whole.steps(), 0u);  // nobody asked the task
+  EXPECT_EQ(whole.steps(), 0u);  // the task was not evaluated
 }
 
 TEST(DirectControl, EvaluateEndsATransitionAndTheHorizonCounts) {
@@ -179,7 +179,7 @@ TEST(DirectControl, TeleportMovesTheBaseAndKeepsTheRest) {
   world.teleport("quad", to);
   EXPECT_EQ(world.body("quad", "base_link").position.x, 1.0);
   EXPECT_EQ(world.rotor_speeds(), rotors);
-  // The bob comes along: seen from the base it hangs as before, up to rounding at 10 m.
+  // The bob moves with the base: its relative position is unchanged, up to rounding at 10 m.
   const Vec3<double> was = bob.position - base.position;
   const Vec3<double> is = world.body("quad", "bob").position - to.position;
   EXPECT_NEAR(norm(is - was), 0.0, 1e-14);
@@ -198,7 +198,7 @@ TEST(DirectControl, RefusesToTeleportWhereNobodyCanBe) {
 }
 
 TEST(DirectControl, AccelerationsAreTheDerivativeOfTheBodiesMotion) {
-  // Chains of joints, on rotors that pull to one side.
+  // Chains of joints, with rotors whose thrust is unbalanced.
   Simulation world({.scenario = scenario("payload.yaml"),
                     .overrides = {"sensors=[]", "stepping.dt=1e-6"},
                     .seed = 8});
@@ -211,7 +211,7 @@ TEST(DirectControl, AccelerationsAreTheDerivativeOfTheBodiesMotion) {
   ASSERT_TRUE(world.advance(1000));  // 1 ms: joints move as well
   // A central difference over one microsecond to either side of the middle. Truncation: h^2 times
   // the third derivative (some 1e4 1/s^4) is below 1e-7; rounding 1e-15 / 1e-6 is 1e-9. The rotors'
-  // lag and the integrator's order let the step itself be off by O(h): 1e-6 of 1e2.
+  // lag and the integrator's order give the step itself an error of O(h): 1e-6 of 1e2.
   const std::vector<BodyState> before = world.bodies();
   ASSERT_TRUE(world.advance(1));
   const Accelerations now = world.accelerations();
@@ -226,7 +226,7 @@ TEST(DirectControl, AccelerationsAreTheDerivativeOfTheBodiesMotion) {
     EXPECT_NEAR(norm(angular - now.bodies[i].angular), 0.0, 2e-3 * (1 + norm(angular))) << i;
     largest = std::max(largest, norm(angular));
   }
-  EXPECT_GT(largest, 1.0);  // or nothing was tested
+  EXPECT_GT(largest, 1.0);  // otherwise the test is void
 }
 
 TEST(DirectControl, AFreeFallHasTheAccelerationOfGravity) {
@@ -259,7 +259,7 @@ TEST(DirectControl, GroundContactsCarryTheWeightOfARestingRobot) {
     sum += contact.force.z;
   }
   const double weight = world.mass_properties("", "base_link").mass * -world.scenario().gravity().z;
-  // At rest after 5 s: what moves still is far below a millinewton.
+  // At rest after 5 s: forces of the remaining motion are far below a millinewton.
   EXPECT_NEAR(sum, weight, 1e-3 * weight);
 }
 
@@ -275,13 +275,13 @@ TEST(DirectControl, AnObstacleCarriesTheWeightOfWhatRestsOnIt) {
   double sum = 0.0;
   for (const Contact& contact : world.contacts()) {
     EXPECT_EQ(contact.other, kFirstObstacle);
-    EXPECT_GT(contact.normal.z, 0.9);  // pushed off upwards
+    EXPECT_GT(contact.normal.z, 0.9);  // pushed upwards
     EXPECT_GT(contact.depth, 0.0);
     EXPECT_NEAR(contact.point.z, 1.1, 0.01);  // the table's top
     sum += contact.force.z;
   }
   const double weight = world.mass_properties("", "base_link").mass * -world.scenario().gravity().z;
-  EXPECT_NEAR(sum, weight, 0.02 * weight);  // meshes creep a little
+  EXPECT_NEAR(sum, weight, 0.02 * weight);  // meshes creep slightly
 }
 
 TEST(DirectControl, ContactsOfRobotsAreTheForcesThatMoveThem) {
@@ -290,7 +290,7 @@ TEST(DirectControl, ContactsOfRobotsAreTheForcesThatMoveThem) {
   EXPECT_TRUE(world.contacts().empty());
   const auto& robots = world.scenario().robots;
   BodyState beside = world.base(robots[0].name);
-  beside.position.x += 0.2;  // less than a vehicle is wide
+  beside.position.x += 0.2;  // less than the width of a vehicle
   world.teleport(robots[1].name, beside);
   const std::vector<Contact> contacts = world.contacts();
   ASSERT_FALSE(contacts.empty());
@@ -303,7 +303,7 @@ TEST(DirectControl, ContactsOfRobotsAreTheForcesThatMoveThem) {
     sum[static_cast<std::size_t>(contact.body)] += contact.force;
     sum[static_cast<std::size_t>(contact.other)] -= contact.force;
   }
-  // Rotors carry the weight, so nothing else moves them.
+  // Rotors carry the weight, so no other force moves them.
   const Accelerations now = world.accelerations();
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string& base = robots[r].model.bodies[0].name;
@@ -327,7 +327,7 @@ TEST(DirectControl, MassAndInertiaAreReadSetAndFelt) {
   EXPECT_EQ(world.param("robots.quad.links.base_link.inertia[0]"), mass.inertia.xx);
   // Hover thrust carries half of it.
   EXPECT_NEAR(world.accelerations().bodies[0].linear.z, 0.5 * world.scenario().gravity().z, 1e-9);
-  mass.inertia.xx = 1e3;  // larger than the two others together: no rigid body
+  mass.inertia.xx = 1e3;  // larger than the sum of the two others: not a rigid body
   EXPECT_THAT(refusal([&] { world.set_mass_properties("", "base_link", mass); }),
               HasSubstr("inertia"));
   mass.mass = kNone;

@@ -1,4 +1,4 @@
-// Mass properties that no rigid body has are drawn again at a reset.
+// A reset draws again when drawn mass properties are those of no rigid body.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ std::vector<double> axes_of(const Simulation& simulation) {
   return axes;
 }
 
-/// QDrone2's axes, 0.0144, 0.0166 and 0.0288 kg m^2, drawn one by one by 10 %: 17 % are those of no
-/// rigid body.
+/// QDrone2's moments, 0.0144, 0.0166 and 0.0288 kg m^2, each drawn independently by 10 %: 17 % of
+/// the draws are those of no rigid body.
 TEST(DrawnBodies, AreDrawnAgainUntilARigidBodyHasThem) {
   Simulation simulation = drawn_hover();
   const std::vector<double> nominal = axes_of(simulation);
@@ -50,7 +50,7 @@ TEST(DrawnBodies, AreDrawnAgainUntilARigidBodyHasThem) {
   EXPECT_GT(largest, 0.099) << "the whole range comes";
 }
 
-/// An axis of ten times its size is above the sum of the others, however often it is drawn.
+/// A moment of ten times its size exceeds the sum of the others in every draw.
 TEST(DrawnBodies, ThatCanNeverBeAreAFaultWhoseReasonNamesThem) {
   Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
                          .overrides = {"randomization=[{plugin: draw, parameters: {what: ['" +

@@ -26,11 +26,12 @@ std::shared_ptr<const CompiledScenario> load_vehicles(const std::string& preset)
 }
 
 /// One episode of some seconds by the baseline. It hovers if it stays within 0.8 m of the target,
-/// and at the end moves at less than 0.2 m/s and turns at less than 0.1 rad/s. The slowest have
-/// attitude loops of 0.8 and position loops of 0.2 rad/s: a start that is tilted by 0.01 rad takes
-/// them 0.3 m aside before they come back, from up to 0.17 m, which then takes half a minute.
-/// (Turning by more lifts those whose rotors speed up much quicker than they slow down, for as
-/// long.)
+/// and at the end moves at less than 0.2 m/s and turns at less than 0.1 rad/s.
+///
+/// The slowest vehicles have attitude loops of 0.8 rad/s and position loops of 0.2 rad/s. An
+/// initial tilt of 0.01 rad takes them 0.3 m aside before they return, from up to 0.17 m, within
+/// half a minute. (A larger rotation lifts vehicles whose rotors speed up much faster than they
+/// slow down, for as long.)
 bool hovers(Simulation& simulation, HoldPolicy& hold) {
   constexpr int kSteps = 600;  // 6 s
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));

@@ -1,4 +1,4 @@
-// Starts and targets are randomizable values: set, drawn and asked for like all others.
+// Starts and targets are randomizable values: set, drawn and requested like all others.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A fault of the state names what was most likely its cause, with its value.
+// A fault of the state reports its most likely cause, with the value.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -11,7 +11,7 @@ namespace {
 
 const std::string kGaveUp = "the physics gave up or left the finite numbers: ";
 
-/// The reason of the fault that the next steps end in; empty: none of twenty does.
+/// The reason of the fault in the next twenty steps; empty: none.
 std::string reason_of(Simulation& simulation) {
   for (int k = 0; k < 20; ++k) {
     simulation.step(std::vector<float>(static_cast<std::size_t>(simulation.action_size()), 0.0f));

@@ -1,4 +1,4 @@
-// Ropes in whole environments: what is saved and restored, and what hangs on a driven base.
+// Ropes in whole environments: saving and restoring, and ropes suspended from a driven base.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Three robots carry a plate on ropes, which go slack and taut.
+/// Three robots carry a plate on ropes, which become slack and taut.
 TEST(Ropes, HaveTheSameBitsWhereEveryStepIsSavedAndRestored) {
   std::vector<std::string> overrides;
   for (const char* rope : {"alpha_rod", "bravo_rod", "charlie_rod"}) {
@@ -47,7 +47,7 @@ TEST(Ropes, HaveTheSameBitsWhereEveryStepIsSavedAndRestored) {
 
 const std::string kLanding = SKYBODY_SOURCE_DIR "/scenarios/platform_landing.yaml";
 
-/// The pad goes its way to the bit, whatever a rope's catch and what hangs on it do.
+/// The pad follows its path bit for bit, regardless of a rope's impacts and loads.
 TEST(Ropes, DoNotMoveADrivenBase) {
   const std::string rope =
       "couplings=[{name: leash, kind: rope, length: 1.6, ends: [{robot: quad}, {robot: pad}]}]";

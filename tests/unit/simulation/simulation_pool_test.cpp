@@ -68,12 +68,12 @@ TEST_P(AnyThreads, WorldsDoWhatTheyDoAlone) {
 TEST(SimulationPool, AllThreadsWorkAtTheSameTimeHoweverShortTheWorkBeforeWas) {
   constexpr int kThreads = 3;
   SimulationPool pool(hover(), {.envs = kWorlds, .pin_threads = true, .threads = kThreads});
-  EXPECT_LT(pool.pinned_threads(), kThreads);  // the caller stays where it is
+  EXPECT_LT(pool.pinned_threads(), kThreads);  // the caller is not pinned
   for (int k = 0; k < 100; ++k) pool.run(pool.all(), [](Simulation&, int) {});
   std::atomic<int> inside{0};
   std::vector<std::thread::id> ids(kWorlds);
-  // Nobody leaves before one environment for each thread is entered: this ends only if they run at
-  // once.
+  // No call returns before one environment for each thread has entered: the run ends only if they
+  // execute concurrently.
   pool.run(pool.all(), [&](Simulation&, int i) {
     ids[static_cast<std::size_t>(i)] = std::this_thread::get_id();
     ++inside;
@@ -116,7 +116,7 @@ TEST(SimulationPool, AnErrorNamesTheFirstWorldAndTheOthersFinish) {
   EXPECT_EQ(finished, kWorlds - 2);
   const std::vector<int> only = {3};
   EXPECT_EQ(refusal([&] { pool.run(only, work); }), "environment 3: lost its way");
-  pool.advance(pool.all(), 1);  // it goes on
+  pool.advance(pool.all(), 1);  // it continues
   EXPECT_EQ(pool.simulation(3).physics_steps(), 1u);
 }
 
@@ -143,7 +143,7 @@ TEST(SimulationPool, RefusesMisuseBeforeAnythingIsDone) {
   EXPECT_THAT(refusal([&] { pool.command(pool.all(), "", std::vector<double>(4)); }),
               HasSubstr("values has 4 values; expected 3 x 4"));
   EXPECT_EQ(pool.simulation(0).physics_steps(), 0u);
-  pool.advance({}, 5);  // nobody is somebody
+  pool.advance({}, 5);  // no environment is a valid selection
 }
 
 TEST(SimulationPool, ClosesOnceOrTwiceAndRefusesAfterwards) {

@@ -1,4 +1,4 @@
-// Starts in which a robot begins inside something are drawn again, and are a fault if they stay so.
+// Starts with a robot inside another object are drawn again, and are a fault if they remain so.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ std::string reason(const Simulation& simulation) {
   return simulation.compiled().fault_reason(simulation.status());
 }
 
-/// Whether the quadrotor, 0.35 m wide, is in the block.
+/// Tests if the quadrotor, 0.35 m wide, overlaps the block.
 bool is_in_block(Simulation& simulation) {
   const Vec3<double> p = simulation.bodies()[0].position;
   return std::abs(p.x) < 1.9 && std::abs(p.y) < 1.9;
@@ -54,7 +54,7 @@ TEST(StartOverlap, IsDrawnAgainUntilNothingOverlaps) {
     EXPECT_FALSE(redrawn.fault());
     EXPECT_FALSE(is_in_block(redrawn)) << k;
     inside += is_in_block(taken) ? 1 : 0;
-    // What needed no second draw has the bits that it had.
+    // Starts that needed no second draw keep their bits.
     if (taken.contacts().empty()) {
       EXPECT_EQ(taken.state("q"), redrawn.state("q")) << k;
     }
@@ -72,7 +72,7 @@ TEST(StartOverlap, IsAFaultWithItsReasonWhereDrawingDoesNotHelp) {
   EXPECT_EQ(simulation.reward(), 0.0f);
   EXPECT_THAT(reason(simulation), HasSubstr("robot `quad` begins inside the obstacle `hall`, by "));
   EXPECT_THAT(reason(simulation), HasSubstr("raise `contact.redraws` (3)"));
-  // Numbers read as doubles keep the bits of a status.
+  // Values read as doubles keep the bits of a status.
   EXPECT_EQ(simulation.state("status")[0], static_cast<double>(simulation.status()));
   EXPECT_LT(simulation.status(), std::uint64_t{1} << 53);
 }
@@ -131,7 +131,7 @@ TEST(StartOverlap, CountsForObstaclesThatAreDrawnAndThatAreNotThere) {
   EXPECT_FALSE(without.fault());
 }
 
-/// A randomizer that is not due keeps what it drew; the schedule counts a reset once.
+/// A randomizer that is not due keeps its values; the schedule counts a reset once.
 TEST(StartOverlap, DrawsWhatIsDueAndCountsTheResetOnce) {
   const std::string mass = "{plugin: vehicle_constants, parameters: {mass: [0.5, 1.5], every: 3}}";
   Simulation taken = hover(with(kBlock, kStart + ", " + mass, {"contact.redraws=0"}));
@@ -165,7 +165,7 @@ TEST(StartOverlap, OfTwoRobotsIsDrawnAgain) {
   EXPECT_EQ(touching, 0);
 }
 
-/// What a lane draws is a function of its own key: alone, in packs, on any number of threads.
+/// A lane's draws are a function of its own key: alone, in packs, on any number of threads.
 TEST(StartOverlap, HasTheSameBitsInPacksAndOnThreads) {
   const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
                                           with(kBlock, kStart, {"contact.redraws=5"}),

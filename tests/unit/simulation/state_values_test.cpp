@@ -1,5 +1,5 @@
-// The state by path: each value is the one that state words or the bodies have, and paths that are
-// wrong are answered with the nearest ones.
+// The state by path: each value equals that of the state words or the bodies; wrong paths are
+// answered with the nearest ones.
 #include "core/env/state_values.h"
 
 #include <gmock/gmock.h>
@@ -110,7 +110,7 @@ TEST(StateValues, ALinkOnAFixedJointIsPlacedOnItsBody) {
   const std::string path = "robots.quad.links." + link->name;
   const Vec3<double> arm = rotate(base.rotation, link->pose.position);
   EXPECT_EQ(world.state(path + ".position"), values_of(base.position + arm));
-  // Forward differences over a physics step of 1 ms: off by the acceleration times half of it.
+  // Forward differences over a physics step of 1 ms: off by half the step times the acceleration.
   const std::vector<double> before = world.state(path + ".position");
   const std::vector<double> velocity = world.state(path + ".velocity");
   const double time = world.time();

@@ -1,4 +1,4 @@
-// The chase, by hand: who sees whom, rewards of each robot, ends, where the baseline is led.
+// The chase, by hand: visibility, rewards of each robot, ends, goals of the baseline.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ class ChaseTask : public ::testing::Test {
     world.add_quad("evader", 0, 0, 1);
     world.add_quad("kite", -3, 0, 1);
   }
-  /// The evader follows a reference.
+  /// Makes the evader follow a reference.
   void be_scripted() {
     world.robots[1].action_count = 0;
     world.robots[2].first_action = 4;

@@ -1,4 +1,4 @@
-// A common load by hand: places, observation, rewards, ends and refusals.
+// A shared load by hand: positions, observation, rewards, ends and refusals.
 #include <cmath>
 
 #include "tests/unit/plugin_harness.h"
@@ -97,12 +97,12 @@ TEST_F(CooperativePayloadTask, EveryCarrierObservesItselfTheLoadItsPointAndTheOt
     for (std::size_t k = 0; k < values.size(); ++k)
       EXPECT_NEAR(g.observation[first + k], values[k], kRounding) << first << " + " << k;
   };
-  expect(0, {0, 0, -0.5});    // place error
+  expect(0, {0, 0, -0.5});    // position error
   expect(13, {0, -0.25, 0});  // load's error
-  expect(16, {-angle});       // and of its yaw
+  expect(16, {-angle});       // and its yaw error
   expect(20, {std::cos(0.5 * angle), 0, 0, std::sin(0.5 * angle)});
   expect(27, {0.6, -0.05, -1.45});  // its point, now at (0, -0.05, 1.05)
-  expect(30, {1.2, 0, -0.5});       // the other
+  expect(30, {1.2, 0, -0.5});       // the other robot
 }
 
 TEST_F(CooperativePayloadTask, ACarriedLoadInItsPoseEarnsTheMost) {
@@ -110,10 +110,10 @@ TEST_F(CooperativePayloadTask, ACarriedLoadInItsPoseEarnsTheMost) {
   EXPECT_TRUE(task.declared.robot_rewards);
   Group g = begin(task);
   evaluate(task, g);
-  EXPECT_NEAR(g.reward[0], 1.51, kRounding);  // load 1, place 0.5, rates 0.01
+  EXPECT_NEAR(g.reward[0], 1.51, kRounding);  // load 1, position 0.5, rates 0.01
   EXPECT_NEAR(g.robot_reward[0], 1.51, kRounding);
   EXPECT_EQ(g.info.back(), 1.0);
-  position(g, 0, 0) -= 1.0;  // one robot away from its place
+  position(g, 0, 0) -= 1.0;  // one robot away from its position
   evaluate(task, g);
   EXPECT_NEAR(g.robot_reward[0], 1.01 + 0.5 / (1.0 + 2.56), kRounding);
   EXPECT_NEAR(g.robot_reward[1], 1.51, kRounding);

@@ -1,4 +1,4 @@
-// Derivatives of what the shipped tasks give: observations, rewards, info, targets.
+// Derivatives of the outputs of the shipped tasks: observations, rewards, info, targets.
 #include "tests/unit/dual_harness.h"
 
 namespace skybody::testing {

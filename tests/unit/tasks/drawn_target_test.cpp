@@ -1,4 +1,4 @@
-// The task kit's drawn targets, in two tasks that use them as they are: `obstacles` has a
+// The task kit's drawn targets, in two tasks that use them unchanged: `obstacles` has a
 // DrawnTarget, `hover` a DrawnPose.
 #include "tests/unit/plugin_harness.h"
 
@@ -11,7 +11,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A reset; what the EnvParam `target` is then.
+/// The EnvParam `target` after a reset.
 Numbers target_after_reset(const Instance& task, Group& g, std::size_t count) {
   task.call(Call::kReset, g);
   const auto first = g.params.begin() + task.env_param("target");
@@ -63,7 +63,7 @@ TEST_F(DrawnTargetOfATask, IsDrawnAllOverItsBox) {
       greatest[k] = std::max(greatest[k], target[k]);
     }
   }
-  // None of 399 uniform draws in an outer twentieth: one in 10^8.
+  // Probability that none of 399 uniform draws is in an outer twentieth: 1e-8.
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_LE(least[k], low[k] + 0.05 * (high[k] - low[k]));
     EXPECT_GE(greatest[k], high[k] - 0.05 * (high[k] - low[k]));

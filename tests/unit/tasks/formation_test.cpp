@@ -1,4 +1,4 @@
-// Geometry, observation and rewards of the formation task for robots that are placed by hand.
+// Geometry, observation and rewards of the formation task, with robots at positions set by hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ double distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// The corners of the README, written down anew.
+/// The corners of the README, implemented a second time.
 std::vector<Point> polygon(int robots, double radius = 1.0) {
   std::vector<Point> places;
   if (robots >= 5) places.push_back({0.0, 0.0, 0.0});
@@ -129,7 +129,8 @@ TEST_F(FormationTask, PlacesAreARegularPolygonWithACentreFromFiveOn) {
     const Instance task("formation", world, {{"target", Numbers{1, -2, 3}}, {"radius", 1.5}});
     Group g = begin(task);
     const std::vector<Point> places = polygon(robots, 1.5);
-    for (std::size_t i = 0; i < places.size(); ++i) {  // who is there has no way to go
+    for (std::size_t i = 0; i < places.size();
+         ++i) {  // robots at their positions have no way to go
       g.bodies[13 * i] = 1.0 + places[i][0];
       g.bodies[13 * i + 1] = -2.0 + places[i][1];
     }
@@ -183,7 +184,7 @@ TEST_F(FormationTask, RewardsAsThePaperDoes) {
   for (int i = 0; i < 3; ++i) put(g, i, at[static_cast<std::size_t>(i)]);
   turn(g, 0, 0.4, 3);  // yaw
   turn(g, 1, -1.2, 3);
-  turn(g, 2, 0.9, 2);  // pitch takes from R00 as well
+  turn(g, 2, 0.9, 2);  // pitch reduces R00 as well
   evaluate(task, g);
 
   Point centroid{};
@@ -221,7 +222,7 @@ TEST_F(FormationTask, SeesAnEmptyPlaceThatNoRobotIsFarFrom) {
   add_team(4);
   const Instance task("formation", world, fixed);
   Group g = begin(task);
-  // Every robot is within 0.5 m of a place, yet the one at -y is empty.
+  // Every robot is within 0.5 m of a position, yet the one at -y is empty.
   const std::vector<Point> at = {{0.9, 0, 2}, {0, 1.4, 2}, {-0.9, 0, 2}, {0, 0.7, 2}};
   for (int i = 0; i < 4; ++i) put(g, i, at[static_cast<std::size_t>(i)]);
   evaluate(task, g);
@@ -341,7 +342,7 @@ TEST_F(FormationTask, SeesTheWaysToTheNearestPointsOfObstaclesCutAtItsSight) {
   const Numbers expected = {1.5, 0, 0, 1.5, 0, 2.5, 0, 2.5, 0, 0, 4, 4};
   for (std::size_t k = 0; k < expected.size(); ++k)
     EXPECT_NEAR(g.observation[34 + k], expected[k], kRounding) << k;
-  g.params[static_cast<std::size_t>(world.shapes[1].first_param)] = 0.0;  // the post is not there
+  g.params[static_cast<std::size_t>(world.shapes[1].first_param)] = 0.0;  // the post is absent
   evaluate(task, g);
   EXPECT_NEAR(g.observation[34 + 3], 2.5, kRounding);  // the box is the nearest
   EXPECT_NEAR(g.observation[34 + 8], 0.0, kRounding);  // there is no third one
@@ -364,7 +365,7 @@ TEST_F(FormationTask, AnObstacleNearbyCostsRewardAndTouchingItEndsTheEpisode) {
   EXPECT_NEAR(g.robot_reward[1], reward_of(2.0, 0.0, 0.0, 1.0), kRounding);
   EXPECT_EQ(g.end[0], 0u);
   EXPECT_EQ(g.info.back(), 1.0);
-  g.contacts[6] = 1.0;  // the first robot touches something
+  g.contacts[6] = 1.0;  // the first robot has a contact
   evaluate(task, g);
   EXPECT_EQ(g.end[0], 1u);
   EXPECT_EQ(g.info[collision], 1.0);

@@ -67,7 +67,7 @@ TEST_F(LandingTask, ObservesTheDeckFromTheRobot) {
   const Instance task("landing", world);
   EXPECT_EQ(task.declared.channel_count(), 18);
   Group g = begin(task);
-  turn(g, 1, 0.5 * kPi, 3);  // the deck looks along y
+  turn(g, 1, 0.5 * kPi, 3);  // the deck faces y
   g.bodies[13 + 7] = 1.0;    // and moves along x
   put(g, {0.3, 0.1, 2});
   for (std::size_t k = 0; k < 3; ++k) g.bodies[10 + k] = static_cast<double>(k + 1);
@@ -113,7 +113,7 @@ TEST_F(LandingTask, PaysForTheWayAndTheLandingAndTakesHasteOff) {
   put(g, {0, 0, 1.39});
   step(task, g);
   EXPECT_NEAR(g.reward[0], 5.0 * 0.2, kRounding) << "0.2 m nearer";
-  g.bodies[7] = 2.0;  // 0.2 m/s and 0.8 m/s are free
+  g.bodies[7] = 2.0;  // 0.2 m/s and 0.8 m/s are free of cost
   g.bodies[10] = 3.0;
   step(task, g);
   EXPECT_NEAR(g.reward[0], -0.05 * (2.0 - 1.0) - 0.001 * 9.0, kRounding);
@@ -175,7 +175,7 @@ TEST_F(LandingTask, LeadsTheBaselineOverTheDeckAndThenDown) {
   EXPECT_NEAR(goal[2], 1.0, kRounding);
   EXPECT_NEAR(motion[0], 0.2, kRounding) << "with the deck";
   EXPECT_NEAR(motion[2], -0.5, kRounding);
-  g = begin(task, {1.25, 0, 1.0});  // 2 m more above the deck than it is, less the room of 0.3 m
+  g = begin(task, {1.25, 0, 1.0});  // goal 2 m above the deck, less the room of 0.3 m
   goal = task.goal(g);
   EXPECT_NEAR(goal[2], 1.0 + 2.0 - 0.3 - (1.0 - 0.59), kRounding);
   EXPECT_EQ(task.goal_motion(g)[2], 0.0);

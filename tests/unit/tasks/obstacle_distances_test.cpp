@@ -1,4 +1,4 @@
-// How far obstacles are, by hand, and three closed forms of it against one another.
+// Distances of obstacles, by hand, and three closed forms against one another.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -55,7 +55,7 @@ TEST(ObstacleDistances, AreZeroWithin) {
   EXPECT_EQ(distance_to_gate(V{1.4, 1.4, 0.1}, V{0.02, 0.75, 0.1}), 0.0);
 }
 
-/// gap() below 0 is inside; the others know nothing of that.
+/// gap() is negative inside; the other forms do not distinguish it.
 TEST(ObstacleDistances, OfAllFormsAgree) {
   std::mt19937 random(1);
   const auto draw = [&] { return 6.0 * static_cast<double>(random()) / 4294967295.0 - 3.0; };
@@ -70,7 +70,8 @@ TEST(ObstacleDistances, OfAllFormsAgree) {
       const double distance = std::max(0.0, to.distance);
       EXPECT_NEAR(norm(way(kind, at, p)), distance, 1e-13) << kind;  // rounding of 10 m
       if (to.distance > 0.0) {
-        EXPECT_LT(norm(way(kind, at, p) - to.way), 1e-7) << kind;  // near an edge ways part
+        EXPECT_LT(norm(way(kind, at, p) - to.way), 1e-7)
+            << kind;  // near an edge the nearest points differ
       }
       if (kind == SKYBODY_GATE) {
         EXPECT_NEAR(distance_to_gate(size, at.local(p)), distance, 1e-13);

@@ -1,4 +1,4 @@
-// The task of a forest, by hand: what is seen, rewards, ends, where the baseline is led.
+// The task of a forest, by hand: visible obstacles, rewards, ends, goals of the baseline.
 #include <cmath>
 
 #include "tests/unit/plugin_harness.h"
@@ -27,14 +27,14 @@ class ObstaclesTask : public ::testing::Test {
     task.call(Call::kEvaluate, g);
     return g;
   }
-  /// One step later, at rest at a place.
+  /// One step later, at rest at a position.
   static void go(const Instance& task, Group& g, const Numbers& to) {
     for (std::size_t k = 0; k < 3; ++k) g.bodies[k] = to[k];
     ++g.step[0];
     g.end[0] = 0;
     task.call(Call::kEvaluate, g);
   }
-  /// The k-th obstacle that is seen: way, distance, size.
+  /// The k-th observed obstacle: offset, distance, size.
   static Numbers seen(const Group& g, int k) {
     const auto first = g.observation.begin() + 17 + 7 * k;
     return {first, first + 7};
@@ -93,7 +93,7 @@ TEST_F(ObstaclesTask, FindsTheWayToCornersTopsAndOutOfSolids) {
   expect_near(seen(g, 0), {-0.3, -0.4, -0.2, std::sqrt(0.29), 1.0, 1.0, 2.0});
   go(task, g, {3.0, 0.0, 3.5});  // above the cylinder
   expect_near(seen(g, 0), {0.0, 0.0, -0.5, 0.5, 0.25, 4.0, 0.0});
-  go(task, g, {3.1, 0.0, 1.0});  // in it
+  go(task, g, {3.1, 0.0, 1.0});  // inside it
   expect_near(seen(g, 0), {0.15, 0.0, 0.0, -0.15, 0.25, 4.0, 0.0});
   go(task, g, {0.0, -1.1, 1.0});  // in the box, 0.1 m below a face
   expect_near(seen(g, 0), {0.0, 0.1, 0.0, -0.1, 1.0, 1.0, 2.0});
@@ -105,7 +105,7 @@ TEST_F(ObstaclesTask, RewardsProgressAndChargesForLackOfClearance) {
   EXPECT_EQ(g.reward[0], 0.0) << "no step, no progress, clear of everything";
   go(task, g, {0.5, 0.0, 1.0});
   EXPECT_NEAR(g.reward[0], 0.5, kRounding);
-  go(task, g, {0.5, 1.2, 1.0});  // 0.94 - 0.5 - 0.2 m clear of the sphere
+  go(task, g, {0.5, 1.2, 1.0});  // clear of the sphere by 0.94 - 0.5 - 0.2 m
   const double way = 5.5 - std::hypot(5.5, 1.2);
   const double lack = 1.0 - (std::hypot(0.5, 0.8) - 0.7) / 0.3;
   EXPECT_NEAR(g.reward[0], way - 0.1 * lack * lack, kRounding);
@@ -146,7 +146,7 @@ TEST_F(ObstaclesTask, LeadsTheBaselineAroundWhatIsAheadAndToTheTarget) {
   Numbers goal = task.goal(g);
   EXPECT_NEAR(std::hypot(goal[0] - 2.0, goal[1] - 0.01), 0.6, kRounding);
   EXPECT_GT(std::abs(goal[1] - 0.01), 0.2) << "past it";
-  go(task, g, {4.5, 0.0, 1.0});  // nothing is
+  go(task, g, {4.5, 0.0, 1.0});  // nothing is ahead
   goal = task.goal(g);
   EXPECT_NEAR(goal[0], 5.1, kRounding);
   EXPECT_NEAR(goal[1], 0.0, kRounding);

@@ -37,12 +37,12 @@ class PendulumTask : public ::testing::Test {
     g.end[0] = 0;
     task.call(Call::kEvaluate, g);
   }
-  /// Turns the pendulum about x by an angle [rad] on its joint.
+  /// Rotates the pendulum about x by an angle [rad] on its joint.
   void lean(Group& g, double angle) const {
     g.bodies[at(3)] = std::cos(0.5 * angle);
     g.bodies[at(4)] = std::sin(0.5 * angle);
   }
-  /// Place of value k of the bob's body.
+  /// Index of value k of the bob's body.
   std::size_t at(int k) const { return static_cast<std::size_t>(13 * bob + k); }
 
   PluginWorld world;
@@ -88,7 +88,7 @@ TEST_F(PendulumTask, APastBeginsAsTheFirstMomentAndGrowsOlder) {
 TEST_F(PendulumTask, TheBobIsItsLinksCentreOfMass) {
   const Instance task("pendulum", world, {{"history", 1}, {"privileged", false}});
   Group g = upright(task);
-  g.bodies[at(11)] = 2.0;  // about y: what is above the joint moves along +x
+  g.bodies[at(11)] = 2.0;  // about y: points above the joint move along +x
   g.bodies[3] = -1.0;      // the same attitude, written with w < 0
   step(task, g);
   EXPECT_NEAR(g.observation[6], 2.0 * kCenter, 1e-15);
@@ -173,7 +173,7 @@ TEST_F(PendulumTask, EveryLimitEndsAnEpisodeUnderItsNameAndCostsFive) {
     EXPECT_EQ(g.end[0], reason.empty() ? 0u : 1u) << reason;
     const double reward = g.reward[0];
     g.end[0] = 0;
-    step(task, g);  // no way is made
+    step(task, g);  // no progress
     EXPECT_NEAR(g.reward[0] - (reason.empty() ? 0.0 : -5.0), 0.01 + g.info[1], 1e-14) << reason;
     return reward;
   };

@@ -62,7 +62,7 @@ TEST_F(RacingTask, ObservesTheNextTwoGatesFromTheBody) {
   const Instance task("racing", world, free);
   EXPECT_EQ(task.declared.channel_count(), 25);
   Group g = task.group(1);
-  g.bodies[3] = g.bodies[6] = std::sqrt(0.5);  // it looks along y
+  g.bodies[3] = g.bodies[6] = std::sqrt(0.5);  // it faces y
   for (std::size_t k = 0; k < 6; ++k) g.bodies[7 + k] = static_cast<double>(k + 1);
   put(g, {-2, 0.5, 0.8});
   g.action = {0.1, 0.2, 0.3, 0.4};
@@ -227,7 +227,7 @@ TEST_F(RacingTask, LeadsTheBaselineOnTheAxisAndLetsItWaitAside) {
   EXPECT_NEAR(goal[0], -2.0, kRounding);
   EXPECT_NEAR(goal[1], 0.0, kRounding);
   EXPECT_NEAR(motion[0], 2.0, kRounding);
-  g = begin(task, {-0.2, 1.2, 1});  // 1 m more aside than it may be: back to -1 m
+  g = begin(task, {-0.2, 1.2, 1});  // 1 m outside the lateral limit: back to -1 m
   goal = task.goal(g);
   motion = task.goal_motion(g);
   EXPECT_NEAR(goal[0], -0.2 + 0.7 - 1.5, kRounding);

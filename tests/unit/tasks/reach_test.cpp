@@ -10,7 +10,7 @@ using Call = Instance::Call;
 using Numbers = std::vector<double>;
 using ::testing::HasSubstr;
 
-/// A quad at (1, 2, 3) that looks along y, with an arm of two links.
+/// A quad at (1, 2, 3) that faces y, with an arm of two links.
 class ReachTask : public ::testing::Test {
  protected:
   ReachTask() {
@@ -40,7 +40,7 @@ TEST_F(ReachTask, MeansPlacesInTheHeadingOfTheScenariosPose) {
   const Instance task("reach", world, given);
   EXPECT_EQ(task.declared.channel_count(), 28);
   const Group g = at_rest(task, 2.5);
-  // Places are sums of a few numbers near 1: 1e-15 is some roundings of them.
+  // Positions are sums of a few numbers near 1: 1e-15 is some roundings of them.
   EXPECT_NEAR(g.observation[0], 0.0, 1e-15) << "x of the vehicle is y of the world";
   EXPECT_NEAR(g.observation[1], 0.1, 1e-15);
   EXPECT_NEAR(g.observation[2], 0.1, 1e-15) << "2.6 m less 2.5 m";
@@ -78,7 +78,7 @@ TEST_F(ReachTask, ObservesTheToolsVelocity) {
   Group g = at_rest(task, 2.6);
   const auto first = static_cast<std::size_t>(13 * lower);
   g.bodies[first + 7] = 1.0;
-  g.bodies[first + 11] = 2.0;  // about y: the end, 0.2 m below, goes to -x with 0.4 m/s
+  g.bodies[first + 11] = 2.0;  // about y: the end, 0.2 m below, moves along -x at 0.4 m/s
   task.call(Call::kEvaluate, g);
   EXPECT_NEAR(g.observation[3], 0.6, 1e-15);
 }

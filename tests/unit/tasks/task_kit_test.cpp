@@ -66,7 +66,7 @@ TEST(TaskKitVerdict, EndsTheEpisodeWithItsScopeAndNamesTheReason) {
     verdict.fail(kBound, true);
     verdict.succeed(kSuccess, true);
   }
-  EXPECT_EQ(now.info, (std::vector<double>{0, 1, 0}));  // a failure is no success
+  EXPECT_EQ(now.info, (std::vector<double>{0, 1, 0}));  // a failure is not a success
   EXPECT_EQ(now.end, 1u);
 }
 
@@ -127,7 +127,7 @@ double hausdorff_by_definition(const std::vector<Vec3<double>>& a,
 }
 
 TEST(TaskKitHausdorff, IsTheFarthestOfTheNearestEitherWay) {
-  for (const int count : {1, 2, 20, 32, 33, 70}) {  // from 33 on by two passes
+  for (const int count : {1, 2, 20, 32, 33, 70}) {  // two passes from 33 on
     std::vector<Vec3<double>> a, b;
     for (int i = 0; i < count; ++i) {
       a.push_back({std::sin(7.0 * i), std::cos(3.0 * i), 0.1 * i});

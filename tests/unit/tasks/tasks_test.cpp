@@ -137,7 +137,7 @@ TEST_F(HoverTask, ATeamKeepsItsPlacesAndSharesTheReward) {
   EXPECT_NEAR(g.reward[0], 1.0 / (1.0 + 2.56) + 0.01, 1e-15);  // both are 1 m off
   const Instance one("hover", world, {{"robot", "left"}, {"target", Numbers{0, 0, 1, 0}}});
   EXPECT_EQ(one.declared.channel_count(), 22);
-  EXPECT_FALSE(one.declared.robot_rewards);  // the other robot's would be nothing
+  EXPECT_FALSE(one.declared.robot_rewards);  // the other robot's reward would be empty
   EXPECT_EQ(channel_robots(one.declared.channels), std::vector<int>(6, 1));
 }
 
@@ -149,7 +149,7 @@ TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
   EXPECT_TRUE(task.declared.robot_rewards);
   EXPECT_EQ(task.declared.infos[4].name, "left.position_error");
   Group g = begin(task);
-  g.bodies[1] = -1.0;  // the first robot's place
+  g.bodies[1] = -1.0;  // the first robot's position
   step(task, g, Numbers(8, 0.0));
   EXPECT_NEAR(g.robot_reward[0], 1.01, 1e-15);
   EXPECT_NEAR(g.robot_reward[1], 1.0 / (1.0 + 2.56) + 0.01, 1e-15);

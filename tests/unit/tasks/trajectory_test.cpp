@@ -10,13 +10,13 @@ using Call = Instance::Call;
 using ::testing::HasSubstr;
 using Numbers = std::vector<double>;
 
-/// One place at (1, 2, 1.5), so that references are known by hand.
+/// A constant reference at (1, 2, 1.5), so that its values are known by hand.
 Parameters holding(const Parameters& more = {}) {
   Parameters given = {{"kind", "hold"}, {"centre", Numbers{1.0, 2.0, 1.5}}};
   for (const auto& [name, value] : more) given.insert_or_assign(name, value);
   return given;
 }
-/// A level circle of 1 m about (0, 0, 1), at 1 m/s from its first moment on: r = (cos t, sin t, 1).
+/// A level circle of 1 m about (0, 0, 1), at 1 m/s from the start: r = (cos t, sin t, 1).
 Parameters circling(const Parameters& more = {}) {
   Parameters given = {{"kind", "circle"},
                       {"centre", Numbers{0.0, 0.0, 1.0}},
@@ -40,7 +40,7 @@ class TrajectoryTask : public ::testing::Test {
     task.call(Call::kEvaluate, g);
     return g;
   }
-  /// A step that leaves the robot where the test has put it.
+  /// A step that leaves the robot at the position set by the test.
   static void step(const Instance& task, Group& g, const Numbers& action, int physics_steps = 1) {
     g.action = action;
     ++g.step[0];
@@ -54,7 +54,7 @@ class TrajectoryTask : public ::testing::Test {
       g.bodies[7 + k] = velocity[k];
     }
   }
-  /// Turned by an angle [rad] about a body axis: 0, 1, 2.
+  /// Rotated by an angle [rad] about a body axis: 0, 1, 2.
   static void turn(Group& g, std::size_t axis, double angle) {
     for (std::size_t k = 0; k < 4; ++k) g.bodies[3 + k] = 0.0;
     g.bodies[3] = std::cos(0.5 * angle);
@@ -133,7 +133,7 @@ TEST_F(TrajectoryTask, KnowsTheAttitudeThatFliesThePath) {
   const Instance task("trajectory", world, circling({{"window", 1}}));
   Group g = begin(task);
   const Numbers r = seen(task, g, "reference_attitude");
-  // At t = 0 the vehicle is pulled towards the middle, -x, and looks along +y.
+  // At t = 0 the vehicle accelerates towards the centre, -x, and faces +y.
   const double size = std::hypot(1.0, 9.81);
   expect_near({r[2], r[5], r[8]}, {-1.0 / size, 0.0, 9.81 / size}, 1e-14);
   EXPECT_NEAR(std::atan2(r[3], r[0]), 1.5707963267948966, 0.01) << "leans as it turns";
@@ -148,7 +148,7 @@ TEST_F(TrajectoryTask, CompactVectorsTurnWithTheBody) {
   const Instance task("trajectory", world, given);
   Group g = begin(task);
   place(g, {0, 2, 1.5}, {3, 0, 0});
-  turn(g, 2, 1.5707963267948966);  // looks along y: W's x is B's -y
+  turn(g, 2, 1.5707963267948966);  // faces y: W's x is B's -y
   step(task, g, {0, 0, 0, 0});
   expect_near(seen(task, g, "position_error"), {0, -1, 0, 0, -1, 0}, 1e-15);
   expect_near(seen(task, g, "velocity"), {0, -3, 0}, 1e-15);
@@ -254,7 +254,7 @@ TEST_F(TrajectoryTask, AWayOntoThePathBeginsWhereTheRobotIs) {
 }
 
 TEST_F(TrajectoryTask, DerivativesDependOnMotionPathAndActions) {
-  // No value that vanishes by symmetry, of which differences would be rounding.
+  // No value vanishes by symmetry, because its differences would be rounding only.
   const Parameters figure = {{"kind", "lissajous"},
                              {"centre", Numbers{0.3, -0.2, 1.1}},
                              {"amplitude", Numbers{1.1, 0.9, 0.3}},

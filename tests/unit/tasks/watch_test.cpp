@@ -1,4 +1,4 @@
-// The task that only looks.
+// The task that only observes.
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {
