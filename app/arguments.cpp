@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/io/text.h"
+#include "core/io/files/text.h"
 
 namespace skybody {
 namespace {

@@ -1,7 +1,7 @@
 #include "app/batch_actions.h"
 
-#include "core/base/error.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/system/error.h"
 #include "core/policy/hold_policy.h"
 
 namespace skybody {

@@ -3,11 +3,11 @@
 #include <cstring>
 #include <utility>
 
-#include "app/flight_record.h"
 #include "app/interrupt.h"
-#include "app/progress_line.h"
-#include "app/text_table.h"
-#include "core/base/number_text.h"
+#include "app/report/flight_record.h"
+#include "app/report/progress_line.h"
+#include "app/report/text_table.h"
+#include "core/base/system/number_text.h"
 
 namespace skybody {
 namespace {

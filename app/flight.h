@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "app/episode_summary.h"
-#include "core/io/flight_log.h"
+#include "app/report/episode_summary.h"
+#include "core/io/files/flight_log.h"
 #include "core/policy/policy.h"
 #include "core/simulation/simulation.h"
 

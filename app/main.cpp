@@ -6,9 +6,9 @@
 #include <string>
 
 #include "app/arguments.h"
-#include "app/command.h"
+#include "app/commands/command.h"
 #include "app/plugin_exit.h"
-#include "app/report.h"
+#include "app/report/report.h"
 #include "core/version.h"
 
 namespace skybody {

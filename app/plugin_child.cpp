@@ -22,11 +22,11 @@
 #include <utility>
 
 #include "app/action.h"
-#include "app/output.h"
-#include "app/report.h"
-#include "core/base/error.h"
-#include "core/base/plugin_call_trace.h"
-#include "core/base/printable.h"
+#include "app/report/output.h"
+#include "app/report/report.h"
+#include "core/base/system/error.h"
+#include "core/base/system/plugin_call_trace.h"
+#include "core/base/system/printable.h"
 
 namespace skybody {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "plugins/host/registry.h"
+#include "core/plugin_host/registry.h"
 
 namespace skybody {
 

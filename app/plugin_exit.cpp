@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "app/action.h"
-#include "core/base/plugin_call_trace.h"
+#include "core/base/system/plugin_call_trace.h"
 
 namespace skybody {
 namespace {

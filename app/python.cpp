@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/installation.h"
+#include "core/base/system/error.h"
+#include "core/base/system/installation.h"
 
 namespace skybody {
 namespace {

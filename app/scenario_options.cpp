@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "plugins/host/registry.h"
+#include "core/plugin_host/registry.h"
 
 namespace skybody {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/io/text.h"
+#include "core/base/system/error.h"
+#include "core/io/files/text.h"
 
 namespace skybody::learn {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 namespace {

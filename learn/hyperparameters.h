@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 
 namespace skybody::learn {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/env/compiled_scenario.h"
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 #include "learn/hyperparameters.h"
 
 namespace skybody::learn {

@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
 PAGE = ROOT / "docs/control-modes.md"
 FIGURE = ROOT / "docs/control-modes.svg"
-SIGNALS_H = ROOT / "plugins/api/signals.h"
+SIGNALS_H = ROOT / "core/plugin_abi/signals.h"
 BEGIN = "<!-- {name}: written by scripts/control_page.py -->\n"
 END = "<!-- end of {name} -->\n"
 
@@ -39,7 +39,7 @@ def declared() -> dict[str, Any]:
 
 
 def sizes() -> dict[str, str]:
-    """Number of values of each signal, from the list in plugins/api/signals.h."""
+    """Number of values of each signal, from the list in core/plugin_abi/signals.h."""
     text = SIGNALS_H.read_text(encoding="utf-8").replace("SKYBODY_REFERENCE_VALUES", "17")
     found = {}
     for word, least, most, doc in re.findall(

@@ -22,11 +22,12 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/plugin_reference.md"
 HEAD = ROOT / "scripts/plugin_reference_head.md"
 API = "plugins/api"
+ABI = "core/plugin_abi"
 # Members that plugin authors do not call. Comments of other such members begin with LIBRARY.
 HIDDEN = {"kKind"}
 LIBRARY = ("For the library", "Called by the host")
 TABLES = {
-    "signals": "plugins/api/signals.h",
+    "signals": "core/plugin_abi/signals.h",
     "held": "core/base/held_inputs.h",
     "constants": "core/base/constants.h",
     "kinds": "core/base/plugin_kinds.h",
@@ -50,12 +51,12 @@ SETUP = (
     Part("What configure() sees and declares", f"{API}/setup.h", ("Setup", "View")),
     Part(
         "Robots, bodies, rotors",
-        f"{API}/abi.h",
+        f"{ABI}/abi.h",
         (*STRUCTS, "SkybodyJointType", "SkybodyShapeKind"),
     ),
     Part(
         "Sites and joint drives",
-        f"{API}/abi.h",
+        f"{ABI}/abi.h",
         ("SkybodySite", "SkybodyJointDrive", "SkybodyJointMode"),
     ),
 )
@@ -66,7 +67,7 @@ STEP = (
         ("EnvView", "BodyMotion", "ContactSum", "JointReaction"),
     ),
     Part("Views of values", f"{API}/values.h", ("ConstValues", "Values")),
-    Part("Images", f"{API}/image.h", ("Image",)),
+    Part("Images", f"{ABI}/image.h", ("Image",)),
 )
 KIT = "plugins/task_kit"
 TASK_KIT = (
@@ -84,22 +85,22 @@ TASK_KIT = (
 )
 LOGIC = ("logical_and", "logical_or", "logical_not", "any", "all", "none")
 MATH = (
-    Part("Random numbers", "core/base/random.h", ("Random",), intro=True),
+    Part("Random numbers", "core/base/math/random.h", ("Random",), intro=True),
     Part(
         "Packs and masks",
-        "core/base/pack.h",
+        "core/base/simd/pack.h",
         ("MaskOf", "Word", "kLanesOf", "select", *LOGIC),
         intro=True,
     ),
-    Part("Words as numbers", "core/base/pack_memory.h", ("to_real", "choose")),
-    Part("Dual numbers", "core/base/dual.h", None, intro=True),
-    Part("Numbers", "core/base/math_basic.h", intro=True),
-    Part("Angles", "core/base/math_trig.h"),
-    Part("Inverse functions of angles", "core/base/math_atan.h"),
-    Part("Exponentials", "core/base/math_exp.h"),
-    Part("Vectors", "core/base/vec3.h", intro=True),
-    Part("Quaternions", "core/base/quat.h", intro=True),
-    Part("Matrices", "core/base/mat3.h", intro=True),
+    Part("Words as numbers", "core/base/simd/pack_memory.h", ("to_real", "choose")),
+    Part("Dual numbers", "core/base/math/dual.h", None, intro=True),
+    Part("Numbers", "core/base/math/math_basic.h", intro=True),
+    Part("Angles", "core/base/math/math_trig.h"),
+    Part("Inverse functions of angles", "core/base/math/math_atan.h"),
+    Part("Exponentials", "core/base/math/math_exp.h"),
+    Part("Vectors", "core/base/math/vec3.h", intro=True),
+    Part("Quaternions", "core/base/math/quat.h", intro=True),
+    Part("Matrices", "core/base/math/mat3.h", intro=True),
 )
 
 

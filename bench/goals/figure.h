@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/json.h"
+#include "core/io/files/json.h"
 
 namespace skybody::bench {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/bare_simbody.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/batch/pool.h"
 #include "core/env/group_workspace.h"
 

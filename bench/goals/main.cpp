@@ -12,7 +12,7 @@
 #include <fstream>
 #include <optional>
 
-#include "app/machine.h"
+#include "app/report/machine.h"
 #include "bench/goals/contest.h"
 #include "bench/goals/figure.h"
 #include "bench/goals/footprint.h"

@@ -16,8 +16,8 @@
 
 #include "bench/learn/held_out.h"
 #include "core/assemble/load.h"
-#include "core/base/error.h"
-#include "core/io/text.h"
+#include "core/base/system/error.h"
+#include "core/io/files/text.h"
 #include "learn/hyperparameter_text.h"
 #include "learn/make_learner.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/batch/pool.h"
 #include "core/policy/network_policy.h"
 #include "learn/position_error.h"

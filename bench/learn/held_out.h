@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/env/compiled_scenario.h"
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 
 namespace skybody::bench {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "bench/limit/loop.h"
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 
 namespace skybody::bench::limit {
 

@@ -8,7 +8,7 @@
 #include "bench/limit/hover_task.h"
 #include "bench/limit/pin_rod_task.h"
 #include "core/assemble/load.h"
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench/limit/lane_choice.h"
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 
 namespace skybody::bench::limit {
 

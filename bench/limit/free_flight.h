@@ -10,7 +10,7 @@
 
 #include "bench/limit/lane_choice.h"
 #include "bench/limit/vehicle.h"
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 
 namespace skybody::bench::limit {
 

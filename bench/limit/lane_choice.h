@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 
 namespace skybody::bench::limit {
 
@@ -88,8 +88,8 @@ struct LaneLoads {
   static SKYBODY_INLINE void store(double* p, const Real& x) { store_lanes(p, x); }
 };
 
-/// atan2(y, x) for x > 0 and finite y; else some finite value. As core/base/math_atan.h, without
-/// the cases of zeros, infinities and the left half plane.
+/// atan2(y, x) for x > 0 and finite y; else some finite value. As core/base/math/math_atan.h,
+/// without the cases of zeros, infinities and the left half plane.
 template <class Real>
 SKYBODY_INLINE Real atan2_right(const Real& y, const Real& x) {
   const Real ay = magnitude(y);

@@ -1,6 +1,6 @@
 #include "bench/limit/loops.h"
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody::bench::limit {
 namespace {

@@ -1,6 +1,6 @@
 // Compiled once for each instruction set, with its own -march and SKYBODY_LIMIT_ISA as its name.
 // The alternative, a function of that target in a file for the lowest one
-// (core/base/kernel_target.h), is lowered to that file's vectors too early, and g++ 12 then
+// (core/base/simd/kernel_target.h), is lowered to that file's vectors too early, and g++ 12 then
 // compares eight lanes one after another. All callees are inlined or have no linkage, so that no
 // code for one set runs on another.
 #include "bench/limit/hover_task.h"

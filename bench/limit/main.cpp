@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "app/machine.h"
+#include "app/report/machine.h"
 #include "bench/limit/check.h"
 #include "bench/limit/loops.h"
 #include "bench/limit/rate.h"

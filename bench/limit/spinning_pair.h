@@ -9,7 +9,7 @@
 #include <functional>
 #include <thread>
 
-#include "core/base/processors.h"
+#include "core/base/system/processors.h"
 
 namespace skybody::bench::limit {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
 

@@ -26,8 +26,8 @@
 // Attitudes change by R Exp(t), t a rotation in B axes [rad], so that a state has 12 + N tangents.
 #pragma once
 
-#include "core/base/math.h"
-#include "core/base/quat.h"
+#include "core/base/math/math.h"
+#include "core/base/math/quat.h"
 
 namespace skybody::nmpc {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/fold_warnings.h"
-#include "core/io/plausibility_limits.h"
+#include "core/io/yaml/fold_warnings.h"
+#include "core/io/yaml/plausibility_limits.h"
 #include "core/physics/bodies/default_state.h"
 
 namespace skybody {

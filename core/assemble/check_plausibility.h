@@ -2,12 +2,12 @@
 #pragma once
 
 #include "core/env/compiled_scenario.h"
-#include "core/io/diagnostics.h"
+#include "core/io/yaml/diagnostics.h"
 
 namespace skybody {
 
 /// Warns of rotors, inertias and shapes of robots outside their usual ranges
-/// (core/io/plausibility_limits.h), with nominal values and joints at their initial positions.
+/// (core/io/yaml/plausibility_limits.h), with nominal values and joints at their initial positions.
 /// Robots with the same findings share one warning.
 void warn_of_implausible_parameters(const CompiledScenario& compiled, Diagnostics& diagnostics);
 

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "core/assemble/trajectory_chain.h"
-#include "core/base/error.h"
-#include "core/base/suggestion.h"
+#include "core/base/system/error.h"
+#include "core/base/system/suggestion.h"
 #include "core/env/check_declarations.h"
 #include "core/env/controller_chains.h"
 #include "core/env/setup_tables.h"
-#include "plugins/host/instance.h"
+#include "core/plugin_host/instance.h"
 
 namespace skybody {
 namespace {

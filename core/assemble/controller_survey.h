@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/physics/world/world.h"
-#include "plugins/host/registry.h"
+#include "core/plugin_host/registry.h"
 
 namespace skybody {
 

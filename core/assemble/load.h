@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/env/compiled_scenario.h"
-#include "core/io/diagnostics.h"
-#include "core/io/plugin_catalog.h"
+#include "core/io/yaml/diagnostics.h"
+#include "core/io/yaml/plugin_catalog.h"
 #include "core/model/refused_files.h"
 
 namespace skybody {

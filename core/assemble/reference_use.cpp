@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "core/assemble/trajectory_chain.h"
-#include "core/base/suggestion.h"
+#include "core/base/system/suggestion.h"
 #include "core/env/controller_chains.h"
-#include "core/io/file.h"
-#include "core/io/shipped_files.h"
-#include "core/io/text.h"
-#include "plugins/api/abi.h"
+#include "core/io/files/file.h"
+#include "core/io/files/shipped_files.h"
+#include "core/io/files/text.h"
+#include "core/plugin_abi/abi.h"
 
 namespace skybody {
 namespace {

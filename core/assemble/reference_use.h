@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/env/compiled_scenario.h"
-#include "core/io/scenario_reader.h"
+#include "core/io/yaml/scenario_reader.h"
 
 namespace skybody {
 

@@ -47,7 +47,7 @@
   X(SKYBODY_ROBOT_DISTURBANCE_MOMENT, kDisturbanceMoment, "disturbance.moment", "N m", 3,          \
     (0, 0, 0), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "on the base, its own axes")
 
-/* Paths: robots.quad.links.base_link.mass. Files: from the URDF, see core/io/ranges.h. */
+/* Paths: robots.quad.links.base_link.mass. Files: from the URDF, see core/io/yaml/ranges.h. */
 #define SKYBODY_BODY_CONSTANTS(X)                                                                  \
   X(SKYBODY_BODY_MASS, kMass, "mass", "kg", 1, (), 1e-20, 1e12, SKYBODY_LEAST_POSITIVE,            \
     "of the body")                                                                                 \

@@ -1,5 +1,5 @@
 /* Held inputs: the values that effects set for one physics step. The only list. Plain C, part of
- * the plugin ABI (plugins/api/abi.h). Held inputs are constant over dt; the engine evaluates
+ * the plugin ABI (core/plugin_abi/abi.h). Held inputs are constant over dt; the engine evaluates
  * velocity-dependent terms whenever the integrator requests forces.
  *
  * A row: symbol, C++ name, member, owner (body, rotor), values per owner, and their meaning.

@@ -1,4 +1,4 @@
-/* The kinds of plugins, in the only list. Plain C, part of the plugin ABI (plugins/api/abi.h).
+/* The kinds of plugins, in the only list. Plain C, part of the plugin ABI (core/plugin_abi/abi.h).
  *
  * A row: symbol, base class for authors, word, folder of the shipped plugins, step function (a
  * member of SkybodyKernels). A kind's number is its row: append new kinds at the end.

@@ -6,7 +6,7 @@
 #include <new>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/batch/environment_states.h"
 
 namespace skybody {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/base/error.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
+#include "core/base/system/error.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
 #include "core/physics/world/lane_values.h"

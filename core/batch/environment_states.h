@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/hash.h"
-#include "core/base/lane_mask.h"
+#include "core/base/math/hash.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/batch/batch.h"
 #include "core/batch/lane_flags.h"
 #include "core/batch/pool_options.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 #include "core/batch/observer.h"
 
 namespace skybody {

@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "core/base/arguments.h"
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/system/arguments.h"
+#include "core/base/system/error.h"
 #include "core/batch/scheduler.h"
 
 namespace skybody {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/batch/batch.h"
 #include "core/batch/observer.h"
 #include "core/batch/pool_options.h"

@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "core/base/arguments.h"
-#include "core/base/error.h"
-#include "core/base/process_id.h"
-#include "core/base/processors.h"
+#include "core/base/system/arguments.h"
+#include "core/base/system/error.h"
+#include "core/base/system/process_id.h"
+#include "core/base/system/processors.h"
 
 namespace skybody {
 namespace {

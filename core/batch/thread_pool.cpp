@@ -6,9 +6,9 @@
 #include <system_error>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
-#include "core/base/processors.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/system/error.h"
+#include "core/base/system/processors.h"
 
 namespace skybody {
 namespace {

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/fp_environment.h"
+#include "core/base/simd/fp_environment.h"
 #include "core/batch/work_queue.h"
 #include "core/batch/work_stealing_ranges.h"
 

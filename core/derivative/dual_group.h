@@ -1,10 +1,10 @@
-// The values of a lane group as dual numbers (core/base/dual.h): the inputs and outputs of plugins'
-// functions on dual numbers.
+// The values of a lane group as dual numbers (core/base/math/dual.h): the inputs and outputs of
+// plugins' functions on dual numbers.
 #pragma once
 
 #include <cstdint>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/env/compiled_scenario.h"
 #include "core/physics/world/lane_values.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/plugin_instance.h"
 #include "core/model/combine_held_inputs.h"
 

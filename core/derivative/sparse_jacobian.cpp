@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/base/isa.h"
-#include "core/base/kernels.h"
-#include "core/base/pack.h"
+#include "core/base/simd/isa.h"
+#include "core/base/simd/kernels.h"
+#include "core/base/simd/pack.h"
 
 namespace skybody {
 namespace {

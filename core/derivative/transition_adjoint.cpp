@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/env/group_lanes.h"
 #include "core/env/plugin_call.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <unordered_set>
 
-#include "core/base/error.h"
 #include "core/base/plugin_kind.h"
+#include "core/base/system/error.h"
 #include "core/env/controller_chains.h"
 
 namespace skybody {

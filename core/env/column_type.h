@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "plugins/api/abi.h"
+#include "core/plugin_abi/abi.h"
 
 namespace skybody {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 #include "core/env/controller_chains.h"
 #include "core/env/initial_states.h"
 #include "core/env/observation_plan.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/env/check_declarations.h"
 #include "core/env/check_writers.h"
 #include "core/env/compiled_scenario.h"

@@ -1,7 +1,7 @@
 // Direct control: physics steps and the task's evaluation one by one, and accelerations at the
 // current instant.
-#include "core/base/fp_environment.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_workspace.h"

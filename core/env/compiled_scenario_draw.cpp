@@ -5,9 +5,9 @@
 #include <cstring>
 #include <optional>
 
-#include "core/base/fp_environment.h"
-#include "core/base/lane_mask.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/fault_cause.h"
 #include "core/env/group_workspace.h"

@@ -1,7 +1,7 @@
 // Inputs held by effects over a physics step. Each effect adds to inputs of its own; if several
 // hold one input, their contributions are combined afterwards. An effect that is not due keeps its
 // last values; a steady effect keeps them until parameters are written.
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_workspace.h"

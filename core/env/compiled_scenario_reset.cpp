@@ -5,8 +5,8 @@
 // 3. contacts and joint reactions
 // 4. reset() of controllers, task, effects and sensors
 // 5. sense, evaluate and conclude
-#include "core/base/fp_environment.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"

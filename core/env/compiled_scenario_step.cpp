@@ -3,10 +3,10 @@
 // describes each phase. Under direct control they are called one by one.
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
-#include "core/base/hash.h"
-#include "core/base/lane_mask.h"
+#include "core/base/math/hash.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/lane_mask.h"
+#include "core/base/system/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"

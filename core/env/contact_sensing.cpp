@@ -1,7 +1,7 @@
 // Contact forces summed by body and by pair, and joint reactions, for plugins that request them.
 // Computed lane by lane after each physics step and kept in state words until the next.
-#include "core/base/fp_environment.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
 

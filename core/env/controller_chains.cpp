@@ -5,7 +5,7 @@
 
 #include "core/env/size_mismatch_hint.h"
 #include "core/physics/world/world_layout.h"
-#include "plugins/api/text.h"
+#include "core/plugin_abi/text.h"
 
 namespace skybody {
 namespace {

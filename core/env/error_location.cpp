@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/env/param_access.h"
-#include "plugins/api/path_pattern.h"
+#include "core/plugin_abi/path_pattern.h"
 
 namespace skybody {
 namespace {

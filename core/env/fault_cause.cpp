@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/base/math.h"
-#include "core/base/vec3.h"
+#include "core/base/math/math.h"
+#include "core/base/math/vec3.h"
 #include "core/env/status_field.h"
 #include "core/model/held_inputs.h"
 

@@ -1,7 +1,7 @@
 // Random keys of copies: `fork(rekey)` gives every copy its own random numbers.
 #pragma once
 
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 #include "core/env/state_group.h"
 
 namespace skybody {

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/group_rows.h"
 
 namespace skybody {

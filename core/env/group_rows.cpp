@@ -1,8 +1,8 @@
 // Needs: a batch moves every row in every step, so whole groups must be fast. A lane must get the
 // same bits alone and beside others.
 //
-// Idea: whole blocks of eight lanes (core/base/lane_mask.h) are processed in packs. Every other
-// lane is processed alone, by the same template with Real = double. Only rows of floats need
+// Idea: whole blocks of eight lanes (core/base/simd/lane_mask.h) are processed in packs. Every
+// other lane is processed alone, by the same template with Real = double. Only rows of floats need
 // separate code for packs: four values of several lanes are transposed in registers.
 //
 // Limits: groups have 1 or kGroupLanes lanes. Only the latter have blocks of eight lanes, so the
@@ -12,10 +12,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/base/kernels.h"
-#include "core/base/lane_mask.h"
-#include "core/base/math_basic.h"
-#include "core/base/pack.h"
+#include "core/base/math/math_basic.h"
+#include "core/base/simd/kernels.h"
+#include "core/base/simd/lane_mask.h"
+#include "core/base/simd/pack.h"
 #include "core/model/layout.h"
 #include "core/physics/world/lane_values.h"
 

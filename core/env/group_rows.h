@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody {
 

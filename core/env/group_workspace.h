@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/param_request.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/lane_mask.h"
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/world/world_layout.h"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "core/base/suggestion.h"
+#include "core/base/system/suggestion.h"
 #include "core/model/located_error.h"
 
 namespace skybody {

@@ -4,9 +4,9 @@
 #include <set>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/suggestion.h"
-#include "plugins/api/path_pattern.h"
+#include "core/base/system/error.h"
+#include "core/base/system/suggestion.h"
+#include "core/plugin_abi/path_pattern.h"
 
 namespace skybody {
 namespace {

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/base/error.h"
-#include "core/base/number_text.h"
+#include "core/base/system/error.h"
+#include "core/base/system/number_text.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/param_access.h"
 

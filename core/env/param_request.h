@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/distribution.h"
-#include "core/base/random.h"
+#include "core/base/math/distribution.h"
+#include "core/base/math/random.h"
 #include "core/model/layout.h"
 
 namespace skybody {

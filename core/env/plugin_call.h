@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "core/base/fp_environment.h"
-#include "core/base/math_double.h"
-#include "core/base/plugin_call_trace.h"
+#include "core/base/math/math_double.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/system/plugin_call_trace.h"
 #include "core/env/group_workspace.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"

@@ -12,8 +12,8 @@
 #include "core/env/group_rows.h"
 #include "core/model/parameter_spec.h"
 #include "core/physics/world/world.h"
-#include "plugins/api/abi.h"
-#include "plugins/api/image.h"
+#include "core/plugin_abi/abi.h"
+#include "core/plugin_abi/image.h"
 
 namespace skybody {
 

@@ -7,7 +7,7 @@
 #include "core/env/controller_chains.h"
 #include "core/env/plugin_instance.h"
 #include "core/physics/world/world.h"
-#include "plugins/api/abi.h"
+#include "core/plugin_abi/abi.h"
 
 namespace skybody {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "plugins/api/abi.h"
+#include "core/plugin_abi/abi.h"
 
 namespace skybody {
 

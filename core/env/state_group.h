@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/env/image_memory.h"
 #include "core/model/layout.h"
 #include "core/physics/step/group_stepper.h"

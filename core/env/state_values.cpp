@@ -4,8 +4,8 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/error.h"
-#include "core/base/suggestion.h"
+#include "core/base/system/error.h"
+#include "core/base/system/suggestion.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/state_value_list.h"
 

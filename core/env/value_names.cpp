@@ -1,7 +1,7 @@
 #include "core/env/value_names.h"
 
-#include "core/base/error.h"
-#include "core/base/suggestion.h"
+#include "core/base/system/error.h"
+#include "core/base/system/suggestion.h"
 #include "core/model/held_inputs.h"
 
 namespace skybody {

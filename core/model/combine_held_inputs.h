@@ -1,7 +1,7 @@
 // Combination of several effects' values of one held input.
 #pragma once
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/model/held_inputs.h"
 
 namespace skybody {

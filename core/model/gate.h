@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody {
 

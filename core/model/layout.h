@@ -71,27 +71,27 @@ struct EnvParam {
 
 /// The order of state words. Blocks follow each other in the order of the members.
 struct Layout {
-  Block header;           ///< kHeaderSize words
-  Block q, u;             ///< coordinates of all robots, in body order
-  Block rotor_speed;      ///< [rad/s], >= 0, every rotor of every robot
-  Block rotor_command;    ///< the reference held during the physics step [rad/s]
-  Block wrench;           ///< 6 per wrench site (force, moment), held during the physics step
-  Block drive;            ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
-  Block joint_command;    ///< 1 per joint drive, held during the physics step
-  Block joint_state;      ///< 1 per joint drive: the command after its lag
+  Block header;         ///< kHeaderSize words
+  Block q, u;           ///< coordinates of all robots, in body order
+  Block rotor_speed;    ///< [rad/s], >= 0, every rotor of every robot
+  Block rotor_command;  ///< the reference held during the physics step [rad/s]
+  Block wrench;         ///< 6 per wrench site (force, moment), held during the physics step
+  Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see core/plugin_abi/abi.h
+  Block joint_command;  ///< 1 per joint drive, held during the physics step
+  Block joint_state;    ///< 1 per joint drive: the command after its lag
   Block coupling_forces;  ///< 3 per coupling: its force on the first end, W [N]
   Block bristles;         ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
-  Block bodies_before;    ///< 13 per body at the start of the last physics step; size 0 if not
-                          ///< requested
-  Block params;           ///< EnvParams: every randomizable value
-  Block action;           ///< last action, clipped to [-1, 1]
-  Block command;          ///< inputs of all controller chains (core/env/controller_chains.h)
-  Block sensors;          ///< outputs of all sensors
-  Block contacts;         ///< 7 per body: its contacts (plugins/api/abi.h); size 0 if not requested
-  Block contact_pairs;    ///< 7 per pair requested by plugins (plugins/api/abi.h)
-  Block joint_reactions;  ///< 6 per joint requested by plugins
-  Block plugin_state;     ///< words of all plugin instances
+  Block bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if not
+                        ///< requested
+  Block params;         ///< EnvParams: every randomizable value
+  Block action;         ///< last action, clipped to [-1, 1]
+  Block command;        ///< inputs of all controller chains (core/env/controller_chains.h)
+  Block sensors;        ///< outputs of all sensors
+  Block contacts;  ///< 7 per body: its contacts (core/plugin_abi/abi.h); size 0 if not requested
+  Block contact_pairs;     ///< 7 per pair requested by plugins (core/plugin_abi/abi.h)
+  Block joint_reactions;   ///< 6 per joint requested by plugins
+  Block plugin_state;      ///< words of all plugin instances
   Block last_observation;  ///< float values of the last finite observation, as doubles
   int words = 0;           ///< total
   int memo = 0;            ///< number of plugin values stored outside the state

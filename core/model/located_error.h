@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/printable.h"
+#include "core/base/system/error.h"
+#include "core/base/system/printable.h"
 #include "core/model/scenario.h"
 
 namespace skybody {

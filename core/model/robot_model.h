@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/mat3.h"
-#include "core/base/quat.h"
-#include "core/base/vec3.h"
+#include "core/base/math/mat3.h"
+#include "core/base/math/quat.h"
+#include "core/base/math/vec3.h"
 #include "core/model/constants.h"
 #include "core/model/height_field.h"
 

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "core/base/math.h"
-#include "core/io/pose.h"
+#include "core/base/math/math.h"
+#include "core/io/yaml/pose.h"
 
 namespace skybody {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 
 namespace skybody {
 namespace {

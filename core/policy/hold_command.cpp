@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/policy/hold_setpoint.h"
 #include "core/policy/pseudo_inverse.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/assemble/trajectory_chain.h"
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/env/setup_tables.h"
 #include "core/physics/coupling/coupling_scene.h"
 #include "core/policy/hold_setpoint.h"

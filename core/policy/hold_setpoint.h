@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 #include "core/policy/attitude_loops.h"
 #include "core/policy/hold_policy.h"
 

@@ -4,10 +4,10 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
-#include "core/base/hash.h"
-#include "core/base/math.h"
+#include "core/base/math/hash.h"
+#include "core/base/math/math.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/system/error.h"
 
 namespace skybody {
 namespace {

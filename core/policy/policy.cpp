@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/random.h"
-#include "core/io/shipped_files.h"
-#include "core/io/text.h"
+#include "core/base/math/random.h"
+#include "core/base/system/error.h"
+#include "core/io/files/shipped_files.h"
+#include "core/io/files/text.h"
 #include "core/policy/hold_policy.h"
 #include "core/policy/network_policy.h"
 

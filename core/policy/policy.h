@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

@@ -1,4 +1,4 @@
-// As in core/base/inertia.cpp: the library has one form of each of Eigen's functions.
+// As in core/base/math/inertia.cpp: the library has one form of each of Eigen's functions.
 #define EIGEN_DONT_VECTORIZE
 #include "core/policy/pseudo_inverse.h"
 

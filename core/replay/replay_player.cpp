@@ -4,11 +4,11 @@
 #include <cstring>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
-#include "core/base/printable.h"
+#include "core/base/math/hash.h"
+#include "core/base/system/error.h"
+#include "core/base/system/printable.h"
 #include "core/batch/environment_states.h"
-#include "core/io/file.h"
+#include "core/io/files/file.h"
 #include "core/replay/replay_recorder.h"
 
 namespace skybody {

@@ -5,7 +5,7 @@
 
 #include "core/assemble/load.h"
 #include "core/env/compiled_scenario.h"
-#include "core/io/replay_file.h"
+#include "core/io/files/replay_file.h"
 #include "core/replay/replay_report.h"
 
 namespace skybody {

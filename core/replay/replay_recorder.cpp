@@ -4,10 +4,10 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/batch/environment_states.h"
 #include "core/env/value_names.h"
-#include "core/io/file.h"
+#include "core/io/files/file.h"
 #include "core/version.h"
 
 namespace skybody {

@@ -8,7 +8,7 @@
 
 #include "core/assemble/load.h"
 #include "core/batch/pool.h"
-#include "core/io/replay_file.h"
+#include "core/io/files/replay_file.h"
 
 namespace skybody {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/printable.h"
+#include "core/base/system/error.h"
+#include "core/base/system/printable.h"
 #include "core/model/layout.h"
 
 namespace skybody {

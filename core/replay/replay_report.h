@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/replay_file.h"
+#include "core/io/files/replay_file.h"
 
 namespace skybody {
 

@@ -4,9 +4,9 @@
 #include <iterator>
 #include <utility>
 
-#include "core/base/arguments.h"
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/system/arguments.h"
+#include "core/base/system/error.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
 #include "core/simulation/simulation_data.h"

@@ -6,9 +6,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/base/arguments.h"
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/system/arguments.h"
+#include "core/base/system/error.h"
 #include "core/env/param_access.h"
 #include "core/physics/bodies/checked_mass.h"
 #include "core/simulation/simulation.h"

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/arguments.h"
-#include "core/base/error.h"
-#include "core/base/processors.h"
+#include "core/base/system/arguments.h"
+#include "core/base/system/error.h"
+#include "core/base/system/processors.h"
 #include "core/batch/pool_options.h"
 #include "core/batch/thread_pool.h"
 

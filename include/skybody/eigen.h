@@ -10,7 +10,7 @@
 #include <span>
 #include <type_traits>
 
-#include "core/base/arguments.h"
+#include "core/base/system/arguments.h"
 #include "core/batch/batch.h"
 
 namespace skybody {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/assemble/load.h"
-#include "core/io/policy_writer.h"
+#include "core/io/files/policy_writer.h"
 #include "learn/gradient/gradient.h"
 #include "learn/hyperparameter_text.h"
 #include "learn/learner.h"

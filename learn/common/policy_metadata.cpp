@@ -1,6 +1,6 @@
 #include "learn/common/policy_metadata.h"
 
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 
 namespace skybody::learn {
 

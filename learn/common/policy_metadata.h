@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/env/compiled_scenario.h"
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 #include "learn/hyperparameters.h"
 
 namespace skybody::learn {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 

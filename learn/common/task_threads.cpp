@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/processors.h"
+#include "core/base/system/processors.h"
 #include "learn/common/flushed_denormals.h"
 
 namespace skybody::learn {

@@ -1,7 +1,7 @@
 #include "learn/gradient/goal_cost.h"
 
-#include "core/base/kernels.h"
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
+#include "core/base/simd/kernels.h"
 #include "core/physics/step/free_robot_adjoint.h"
 #include "core/physics/world/lane_values.h"
 

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "core/base/isa.h"
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
+#include "core/base/simd/isa.h"
 #include "learn/hyperparameters.h"
 
 namespace skybody::learn {

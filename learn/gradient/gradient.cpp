@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
-#include "core/base/number_text.h"
+#include "core/base/math/hash.h"
+#include "core/base/system/error.h"
+#include "core/base/system/number_text.h"
 #include "learn/common/flushed_denormals.h"
 #include "learn/common/policy_metadata.h"
 #include "learn/common/schedule.h"

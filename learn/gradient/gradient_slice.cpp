@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/fp_environment.h"
-#include "core/base/isa.h"
-#include "core/base/lane_mask.h"
-#include "core/base/math.h"
+#include "core/base/math/math.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/isa.h"
+#include "core/base/simd/lane_mask.h"
 #include "learn/network/kernels/kernel_table.h"
 #include "learn/network/kernels/kernels.h"
 

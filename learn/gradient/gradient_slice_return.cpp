@@ -1,8 +1,8 @@
 // A slice's backward pass through a horizon.
 #include <cmath>
 
-#include "core/base/fp_environment.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/lane_mask.h"
 #include "learn/gradient/gradient_slice.h"
 
 namespace skybody::learn {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "learn/gradient/value_function.h"
 
 namespace skybody::learn {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 
 namespace skybody::learn {
 namespace {

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "learn/hyperparameters.h"
 #include "learn/network/adam.h"
 #include "learn/network/network.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/math.h"
+#include "core/base/math/math.h"
+#include "core/base/system/error.h"
 #include "learn/network/kernels/kernels.h"
 
 namespace skybody::learn {

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "core/base/aligned_array.h"
-#include "core/base/isa.h"
+#include "core/base/simd/aligned_array.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody::learn {
 

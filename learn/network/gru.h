@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/base/aligned_array.h"
-#include "core/base/isa.h"
-#include "core/io/policy_file.h"
+#include "core/base/simd/aligned_array.h"
+#include "core/base/simd/isa.h"
+#include "core/io/files/policy_file.h"
 #include "learn/network/panel_matrix.h"
 
 namespace skybody::learn {
@@ -57,7 +57,7 @@ class Gru {
   int state_stride() const { return padded_; }
   std::size_t parameter_count() const { return parameter_count_; }
   /// Orthogonal weights of every gate, zero biases.
-  /// @param key,stream  of core/base/random.h
+  /// @param key,stream  of core/base/math/random.h
   void initialize(std::span<float> parameters, std::uint64_t key, std::uint64_t stream) const;
   /// Updates `transposed`. Call it after every change of the parameters, before backward().
   void transpose(std::span<const float> parameters, TransposedGru& transposed) const;

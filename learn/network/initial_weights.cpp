@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/math.h"
-#include "core/base/random.h"
+#include "core/base/math/math.h"
+#include "core/base/math/random.h"
 
 namespace skybody::learn {
 namespace {

@@ -6,8 +6,8 @@
 
 namespace skybody::learn {
 
-/// Random stream of a matrix: core/base/random.h with key (`key`, 0), episode 0, stream `stream`
-/// and step `step`.
+/// Random stream of a matrix: core/base/math/random.h with key (`key`, 0), episode 0, stream
+/// `stream` and step `step`.
 struct WeightSource {
   std::uint64_t key = 0, stream = 0, step = 0;
 };

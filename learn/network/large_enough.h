@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 
 namespace skybody::learn {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "learn/network/initial_weights.h"
 #include "learn/network/kernels/kernels.h"
 #include "learn/network/large_enough.h"

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/base/aligned_array.h"
-#include "core/base/isa.h"
-#include "core/io/policy_file.h"
+#include "core/base/simd/aligned_array.h"
+#include "core/base/simd/isa.h"
+#include "core/io/files/policy_file.h"
 #include "learn/network/panel_matrix.h"
 
 namespace skybody::learn {
@@ -58,7 +58,7 @@ class Network {
   std::size_t parameter_count() const { return parameter_count_; }
   /// Orthogonal weights with gain sqrt(2), in the last layer `last_gain`; zero biases (Saxe et al.,
   /// ICLR 2014). If a layer has more outputs than inputs, columns are orthogonal, otherwise rows.
-  /// @param key,stream  of core/base/random.h
+  /// @param key,stream  of core/base/math/random.h
   void initialize(std::span<float> parameters, double last_gain, std::uint64_t key,
                   std::uint64_t stream) const;
   /// Updates `transposed`. Call it after every change of the parameters, before backward().

@@ -1,12 +1,12 @@
 // Standard normals for actions, in bulk: a pure function of key and counter, like the numbers of
-// core/base/random.h, and from the same generator.
+// core/base/math/random.h, and from the same generator.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
-#include "core/base/isa.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody::learn {
 

@@ -1,7 +1,7 @@
 #include "learn/network/recurrent_network.h"
 
-#include "core/base/error.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/system/error.h"
 #include "learn/network/large_enough.h"
 
 namespace skybody::learn {

@@ -1,6 +1,6 @@
 #include "learn/ppo/gaussian.h"
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "learn/network/kernels/kernels.h"
 
 namespace skybody::learn {

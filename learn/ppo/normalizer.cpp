@@ -1,7 +1,7 @@
 #include "learn/ppo/normalizer.h"
 
-#include "core/base/kernels.h"
-#include "core/base/lanes.h"
+#include "core/base/simd/kernels.h"
+#include "core/base/simd/lanes.h"
 
 namespace skybody::learn {
 namespace {

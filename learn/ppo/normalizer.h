@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody::learn {
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/kernels.h"
-#include "core/base/math.h"
-#include "core/base/pack.h"
+#include "core/base/math/math.h"
+#include "core/base/simd/kernels.h"
+#include "core/base/simd/pack.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 namespace {

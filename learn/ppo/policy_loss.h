@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "learn/ppo/gaussian.h"
 
 namespace skybody::learn {

@@ -1,6 +1,6 @@
 #include "learn/ppo/ppo.h"
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "learn/common/wall_clock.h"
 #include "learn/ppo/ppo_slices.h"
 

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#include "core/base/hash.h"
-#include "core/base/math.h"
+#include "core/base/math/hash.h"
+#include "core/base/math/math.h"
 #include "learn/common/policy_metadata.h"
 #include "learn/common/schedule.h"
 

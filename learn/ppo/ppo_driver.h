@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 #include "learn/common/running_moments.h"
 #include "learn/common/state_blocks.h"
 #include "learn/learner.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "core/base/error.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 namespace {

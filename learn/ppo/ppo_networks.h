@@ -5,8 +5,8 @@
 #include <span>
 #include <type_traits>
 
-#include "core/base/aligned_array.h"
-#include "core/base/isa.h"
+#include "core/base/simd/aligned_array.h"
+#include "core/base/simd/isa.h"
 #include "learn/hyperparameters.h"
 #include "learn/network/network.h"
 #include "learn/ppo/agent_table.h"

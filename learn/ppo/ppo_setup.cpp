@@ -3,7 +3,7 @@
 #include <limits>
 #include <string>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "core/env/compiled_scenario.h"
 #include "learn/common/slice_plan.h"
 #include "learn/hyperparameters.h"

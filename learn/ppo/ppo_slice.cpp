@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "learn/common/wall_clock.h"
 #include "learn/network/noise.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/batch/pool.h"
 #include "learn/common/state_blocks.h"
 #include "learn/ppo/gaussian.h"

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "learn/ppo/ppo_slice.h"
 
 namespace skybody::learn {

@@ -1,6 +1,6 @@
 #include "learn/ppo/ppo_slices.h"
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "learn/common/state_blocks.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"

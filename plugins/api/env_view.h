@@ -3,10 +3,10 @@
 
 #include <type_traits>
 
-#include "core/base/quat.h"
-#include "core/base/vec3.h"
-#include "plugins/api/abi.h"
-#include "plugins/api/image.h"
+#include "core/base/math/quat.h"
+#include "core/base/math/vec3.h"
+#include "core/plugin_abi/abi.h"
+#include "core/plugin_abi/image.h"
 #include "plugins/api/values.h"
 
 namespace skybody {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "core/base/fp_environment.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/plugin_abi/structures.h"
 #include "plugins/api/kernels.h"
 #include "plugins/api/methods.h"
 #include "plugins/api/plugin.h"
 #include "plugins/api/state.h"
-#include "plugins/api/structures.h"
 
 namespace skybody::plugin_export {
 

@@ -1,7 +1,7 @@
 // The step functions of a plugin class, for every instruction set.
 //
 // Each step method is compiled for double and for packs as wide as the vectors of an instruction
-// set (core/base/kernels.h); those of smooth classes (Plugin::kSmooth) also for packs of dual
+// set (core/base/simd/kernels.h); those of smooth classes (Plugin::kSmooth) also for packs of dual
 // numbers. `flatten` inlines the author's code into functions of that target. The arithmetic is the
 // same everywhere, so all targets give the same bits.
 //
@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/base/kernels.h"
+#include "core/base/simd/kernels.h"
 #include "plugins/api/methods.h"
 #include "plugins/api/plugin.h"
 #include "plugins/api/state.h"

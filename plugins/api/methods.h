@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "core/base/kernels.h"
+#include "core/base/simd/kernels.h"
 #include "plugins/api/plugin.h"
 #include "plugins/api/state.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/math_basic.h"
-#include "plugins/api/abi.h"
+#include "core/base/math/math_basic.h"
+#include "core/plugin_abi/abi.h"
 #include "plugins/api/env_view.h"
 
 namespace skybody {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "plugins/api/env_view.h"
 #include "plugins/api/parameter.h"
 #include "plugins/api/setup.h"

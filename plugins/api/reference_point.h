@@ -1,8 +1,8 @@
 // A point of a reference: one element of the signal `trajectory`.
 #pragma once
 
-#include "core/base/vec3.h"
-#include "plugins/api/signals.h"
+#include "core/base/math/vec3.h"
+#include "core/plugin_abi/signals.h"
 #include "plugins/api/values.h"
 
 namespace skybody {

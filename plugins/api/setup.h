@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/vec3.h"
-#include "plugins/api/abi.h"
-#include "plugins/api/image.h"  // IWYU pragma: export
-#include "plugins/api/text.h"   // IWYU pragma: export
+#include "core/base/math/vec3.h"
+#include "core/plugin_abi/abi.h"
+#include "core/plugin_abi/image.h"  // IWYU pragma: export
+#include "core/plugin_abi/text.h"   // IWYU pragma: export
 
 namespace skybody {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "plugins/api/path_pattern.h"
+#include "core/plugin_abi/path_pattern.h"
 #include "plugins/api/setup.h"
 
 namespace skybody {

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/dual.h"
-#include "core/base/pack.h"
-#include "core/base/quat.h"
-#include "core/base/vec3.h"
-#include "plugins/api/abi.h"
+#include "core/base/math/dual.h"
+#include "core/base/math/quat.h"
+#include "core/base/math/vec3.h"
+#include "core/base/simd/pack.h"
+#include "core/plugin_abi/abi.h"
 
 namespace skybody {
 

@@ -4,8 +4,8 @@
 // derivatives of p(s(t)) by t follow from both by composing Taylor polynomials.
 #pragma once
 
-#include "core/base/jet.h"
-#include "core/base/vec3.h"
+#include "core/base/math/jet.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody::reference {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "plugins/api/text.h"
+#include "core/plugin_abi/text.h"
 
 namespace skybody::reference {
 namespace {

@@ -13,8 +13,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/base/dual.h"
-#include "core/base/lanes.h"
+#include "core/base/math/dual.h"
+#include "core/base/simd/lanes.h"
 #include "plugins/reference/path_jet.h"
 
 namespace skybody::reference {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody::python {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "python/native/arrays.h"
 #include "python/native/batch.h"
 #include "python/native/bindings.h"

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/printable.h"
-#include "core/io/policy_checksum.h"
-#include "core/io/policy_file.h"
-#include "core/io/policy_writer.h"
+#include "core/base/system/printable.h"
+#include "core/io/files/policy_checksum.h"
+#include "core/io/files/policy_file.h"
+#include "core/io/files/policy_writer.h"
 #include "core/model/located_error.h"
 #include "core/policy/policy.h"
 #include "python/native/arrays.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/base/suggestion.h"
-#include "core/io/config_tree.h"
+#include "core/base/system/suggestion.h"
+#include "core/io/yaml/config_tree.h"
 #include "python/native/bindings.h"
 
 namespace skybody::python {

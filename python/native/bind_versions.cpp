@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "core/version.h"
 #include "python/native/bindings.h"
 

@@ -3,7 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 
 namespace skybody::python {
 

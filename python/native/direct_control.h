@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/arguments.h"
+#include "core/base/system/arguments.h"
 #include "core/simulation/simulation.h"
 #include "python/native/errors.h"
 

@@ -1,6 +1,6 @@
 #include "python/native/errors.h"
 
-#include "core/io/diagnostics.h"
+#include "core/io/yaml/diagnostics.h"
 #include "python/native/bindings.h"
 
 namespace skybody::python {

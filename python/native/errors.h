@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/batch/pool.h"
 
 namespace skybody::python {

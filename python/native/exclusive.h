@@ -4,7 +4,7 @@
 #include <atomic>
 #include <string>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::python {
 

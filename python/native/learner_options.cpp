@@ -9,8 +9,8 @@
 #include <typeinfo>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/base/suggestion.h"
+#include "core/base/system/error.h"
+#include "core/base/system/suggestion.h"
 #include "learn/hyperparameter_text.h"
 
 namespace skybody::python {

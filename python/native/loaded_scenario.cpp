@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/env/param_access.h"
-#include "plugins/host/registry.h"
+#include "core/plugin_host/registry.h"
 
 namespace skybody::python {
 namespace nb = nanobind;

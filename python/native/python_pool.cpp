@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "core/base/process_id.h"
-#include "core/io/flight_log.h"
+#include "core/base/system/process_id.h"
+#include "core/io/files/flight_log.h"
 
 namespace skybody::python {
 namespace {

@@ -1,6 +1,6 @@
 #include "python/native/simulation_pool.h"
 
-#include "core/base/process_id.h"
+#include "core/base/system/process_id.h"
 
 namespace skybody::python {
 

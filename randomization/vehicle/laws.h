@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/constants.h"
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "randomization/vehicle/ranges.h"
 
 namespace skybody::randomization {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "core/batch/pool.h"
 #include "core/policy/hold_policy.h"
 #include "core/simulation/simulation.h"

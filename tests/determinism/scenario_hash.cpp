@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/base/hash.h"
-#include "core/base/random.h"
+#include "core/base/math/hash.h"
+#include "core/base/math/random.h"
 #include "core/batch/pool.h"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/system/error.h"
 #include "core/policy/hold_policy.h"
 
 namespace skybody {

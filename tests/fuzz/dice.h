@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 
 namespace skybody::fuzz {
 

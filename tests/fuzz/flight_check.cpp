@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "core/base/printable.h"
-#include "core/io/text.h"
+#include "core/base/system/printable.h"
+#include "core/io/files/text.h"
 #include "tests/fuzz/plugin_source.h"
 
 namespace skybody::fuzz {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/assemble/load.h"
-#include "core/io/diagnostics.h"
+#include "core/io/yaml/diagnostics.h"
 #include "core/simulation/simulation.h"
 #include "tests/fuzz/area.h"
 

@@ -1,6 +1,6 @@
 // Collision meshes. Each input is read as every supported format, since a mutated header of one
 // format is unlikely to fit the body of another.
-#include "core/io/urdf_reader.h"
+#include "core/io/urdf/urdf_reader.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/flight_check.h"

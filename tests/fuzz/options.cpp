@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/arguments.h"
-#include "app/machine.h"
+#include "app/report/machine.h"
 #include "tests/fuzz/area.h"
 
 namespace skybody::fuzz {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "app/plugin_child.h"
-#include "plugins/host/registry.h"
+#include "core/plugin_host/registry.h"
 #include "tests/fuzz/finding.h"
 
 namespace skybody::fuzz {

@@ -1,6 +1,6 @@
 // Recordings. A changed file must give one of three results: it is refused, its replay reports a
 // difference, or every transition read equals the original's.
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 #include "core/replay/replay_player.h"
 #include "core/replay/replay_recorder.h"
 #include "tests/fuzz/areas.h"

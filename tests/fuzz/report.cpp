@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "app/machine.h"
-#include "app/text_table.h"
+#include "app/report/machine.h"
+#include "app/report/text_table.h"
 #include "core/version.h"
 #include "skybody/git_describe.h"
 #include "tests/fuzz/files.h"

@@ -1,7 +1,7 @@
 #include "tests/fuzz/seed_policy.h"
 
-#include "core/io/flight_log_hdf5.h"
-#include "core/io/policy_checksum.h"
+#include "core/io/files/flight_log_hdf5.h"
+#include "core/io/files/policy_checksum.h"
 #include "tests/fuzz/files.h"
 
 namespace skybody::fuzz {

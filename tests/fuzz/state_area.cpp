@@ -6,7 +6,7 @@
 //   can write who makes states by hand
 #include <cstring>
 
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 #include "core/simulation/simulation.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/batch_rows.h"

@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 
 namespace skybody::fuzz {
 namespace {

@@ -1,6 +1,6 @@
 #include "tests/fuzz/yaml_words.h"
 
-#include "core/io/scenario_fields.h"
+#include "core/io/yaml/scenario_fields.h"
 #include "tests/fuzz/plugin_source.h"
 
 namespace skybody::fuzz {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/config_tree.h"
+#include "core/io/yaml/config_tree.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/config_tree.h"
+#include "core/io/yaml/config_tree.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {

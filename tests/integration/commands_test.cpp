@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/io/config_tree.h"
+#include "core/io/yaml/config_tree.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {

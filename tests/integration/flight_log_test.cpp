@@ -1,12 +1,12 @@
 // The flight log: the content reads back as written, and write failures are reported.
-#include "core/io/flight_log.h"
+#include "core/io/files/flight_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "tests/integration/flight_file.h"
 #include "tests/integration/process.h"
 

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::test {
 namespace {

@@ -1,5 +1,5 @@
 // `skybody hash` over the batch engine: one hash, for every way of stepping the environments.
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "core/base/isa.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/simd/isa.h"
 #include "core/simulation/simulation.h"
 #include "tests/integration/process.h"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/io/text.h"
+#include "core/io/files/text.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {

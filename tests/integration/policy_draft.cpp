@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/io/policy_checksum.h"
+#include "core/io/files/policy_checksum.h"
 
 namespace skybody::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/flight_log_hdf5.h"
+#include "core/io/files/flight_log_hdf5.h"
 
 namespace skybody::test {
 

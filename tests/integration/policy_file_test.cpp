@@ -1,5 +1,5 @@
 // Invalid policy files and the messages that refuse them.
-#include "core/io/policy_file.h"
+#include "core/io/files/policy_file.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/io/policy_checksum.h"
+#include "core/io/files/policy_checksum.h"
 #include "core/model/located_error.h"
 #include "tests/integration/flips.h"
 #include "tests/integration/policy_draft.h"

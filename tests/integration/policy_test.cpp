@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/base/hash.h"
-#include "core/io/policy_checksum.h"
-#include "core/io/policy_file.h"
+#include "core/base/math/hash.h"
+#include "core/io/files/policy_checksum.h"
+#include "core/io/files/policy_file.h"
 #include "core/policy/network_policy.h"
 #include "core/simulation/simulation.h"
 #include "tests/integration/policy_draft.h"

@@ -1,5 +1,5 @@
 // Replay files that are damaged or maliciously crafted.
-#include "core/io/replay_file.h"
+#include "core/io/files/replay_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <string>
 
-#include "core/base/hash.h"
-#include "core/io/flight_log_hdf5.h"
-#include "core/io/hdf5_reader.h"
-#include "core/io/replay_bursts.h"
+#include "core/base/math/hash.h"
+#include "core/io/files/flight_log_hdf5.h"
+#include "core/io/files/hdf5_reader.h"
+#include "core/io/files/replay_bursts.h"
 #include "core/model/located_error.h"
 #include "tests/integration/process.h"
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/system/error.h"
 #include "core/replay/replay_player.h"
 #include "core/replay/replay_recorder.h"
 #include "tests/integration/flips.h"

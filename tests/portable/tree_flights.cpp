@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
-#include "core/base/hash.h"
-#include "core/base/isa.h"
+#include "core/base/math/hash.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/isa.h"
+#include "core/base/system/error.h"
 #include "tests/portable/flown_worlds.h"
 #include "tests/unit/physics/lane_groups.h"
 

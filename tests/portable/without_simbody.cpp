@@ -1,5 +1,5 @@
 // Replaces Simbody and SUNDIALS where the tree engine is compiled without them.
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/physics/simbody/dynamics.h"
 #include "core/physics/step/integrator.h"
 #include "core/physics/step/step_rules.h"

@@ -18,7 +18,7 @@ COLUMNS = [f"events/{name}" for name in EVENTS] + [f"transitions/{name}" for nam
 
 
 class Chain:
-    """HashChain of core/base/hash.h."""
+    """HashChain of core/base/math/hash.h."""
 
     def __init__(self) -> None:
         self.state, self.count = 0x243F6A8885A308D3, 0
@@ -39,7 +39,7 @@ class Chain:
 
 
 def hash_of(content: bytes) -> int:
-    """hash_bytes of core/base/hash.h."""
+    """hash_bytes of core/base/math/hash.h."""
     padded = content + bytes(-len(content) % 8)
     return Chain().add([*np.frombuffer(padded, "<u8").tolist(), len(content)]).value()
 

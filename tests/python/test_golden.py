@@ -29,7 +29,7 @@ def golden(script: Path, *options: str) -> subprocess.CompletedProcess[str]:
 
 def copy_script(project: Path) -> Path:
     """The script with its list in another project; returns the folder of its hashes."""
-    for file in (SCRIPT, FOLDER.parents[1] / "core/base/isa_sets.h"):
+    for file in (SCRIPT, FOLDER.parents[1] / "core/base/simd/isa_sets.h"):
         place = project / file.relative_to(FOLDER.parents[1])
         place.parent.mkdir(parents=True)
         shutil.copy(file, place)

@@ -43,8 +43,14 @@ def test_the_rows_are_all_layers_without_circles() -> None:
     assert folders - {"plugins/template"} == set(LAYERS)
     assert all(folder not in reach(other) for folder in LAYERS for other in LAYERS[folder])
     assert reach("core/env") == {
-        "core/env", "core/physics", "core/model", "core/base", "plugins/api"
+        "core/env", "core/physics", "core/model", "core/base", "core/plugin_abi"
     }  # fmt: skip
+
+
+def test_the_core_includes_nothing_of_the_kit() -> None:
+    """The kit is built on the core: an include the other way would be a circle."""
+    core = set().union(*(reach(folder) for folder in LAYERS if folder.startswith("core/")))
+    assert [folder for folder in core if not folder.startswith("core/")] == []
 
 
 @pytest.mark.parametrize("folder", sorted(LAYERS))

@@ -64,7 +64,7 @@ def test_tables_have_a_row_for_each_of_the_lists(load) -> None:
     reference = load("plugin_reference")
     page = reference.write_page().text()
     for header, prefix, place in (
-        (API / "signals.h", "SKYBODY_SIGNALS", "Signal::k"),
+        (ROOT / "core/plugin_abi/signals.h", "SKYBODY_SIGNALS", "Signal::k"),
         (ROOT / "core/base/held_inputs.h", "SKYBODY_HELD_INPUTS", "HeldInput::k"),
     ):
         rows = re.findall(r"^  X\(", header.read_text(), re.MULTILINE)

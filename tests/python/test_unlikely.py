@@ -1,7 +1,7 @@
 """Warnings about possible but unlikely values.
 
 `skybody check` and loading warn of them and suggest the intended value. One table in
-core/io/plausibility_limits.cpp has the ranges.
+core/io/yaml/plausibility_limits.cpp has the ranges.
 """
 
 from __future__ import annotations

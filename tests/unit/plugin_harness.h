@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "core/base/isa.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/isa.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/env/setup_tables.h"
-#include "core/io/parameter_reader.h"
+#include "core/io/yaml/parameter_reader.h"
 #include "core/model/held_inputs.h"
-#include "plugins/host/descriptor.h"
+#include "core/plugin_host/descriptor.h"
 #include "tests/unit/plugin_world.h"
 
 namespace skybody::testing {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "plugins/api/abi.h"
+#include "core/plugin_abi/abi.h"
 
 namespace skybody::testing {
 

@@ -2,7 +2,7 @@
 // block changes, read in every step.
 #pragma once
 
-#include "core/base/mat3.h"
+#include "core/base/math/mat3.h"
 #include "core/physics/bodies/kinematics.h"
 
 namespace skybody {

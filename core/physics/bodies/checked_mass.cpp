@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "core/base/error.h"
-#include "core/base/inertia.h"
+#include "core/base/math/inertia.h"
+#include "core/base/system/error.h"
 
 namespace skybody {
 

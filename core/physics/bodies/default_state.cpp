@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/model/held_inputs.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/world/pose_math.h"

@@ -6,8 +6,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/base/math.h"
-#include "core/base/quat.h"
+#include "core/base/math/math.h"
+#include "core/base/math/quat.h"
 #include "core/physics/world/lane_state.h"
 #include "core/physics/world/world.h"
 

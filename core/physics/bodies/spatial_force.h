@@ -1,7 +1,7 @@
 // Forces on bodies, summed about each body's origin.
 #pragma once
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody {
 

@@ -1,6 +1,6 @@
 #include "core/physics/bodies/torque_free.h"
 
-#include "core/base/kernel_width.h"
+#include "core/base/simd/kernel_width.h"
 
 namespace skybody {
 namespace {

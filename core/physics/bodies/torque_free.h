@@ -14,7 +14,7 @@
 // angle.
 #pragma once
 
-#include "core/base/dual.h"
+#include "core/base/math/dual.h"
 #include "core/physics/bodies/kinematics.h"
 
 namespace skybody {

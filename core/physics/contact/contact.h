@@ -1,7 +1,7 @@
 // Contacts of bodies, for output.
 #pragma once
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody {
 

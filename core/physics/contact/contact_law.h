@@ -12,7 +12,7 @@
 // limited_force() applies.
 #pragma once
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/physics/contact/contact_scene.h"
 
 namespace skybody {

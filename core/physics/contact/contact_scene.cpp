@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/math.h"
+#include "core/base/math/math.h"
+#include "core/base/system/error.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/shapes/overlap.h"
 

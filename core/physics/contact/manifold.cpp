@@ -1,6 +1,6 @@
 #include "core/physics/contact/manifold.h"
 
-#include "core/base/kernel_width.h"
+#include "core/base/simd/kernel_width.h"
 #include "core/physics/contact/collide.h"
 
 namespace skybody {

@@ -1,8 +1,8 @@
 // Poses and sizes of an environment's obstacles, from its parameters.
 #include <string>
 
-#include "core/base/error.h"
-#include "core/base/mat3.h"
+#include "core/base/math/mat3.h"
+#include "core/base/system/error.h"
 #include "core/model/gate.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/contact/contact_scene.h"

@@ -1,7 +1,7 @@
 // A collision shape at its pose at one instant. On double and packs.
 #pragma once
 
-#include "core/base/mat3.h"
+#include "core/base/math/mat3.h"
 #include "core/model/robot_model.h"
 #include "core/physics/shapes/height_field.h"
 #include "core/physics/shapes/surface_distance.h"

@@ -19,8 +19,8 @@
 
 #include <array>
 
-#include "core/base/math.h"
-#include "core/base/vec3.h"
+#include "core/base/math/math.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody {
 

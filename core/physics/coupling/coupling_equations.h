@@ -2,7 +2,7 @@
 // them active.
 #pragma once
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 
 namespace skybody {
 

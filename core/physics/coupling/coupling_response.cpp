@@ -1,6 +1,6 @@
 #include "core/physics/coupling/coupling_response.h"
 
-#include "core/base/kernel_width.h"
+#include "core/base/simd/kernel_width.h"
 #include "core/physics/coupling/coupling_equations.h"
 
 namespace skybody {

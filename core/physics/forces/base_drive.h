@@ -3,7 +3,7 @@
 // out react to its motion.
 #pragma once
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/world/world.h"
 

@@ -2,7 +2,7 @@
 // from sums that are independent of the body's motion. The laws are those of rotor_force.h.
 #pragma once
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 #include "core/model/layout.h"
 #include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/rotor_lag.h"

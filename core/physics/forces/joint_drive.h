@@ -1,7 +1,7 @@
 // Motors in joints: a generalised force on one coordinate, from a command with a first-order lag.
 #pragma once
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/physics/forces/rotor_lag.h"
 #include "core/physics/world/world.h"
 

@@ -2,7 +2,7 @@
 // sliders, and the law of the latters' stops, which step/joint_stops.h applies.
 #pragma once
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {

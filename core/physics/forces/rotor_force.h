@@ -16,7 +16,7 @@
 // The last two vanish for rotor inertia J = 0.
 #pragma once
 
-#include "core/base/vec3.h"
+#include "core/base/math/vec3.h"
 #include "core/model/held_inputs.h"
 #include "core/model/layout.h"
 #include "core/physics/bodies/spatial_force.h"

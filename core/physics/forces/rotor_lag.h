@@ -7,7 +7,7 @@
 
 #include <type_traits>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/model/layout.h"
 
 namespace skybody {

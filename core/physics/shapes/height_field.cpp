@@ -1,6 +1,6 @@
 #include "core/physics/shapes/height_field.h"
 
-#include "core/base/kernel_width.h"
+#include "core/base/simd/kernel_width.h"
 #include "core/physics/shapes/height_field_distance.h"
 
 namespace skybody {

@@ -2,7 +2,7 @@
 // callers share.
 #pragma once
 
-#include "core/base/pack.h"
+#include "core/base/simd/pack.h"
 #include "core/model/height_field.h"
 #include "core/physics/shapes/surface_distance.h"
 

@@ -2,8 +2,8 @@
 // normals are in the solid's frame.
 #pragma once
 
-#include "core/base/math.h"
-#include "core/base/vec3.h"
+#include "core/base/math/math.h"
+#include "core/base/math/vec3.h"
 
 namespace skybody {
 

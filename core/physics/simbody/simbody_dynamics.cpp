@@ -19,7 +19,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/physics/bodies/checked_mass.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/coupling/coupling_scene.h"

@@ -1,7 +1,7 @@
 // Loops of kernels over the lanes of a group: pack by pack, or one lane as a double.
 #pragma once
 
-#include "core/base/kernel_width.h"
+#include "core/base/simd/kernel_width.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/step_plan.h"
 

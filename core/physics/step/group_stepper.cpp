@@ -8,8 +8,8 @@
 #include <bit>
 #include <cstring>
 
-#include "core/base/error.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
+#include "core/base/system/error.h"
 #include "core/physics/step/lane_stepper.h"
 #include "core/physics/step/step_plan.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/physics/bodies/spatial_force.h"
 #include "core/physics/contact/contact.h"
 #include "core/physics/step/dynamics_choice.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/physics/bodies/joint_reactions.h"
 #include "core/physics/contact/contact.h"
 #include "core/physics/simbody/dynamics.h"

@@ -1,7 +1,7 @@
 // Adjoints of operations on rotations. A value `x` has the adjoint `to_x`. On double and packs.
 #pragma once
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 
 namespace skybody {
 

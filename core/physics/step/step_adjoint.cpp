@@ -1,7 +1,7 @@
 #include "core/physics/step/step_adjoint.h"
 
-#include "core/base/error.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
+#include "core/base/system/error.h"
 #include "core/physics/bodies/body_constants.h"
 #include "core/physics/step/group_stepper.h"
 

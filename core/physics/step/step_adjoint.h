@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/physics/step/adjoint_kernel.h"
 
 namespace skybody {

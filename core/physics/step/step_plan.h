@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "core/physics/contact/contact_scene.h"
 #include "core/physics/coupling/coupling_scene.h"
 #include "core/physics/forces/force_model.h"

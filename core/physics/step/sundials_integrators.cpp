@@ -18,7 +18,7 @@
 #include <string>
 #include <type_traits>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/physics/step/integrator.h"
 
 namespace skybody {

@@ -9,7 +9,7 @@
 //   force  = m a - m c x alpha + m w x (w x c)
 #pragma once
 
-#include "core/base/mat3.h"
+#include "core/base/math/mat3.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/bodies/spatial_force.h"
 

@@ -1,6 +1,6 @@
 #include "core/physics/tree/locked_body.h"
 
-#include "core/base/kernel_width.h"
+#include "core/base/simd/kernel_width.h"
 
 namespace skybody {
 namespace {

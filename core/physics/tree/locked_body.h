@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/base/dual.h"
+#include "core/base/math/dual.h"
 #include "core/physics/bodies/body_constants.h"
 
 namespace skybody {

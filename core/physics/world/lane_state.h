@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "core/base/quat.h"
-#include "core/base/vec3.h"
+#include "core/base/math/quat.h"
+#include "core/base/math/vec3.h"
 #include "core/model/layout.h"
 
 namespace skybody {

@@ -1,8 +1,8 @@
 // Access to the values of a lane group from code on doubles or packs.
 #pragma once
 
-#include "core/base/dual.h"
-#include "core/base/pack.h"
+#include "core/base/math/dual.h"
+#include "core/base/simd/pack.h"
 
 namespace skybody {
 

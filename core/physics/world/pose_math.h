@@ -1,7 +1,7 @@
 // Arithmetic of rigid transforms.
 #pragma once
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {

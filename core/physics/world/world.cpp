@@ -1,6 +1,6 @@
 #include "core/physics/world/world.h"
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/physics/world/pose_math.h"
 #include "core/physics/world/world_layout.h"
 

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/base/isa_sets.h"
+#include "core/base/simd/isa_sets.h"
 
 namespace skybody::learn {
 

@@ -1,7 +1,7 @@
 // The kernels for an instruction set.
 #pragma once
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "learn/network/kernels/kernel_table.h"
 
 namespace skybody::learn {

@@ -1,11 +1,11 @@
-#include "core/base/arguments.h"
+#include "core/base/system/arguments.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody {
 namespace {

@@ -1,5 +1,5 @@
 // Distributions: draws against the cumulative distributions in closed form.
-#include "core/base/distribution.h"
+#include "core/base/math/distribution.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 
 namespace skybody {
 namespace {

@@ -1,12 +1,12 @@
 // Dual numbers: values have the bits of plain numbers, tangents are derivatives.
-#include "core/base/dual.h"
+#include "core/base/math/dual.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "core/base/quat.h"
-#include "core/base/random.h"
+#include "core/base/math/quat.h"
+#include "core/base/math/random.h"
 
 namespace skybody {
 namespace {

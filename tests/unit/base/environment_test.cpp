@@ -5,10 +5,10 @@
 #include <string>
 #include <thread>
 
-#include "core/base/error.h"
-#include "core/base/fp_environment.h"
-#include "core/base/isa.h"
-#include "core/base/kernels.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/isa.h"
+#include "core/base/simd/kernels.h"
+#include "core/base/system/error.h"
 
 namespace skybody {
 

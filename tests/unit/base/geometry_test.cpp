@@ -2,9 +2,9 @@
 // algebra.
 #include <gtest/gtest.h>
 
-#include "core/base/inertia.h"
-#include "core/base/quat.h"
-#include "core/base/random.h"
+#include "core/base/math/inertia.h"
+#include "core/base/math/quat.h"
+#include "core/base/math/random.h"
 
 namespace skybody {
 namespace {

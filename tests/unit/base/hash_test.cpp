@@ -1,5 +1,5 @@
 // The hash chain: order, every bit, strides, and golden values that must never change.
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // Jets: derivatives against known closed forms, and their bits in packs.
-#include "core/base/jet.h"
+#include "core/base/math/jet.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/base/pack.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/simd/pack.h"
 
 namespace skybody {
 namespace {

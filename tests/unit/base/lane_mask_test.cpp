@@ -1,4 +1,4 @@
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Core math against long double libm: error bounds in ulp, and the special values.
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Packs, masks and words: lanes in and out, blends, and the connectives of masks.
-#include "core/base/pack.h"
+#include "core/base/simd/pack.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Keyed random numbers: Philox's published answers, the distributions' moments, lanes.
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 
 #include <gtest/gtest.h>
 

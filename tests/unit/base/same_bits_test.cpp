@@ -1,14 +1,15 @@
-// Every function of core/base/math.h gives the same bits for double and for packs of 2, 4 and 8, in
-// code compiled for x86-64-v2, v3 and v4 within one file. This file is compiled for the baseline.
+// Every function of core/base/math/math.h gives the same bits for double and for packs of 2, 4 and
+// 8, in code compiled for x86-64-v2, v3 and v4 within one file. This file is compiled for the
+// baseline.
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-#include "core/base/hash.h"
-#include "core/base/isa.h"
-#include "core/base/math.h"
-#include "core/base/quat.h"
+#include "core/base/math/hash.h"
+#include "core/base/math/math.h"
+#include "core/base/math/quat.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "tests/unit/batch/small_env.h"
 
 namespace skybody {

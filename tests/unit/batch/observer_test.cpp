@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "tests/unit/batch/small_env.h"
 
 namespace skybody {

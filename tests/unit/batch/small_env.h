@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "core/batch/pool.h"
 #include "core/simulation/simulation.h"
 #include "tests/unit/env/quadrotors_in_the_air.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "tests/unit/batch/small_env.h"
 
 namespace skybody {

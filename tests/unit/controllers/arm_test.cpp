@@ -1,7 +1,7 @@
 // joint_pd and arm on a vehicle with a planar arm of two links, by hand.
 #include <cmath>
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/base/jet.h"
+#include "core/base/math/jet.h"
 
 namespace skybody::control {
 namespace {

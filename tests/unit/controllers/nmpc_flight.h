@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 #include "plugins/api/reference_point.h"
 #include "tests/unit/plugin_harness.h"
 

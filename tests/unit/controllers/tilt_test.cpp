@@ -1,7 +1,7 @@
 // tilt_allocation and full_pose on a hexacopter with tilting arms, by hand.
 #include <cmath>
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {

@@ -1,7 +1,7 @@
 // Thrust and moment by polynomials of speed and advance ratio, against these polynomials.
 #include <cmath>
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 #include "tests/unit/dual_harness.h"
 
 namespace skybody::testing {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <skybody/task_kit.h>
 
-#include "core/base/fp_environment.h"
+#include "core/base/simd/fp_environment.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {

@@ -7,16 +7,16 @@
 #include <string>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/isa.h"
-#include "core/base/lane_mask.h"
+#include "core/base/simd/isa.h"
+#include "core/base/simd/lane_mask.h"
+#include "core/base/system/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
 #include "core/env/plugin_instance.h"
-#include "core/io/parameter_reader.h"
+#include "core/io/yaml/parameter_reader.h"
+#include "core/plugin_host/descriptor.h"
+#include "core/plugin_host/instance.h"
 #include "plugins/api/export.h"
-#include "plugins/host/descriptor.h"
-#include "plugins/host/instance.h"
 
 namespace skybody::test {
 

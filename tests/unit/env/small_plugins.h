@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "tests/unit/env/in_process_factory.h"
 
 namespace skybody::test {

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "core/io/config_tree.h"
-#include "core/io/scenario_reader.h"
+#include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/scenario_reader.h"
 #include "tests/unit/io/fake_catalog.h"
 
 namespace skybody {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/config_tree.h"
+#include "core/io/yaml/config_tree.h"
 #include "tests/unit/io/temp_folder.h"
 
 namespace skybody {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/plugin_catalog.h"
+#include "core/io/yaml/plugin_catalog.h"
 
 namespace skybody {
 

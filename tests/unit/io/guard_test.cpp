@@ -6,10 +6,10 @@
 
 #include <filesystem>
 
-#include "core/base/printable.h"
-#include "core/io/config_tree.h"
-#include "core/io/file.h"
-#include "core/io/scenario_reader.h"
+#include "core/base/system/printable.h"
+#include "core/io/files/file.h"
+#include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/scenario_reader.h"
 #include "tests/unit/io/fake_catalog.h"
 #include "tests/unit/io/temp_folder.h"
 

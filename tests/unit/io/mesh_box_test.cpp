@@ -1,6 +1,6 @@
 // Bounding boxes of meshes: every form of vertices in each format, and damaged files with the
 // reason of their refusal.
-#include "core/io/mesh_box.h"
+#include "core/io/urdf/mesh_box.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <cstring>
 #include <limits>
 
-#include "core/io/text.h"
+#include "core/io/files/text.h"
 #include "tests/unit/io/temp_folder.h"
 
 namespace skybody {

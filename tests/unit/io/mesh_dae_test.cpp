@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/mesh_format.h"
-#include "core/io/text.h"
+#include "core/io/files/text.h"
+#include "core/io/urdf/mesh_format.h"
 
 namespace skybody {
 namespace {

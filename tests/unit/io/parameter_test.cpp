@@ -3,8 +3,8 @@
 
 #include <clocale>
 
-#include "core/io/parameter_reader.h"
-#include "core/io/text.h"
+#include "core/io/files/text.h"
+#include "core/io/yaml/parameter_reader.h"
 
 namespace skybody {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/policy_writer.h"
+#include "core/io/files/policy_writer.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/io/atomic_file.h"
+#include "core/base/system/error.h"
+#include "core/io/files/atomic_file.h"
 #include "tests/unit/io/temp_folder.h"
 
 namespace skybody {

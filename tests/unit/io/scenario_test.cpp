@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "core/io/config_tree.h"
-#include "core/io/rotors_reader.h"
-#include "core/io/scenario_fields.h"
-#include "core/io/scenario_reader.h"
-#include "core/io/urdf_reader.h"
+#include "core/io/urdf/urdf_reader.h"
+#include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/rotors_reader.h"
+#include "core/io/yaml/scenario_fields.h"
+#include "core/io/yaml/scenario_reader.h"
 #include "tests/unit/io/fake_catalog.h"
 #include "tests/unit/io/temp_folder.h"
 

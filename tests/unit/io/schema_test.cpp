@@ -1,4 +1,4 @@
-#include "core/io/schema.h"
+#include "core/io/yaml/schema.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <optional>
 
-#include "core/io/config_tree.h"
-#include "core/io/json.h"
-#include "core/io/scenario_fields.h"
-#include "core/io/text.h"
+#include "core/io/files/json.h"
+#include "core/io/files/text.h"
+#include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/scenario_fields.h"
 #include "tests/unit/io/fake_catalog.h"
 #include "tests/unit/io/temp_folder.h"
 

@@ -4,10 +4,10 @@
 
 #include <filesystem>
 
-#include "core/io/height_field_reader.h"
-#include "core/io/mesh_box.h"
-#include "core/io/scenario_reader.h"
-#include "core/io/urdf_reader.h"
+#include "core/io/files/height_field_reader.h"
+#include "core/io/urdf/mesh_box.h"
+#include "core/io/urdf/urdf_reader.h"
+#include "core/io/yaml/scenario_reader.h"
 #include "tests/unit/io/fake_catalog.h"
 #include "tests/unit/io/temp_folder.h"
 

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "core/io/urdf_reader.h"
+#include "core/io/urdf/urdf_reader.h"
 #include "tests/unit/io/temp_folder.h"
 
 namespace skybody {

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/base/inertia.h"
-#include "core/io/fold_warnings.h"
-#include "core/io/urdf_reader.h"
+#include "core/base/math/inertia.h"
+#include "core/io/urdf/urdf_reader.h"
+#include "core/io/yaml/fold_warnings.h"
 
 namespace skybody {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "core/base/inertia.h"
-#include "core/io/pose.h"
-#include "core/io/urdf_reader.h"
+#include "core/base/math/inertia.h"
+#include "core/io/urdf/urdf_reader.h"
+#include "core/io/yaml/pose.h"
 #include "tests/unit/io/temp_folder.h"
 
 namespace skybody {

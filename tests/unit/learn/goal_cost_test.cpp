@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "core/base/aligned_array.h"
+#include "core/base/simd/aligned_array.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody::learn {

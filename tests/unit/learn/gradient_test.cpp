@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/assemble/load.h"
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "learn/make_learner.h"
 #include "tests/unit/learn/isas.h"
 

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
+#include "core/base/system/error.h"
 #include "learn/network/recurrent_network.h"
 #include "tests/unit/learn/isas.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody::learn {
 namespace {

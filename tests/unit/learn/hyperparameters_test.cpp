@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/assemble/load.h"
-#include "core/base/error.h"
-#include "core/io/policy_file.h"
-#include "core/io/policy_writer.h"
+#include "core/base/system/error.h"
+#include "core/io/files/policy_file.h"
+#include "core/io/files/policy_writer.h"
 #include "learn/make_learner.h"
 #include "learn/ppo/ppo.h"
 

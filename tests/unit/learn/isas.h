@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 
 namespace skybody::learn {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
+#include "core/base/system/error.h"
 #include "learn/network/adam.h"
 #include "tests/unit/learn/isas.h"
 

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/assemble/load.h"
-#include "core/base/hash.h"
+#include "core/base/math/hash.h"
 #include "core/policy/network_policy.h"
 #include "tests/unit/learn/isas.h"
 #include "tests/unit/learn/small_team.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "learn/learner.h"
 #include "tests/unit/env/quadrotors_in_the_air.h"
 

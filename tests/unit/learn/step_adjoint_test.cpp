@@ -8,7 +8,7 @@
 #include <random>
 
 #include "core/assemble/load.h"
-#include "core/base/dual.h"
+#include "core/base/math/dual.h"
 #include "core/physics/step/free_robot_step.h"
 
 namespace skybody {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/assemble/load.h"
-#include "core/base/fp_environment.h"
+#include "core/base/simd/fp_environment.h"
 
 namespace skybody {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 
 namespace skybody {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "tests/unit/physics/contact_worlds.h"
 
 namespace skybody::test {

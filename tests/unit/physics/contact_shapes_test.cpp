@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "tests/unit/physics/contact_worlds.h"
 #include "tests/unit/physics/random_trees.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "tests/unit/physics/lane_groups.h"
 #include "tests/unit/physics/random_trees.h"
 

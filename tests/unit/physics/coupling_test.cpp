@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "core/model/located_error.h"
 #include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/coupled_worlds.h"

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#include "core/base/inertia.h"
-#include "core/base/random.h"
+#include "core/base/math/inertia.h"
+#include "core/base/math/random.h"
 #include "core/model/located_error.h"
 #include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/random_trees.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/lane_mask.h"
+#include "core/base/simd/lane_mask.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/physics/stepper.h"

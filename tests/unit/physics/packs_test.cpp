@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "core/physics/contact/manifold.h"
 #include "tests/unit/physics/random_worlds.h"
 #include "tests/unit/physics/two_ways.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/test_models.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/kernels.h"
-#include "core/base/random.h"
+#include "core/base/math/random.h"
+#include "core/base/simd/kernels.h"
 #include "core/physics/shapes/height_field.h"
 #include "core/physics/shapes/overlap.h"
 #include "core/physics/shapes/surface_distance.h"

@@ -6,7 +6,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/step/lane_stepper.h"
 #include "tests/unit/physics/test_models.h"

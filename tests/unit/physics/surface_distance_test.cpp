@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/random.h"
+#include "core/base/math/random.h"
 #include "core/physics/shapes/overlap.h"
 
 namespace skybody::test {

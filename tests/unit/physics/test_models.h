@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/math.h"
+#include "core/base/math/math.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/world/world.h"
 #include "tests/unit/physics/stepper.h"

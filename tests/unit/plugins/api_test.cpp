@@ -54,7 +54,7 @@ TEST(PluginApi, HandshakeCoversEveryStructure) {
   };
   const std::string declared = names("/plugins/api/abi.h", "typedef struct ", " {");
   EXPECT_NE(declared, "");
-  EXPECT_EQ(declared, names("/plugins/api/structures.h", "sizeof(", ")"));
+  EXPECT_EQ(declared, names("/core/plugin_abi/structures.h", "sizeof(", ")"));
 }
 
 }  // namespace

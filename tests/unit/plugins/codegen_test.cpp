@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "core/base/isa.h"
+#include "core/base/simd/isa.h"
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {
@@ -33,7 +33,7 @@ bool kernels_are_inlined() {
 #endif
 }
 
-/// Tests if a disassembled function is a kernel of an instruction set (core/base/kernels.h).
+/// Tests if a disassembled function is a kernel of an instruction set (core/base/simd/kernels.h).
 bool is_kernel(const std::string& function, Isa isa) {
   return function.find("::detail::Kernel<") != std::string::npos &&
          function.find(">::" + std::string(name(isa)) + "(") != std::string::npos;

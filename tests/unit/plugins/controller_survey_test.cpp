@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "plugins/host/search_path.h"
+#include "core/plugin_host/search_path.h"
 
 namespace skybody {
 namespace {

@@ -1,5 +1,5 @@
 // Libraries that are refused without running any of their code.
-#include "plugins/host/elf_check.h"
+#include "core/plugin_host/elf_check.h"
 
 #include <elf.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "plugins/host/load_error.h"
+#include "core/plugin_host/load_error.h"
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {

@@ -1,5 +1,5 @@
 // Instances: declarations, refusals, and the lifetime of their library.
-#include "plugins/host/instance.h"
+#include "core/plugin_host/instance.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

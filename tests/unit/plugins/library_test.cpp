@@ -1,5 +1,5 @@
 // The handshake: refused libraries and their messages.
-#include "plugins/host/library.h"
+#include "core/plugin_host/library.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <fstream>
 #include <thread>
 
-#include "core/base/fp_environment.h"
-#include "core/base/hash.h"
-#include "core/base/isa.h"
-#include "core/base/plugin_call_trace.h"
-#include "plugins/host/descriptor.h"
-#include "plugins/host/registry.h"
+#include "core/base/math/hash.h"
+#include "core/base/simd/fp_environment.h"
+#include "core/base/simd/isa.h"
+#include "core/base/system/plugin_call_trace.h"
+#include "core/plugin_host/descriptor.h"
+#include "core/plugin_host/registry.h"
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {

@@ -1,5 +1,5 @@
 // `skybody new`: names, all or nothing, no placeholders left.
-#include "plugins/host/new_project.h"
+#include "core/plugin_host/new_project.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "core/base/error.h"
 #include "core/base/plugin_kind.h"
+#include "core/base/system/error.h"
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {

@@ -1,5 +1,5 @@
 // Information for a watcher after a plugin has ended the process.
-#include "core/base/plugin_call_trace.h"
+#include "core/base/system/plugin_call_trace.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Declarations of libraries by their names and sidecar files.
-#include "plugins/host/plugin_manifest.h"
+#include "core/plugin_host/plugin_manifest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

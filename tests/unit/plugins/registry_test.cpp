@@ -1,5 +1,5 @@
 // Plugins found on a search path, and problems that do not stop the search.
-#include "plugins/host/registry.h"
+#include "core/plugin_host/registry.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 
 #include <cstring>
 
-#include "core/base/hash.h"
-#include "core/io/parameter_reader.h"
+#include "core/base/math/hash.h"
+#include "core/io/yaml/parameter_reader.h"
 
 namespace skybody::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/env/setup_tables.h"
-#include "plugins/host/instance.h"
+#include "core/plugin_host/instance.h"
 
 namespace skybody::test {
 

@@ -1,5 +1,5 @@
 // Trust: owners and permissions of libraries that may be opened.
-#include "plugins/host/trust.h"
+#include "core/plugin_host/trust.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/base/inertia.h"
+#include "core/base/math/inertia.h"
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {

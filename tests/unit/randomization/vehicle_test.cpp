@@ -4,8 +4,8 @@
 #include <cmath>
 #include <functional>
 
-#include "core/base/inertia.h"
-#include "core/base/math_normal.h"
+#include "core/base/math/inertia.h"
+#include "core/base/math/math_normal.h"
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {

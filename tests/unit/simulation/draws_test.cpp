@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/quat.h"
+#include "core/base/math/quat.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

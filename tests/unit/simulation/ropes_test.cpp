@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

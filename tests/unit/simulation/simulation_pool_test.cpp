@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 
 namespace skybody {
 namespace {

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/assemble/load.h"
-#include "core/base/error.h"
+#include "core/base/system/error.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

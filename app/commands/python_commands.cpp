@@ -1,0 +1,62 @@
+// Commands implemented in Python: each passes its arguments on.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "app/commands/command.h"
+#include "app/python.h"
+#include "core/base/system/error.h"
+
+namespace skybody {
+namespace {
+
+struct PythonCommand {
+  const char* name;
+  const char* module;  ///< null: plot_script()
+  const char* help;
+};
+
+constexpr PythonCommand kCommands[] = {
+    {"train", "skybody.train", "Train a policy in a scenario, reproducibly"},
+    {"tune", "skybody.tune", "Fit gains of a chain of controllers to a vehicle"},
+    {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
+};
+
+/// Replaces this process by `python -P -m MODULE ARGUMENTS`, or by the plot script, whose exit
+/// status becomes the program's.
+int become_python(const char* module, const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = python_command();
+  if (module == nullptr) {
+    command.push_back(plot_script().string());
+  } else {
+    command.insert(command.end(), {"-m", module});
+  }
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  std::vector<char*> words;
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  check_memory_for_python();
+  set_python_environment();
+  execvp(words[0], words.data());
+  throw Error("cannot start " + command[0] + ": " + std::strerror(errno) +
+              "; name a Python that has the package skybody in SKYBODY_PYTHON");
+}
+
+}  // namespace
+
+void add_python_commands(CLI::App& app, Action& chosen) {
+  for (const PythonCommand& row : kCommands) {
+    CLI::App* command = app.add_subcommand(row.name, row.help);
+    command->prefix_command();   // all following arguments are for Python,
+    command->set_help_flag("");  // --help too
+    command->callback([command, module = row.module, &chosen] {
+      chosen = [command, module] { return become_python(module, command->remaining()); };
+    });
+  }
+}
+
+}  // namespace skybody

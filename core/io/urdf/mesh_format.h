@@ -1,0 +1,60 @@
+// The supported mesh formats and shared types of their readers. Internal to core/io.
+//
+// Mesh files may be untrusted. Each reader
+// - needs time and memory that are linear in the file's size,
+// - opens no other file,
+// - checks each declared count against the file's size before using it,
+// - rejects inconsistent files.
+#pragma once
+
+#include <string>
+
+#include "core/base/math/math.h"
+#include "core/base/math/vec3.h"
+#include "core/base/system/error.h"
+
+namespace skybody {
+
+/// The reason why a mesh is rejected. Readers throw it, read_mesh_box() catches it.
+class MeshError : public Error {
+ public:
+  explicit MeshError(const std::string& reason) : Error(reason) {}
+  MeshError(int line, const std::string& reason)
+      : Error("line " + std::to_string(line) + ": " + reason) {}
+};
+
+/// The axis-aligned bounding box of the added points.
+class VertexBox {
+ public:
+  void add(const Vec3<double>& v) {
+    low_ = {min(low_.x, v.x), min(low_.y, v.y), min(low_.z, v.z)};
+    high_ = {max(high_.x, v.x), max(high_.y, v.y), max(high_.z, v.z)};
+  }
+
+  bool is_empty() const { return !(low_.x <= high_.x); }
+  const Vec3<double>& low() const { return low_; }
+  const Vec3<double>& high() const { return high_; }
+
+ private:
+  Vec3<double> low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
+};
+
+/// Each reader takes a file's bytes and returns the bounding box of its vertices in metres.
+/// @throws MeshError
+VertexBox read_stl(const std::string& bytes);
+VertexBox read_dae(const std::string& bytes);
+VertexBox read_obj(const std::string& bytes);
+VertexBox read_ply(const std::string& bytes);
+
+struct MeshFormat {
+  const char* extension;  ///< in lower case
+  VertexBox (*read)(const std::string& bytes);
+};
+
+/// The format of a file name's extension, in any case; null: not supported.
+const MeshFormat* find_mesh_format(const std::string& name);
+
+/// ".stl, .dae, .obj, .ply".
+std::string mesh_extensions();
+
+}  // namespace skybody
