@@ -18,7 +18,8 @@ find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 set(sundials_headers "${PROJECT_SOURCE_DIR}/.sundials/include")
 find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}")
 if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
-  message(FATAL_ERROR "no headers of SUNDIALS 6: `./dev build` fetches them (libsundials-dev has them, too, but "
+  message(FATAL_ERROR
+    "no headers of SUNDIALS 6: `./dev build` fetches them (libsundials-dev has them, too, but "
                       "brings another BLAS, with which Simbody computes other bits)")
 endif()
 find_library(SKYBODY_CVODE_LIBRARY NAMES sundials_cvode libsundials_cvode.so.6 REQUIRED)
@@ -27,7 +28,8 @@ file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" SKYBOD
      REGEX "define SUNDIALS_VERSION ")  # ... "6.4.1"
 string(REGEX REPLACE ".*\"(.*)\".*" "\\1" SKYBODY_SUNDIALS_VERSION "${SKYBODY_SUNDIALS_VERSION}")
 if(NOT SKYBODY_SUNDIALS_VERSION MATCHES "^6[.]")
-  message(FATAL_ERROR "SUNDIALS ${SKYBODY_SUNDIALS_VERSION} in ${SKYBODY_SUNDIALS_INCLUDE_DIR}; needed: 6")
+  message(FATAL_ERROR
+    "SUNDIALS ${SKYBODY_SUNDIALS_VERSION} in ${SKYBODY_SUNDIALS_INCLUDE_DIR}; needed: 6")
 endif()
 
 function(skybody_dependency name)
@@ -67,7 +69,8 @@ else()
   target_link_libraries(skybody_urdf INTERFACE ${urdfdom_LIBRARIES})
 endif()
 if(NOT urdfdom_VERSION)  # missing in Debian's package; read it from the pkg-config file
-  find_file(urdfdom_pkgconfig urdfdom.pc PATH_SUFFIXES lib/pkgconfig lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig
+  find_file(urdfdom_pkgconfig urdfdom.pc PATH_SUFFIXES lib/pkgconfig
+    lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig
             PATHS /usr NO_CACHE)
   if(urdfdom_pkgconfig)
     file(STRINGS "${urdfdom_pkgconfig}" urdfdom_VERSION REGEX "^Version:")
@@ -91,7 +94,8 @@ if(SKYBODY_DAQP_DIR)
   target_include_directories(skybody_daqp SYSTEM PUBLIC "${SKYBODY_DAQP_DIR}/csrc/include")
   target_compile_options(skybody_daqp PRIVATE ${SKYBODY_FP_FLAGS} ${SKYBODY_SANITIZE_FLAGS} -w)
   set_target_properties(skybody_daqp PROPERTIES C_VISIBILITY_PRESET hidden)
-  install(FILES "${SKYBODY_DAQP_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/skybody/licenses"
+  install(FILES "${SKYBODY_DAQP_DIR}/LICENSE" DESTINATION
+    "${CMAKE_INSTALL_DATADIR}/skybody/licenses"
     RENAME daqp.txt)
 else()
   message(STATUS "no DAQP in .daqp (`./dev build` fetches it): controller nmpc is left out")

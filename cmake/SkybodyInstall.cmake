@@ -28,8 +28,10 @@ skybody_install_tree(include "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTER
 skybody_install_tree(core "${skybody_header_dir}/core" ${skybody_headers_only})
 skybody_install_tree(learn "${skybody_header_dir}/learn" ${skybody_headers_only})
 skybody_install_tree(plugins/api "${skybody_header_dir}/plugins/api" ${skybody_headers_only})
-skybody_install_tree(plugins/obstacles "${skybody_header_dir}/plugins/obstacles" ${skybody_headers_only})
-skybody_install_tree(plugins/task_kit "${skybody_header_dir}/plugins/task_kit" ${skybody_headers_only})
+skybody_install_tree(plugins/obstacles "${skybody_header_dir}/plugins/obstacles"
+  ${skybody_headers_only})
+skybody_install_tree(plugins/task_kit "${skybody_header_dir}/plugins/task_kit"
+  ${skybody_headers_only})
 skybody_install_tree(plugins/template "${skybody_data_dir}/template")
 skybody_install_tree(scenarios "${skybody_data_dir}/scenarios")
 install(FILES "${PROJECT_BINARY_DIR}/include/skybody/version.h" DESTINATION "${skybody_header_dir}")

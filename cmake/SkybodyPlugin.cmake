@@ -16,7 +16,8 @@
 include_guard(GLOBAL)
 
 function(skybody_add_plugin name)
-  cmake_parse_arguments(PARSE_ARGV 1 plugin "NO_INSTALL" "OUTPUT_DIRECTORY" "SOURCES;LIBRARIES;PLUGINS")
+  cmake_parse_arguments(PARSE_ARGV 1 plugin "NO_INSTALL" "OUTPUT_DIRECTORY"
+    "SOURCES;LIBRARIES;PLUGINS")
   set(sources ${plugin_SOURCES} ${plugin_UNPARSED_ARGUMENTS})
   if(NOT sources)
     message(FATAL_ERROR "skybody_add_plugin(${name}): no source files given")
@@ -59,14 +60,17 @@ function(skybody_add_plugin name)
     string(JOIN "\n" names ${plugin_PLUGINS})
     file(CONFIGURE OUTPUT "${list}" CONTENT "${names}\n" @ONLY)
     set_property(TARGET ${name} APPEND PROPERTY LINK_DEPENDS "${list}")
-    add_custom_command(TARGET ${name} POST_BUILD COMMAND "${CMAKE_COMMAND}" -E copy "${list}" "${sidecar}" VERBATIM)
+    add_custom_command(TARGET ${name} POST_BUILD COMMAND "${CMAKE_COMMAND}" -E copy "${list}"
+      "${sidecar}" VERBATIM)
   else()
-    add_custom_command(TARGET ${name} POST_BUILD COMMAND "${CMAKE_COMMAND}" -E rm -f "${sidecar}" VERBATIM)
+    add_custom_command(TARGET ${name} POST_BUILD COMMAND "${CMAKE_COMMAND}" -E rm -f "${sidecar}"
+      VERBATIM)
   endif()
 
   if(own_tree AND NOT plugin_NO_INSTALL AND NOT plugin_OUTPUT_DIRECTORY)
     if(plugin_PLUGINS)
-      install(FILES "${list}" DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins" RENAME "${name}.plugins")
+      install(FILES "${list}" DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins" RENAME
+        "${name}.plugins")
     endif()
     install(TARGETS ${name} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins")
     set_property(GLOBAL APPEND PROPERTY SKYBODY_PLUGINS ${name})

@@ -2,7 +2,8 @@
 
 include(GNUInstallDirs)
 
-option(SKYBODY_PORTABLE "Kernels for the compiler's own instruction set alone, as on processors other than x86-64" OFF)
+option(SKYBODY_PORTABLE
+  "Kernels for the compiler's own instruction set alone, as on processors other than x86-64" OFF)
 option(SKYBODY_CCACHE "Compile through ccache where it is found" ON)
 set(SKYBODY_KERNELS "all" CACHE STRING
   "Instruction sets with kernels of their own: 'all', or 'host': this machine's best and the lowest, for builds that stay here")

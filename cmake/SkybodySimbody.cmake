@@ -70,10 +70,12 @@ function(skybody_detect_simbody_ndebug)
     skybody_try_simbody(1 works log_with)
   endif()
   if(NOT works)
-    message(FATAL_ERROR "A falling body does not build and run with ${library}. Without NDEBUG:\n${log_without}\n"
+    message(FATAL_ERROR
+      "A falling body does not build and run with ${library}. Without NDEBUG:\n${log_without}\n"
       "With NDEBUG:\n${log_with}")
   endif()
-  set(SKYBODY_SIMBODY_NDEBUG ${ndebug} CACHE BOOL "Simbody was built with -DNDEBUG (detected)" FORCE)
+  set(SKYBODY_SIMBODY_NDEBUG ${ndebug} CACHE BOOL "Simbody was built with -DNDEBUG (detected)"
+    FORCE)
   set(SKYBODY_SIMBODY_PROBED "${probed}" CACHE INTERNAL "The library that was probed")
 endfunction()
 
@@ -100,5 +102,6 @@ endfunction()
 function(skybody_add_simbody_sources target)
   add_library(${target} OBJECT ${ARGN})
   skybody_use_simbody(${target})
-  target_link_libraries(skybody PRIVATE $<BUILD_INTERFACE:${target}> SimTKsimbody SimTKmath SimTKcommon)
+  target_link_libraries(skybody PRIVATE $<BUILD_INTERFACE:${target}> SimTKsimbody SimTKmath
+    SimTKcommon)
 endfunction()

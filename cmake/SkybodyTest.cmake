@@ -20,11 +20,14 @@ function(skybody_share_test_headers name)
     set(program "${PROJECT_BINARY_DIR}/test_headers.cpp")
     file(CONFIGURE OUTPUT "${program}" CONTENT "int main() {}\n")
     add_executable(skybody_test_headers EXCLUDE_FROM_ALL "${program}")
-    set_target_properties(skybody_test_headers PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")
+    set_target_properties(skybody_test_headers PROPERTIES RUNTIME_OUTPUT_DIRECTORY
+      "${CMAKE_CURRENT_BINARY_DIR}")
     target_link_libraries(skybody_test_headers PRIVATE skybody_build_flags GTest::gmock)
     target_compile_options(skybody_test_headers PRIVATE ${SKYBODY_TEST_OPTIONS})
-    target_precompile_headers(skybody_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <algorithm> <array> <cmath>
-      <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional> <random> <set> <sstream> <string> <thread>
+    target_precompile_headers(skybody_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h>
+      <algorithm> <array> <cmath>
+      <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional> <random> <set>
+      <sstream> <string> <thread>
       <vector>)
   endif()
   target_precompile_headers(${name} REUSE_FROM skybody_test_headers)

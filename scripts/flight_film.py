@@ -3,7 +3,7 @@
     .venv/bin/python scripts/flight_film.py OUT.gif LOG[:EPISODE]... [--seconds 6] [--quick]
 
 `skybody run SCENARIO --policy shipped --out FOLDER` writes such a log (FOLDER/flight.h5). Vehicles
-are drawn larger than they are where they would be small; a trail shows where they come from. README.md's film:
+are drawn larger where they would be small, and leave a trail. README.md has this film:
 
     for name in racing payload_learn formation_learn; do
       skybody run $name --policy shipped --episodes 1 --out flights/film/$name

@@ -181,7 +181,7 @@ def heights_of(keys: dict[str, str], folder: Path) -> np.ndarray | None:
 
 
 def obstacles_of(scenario: str, drawn: dict[str, float], folder: Path = Path()) -> list[Obstacle]:
-    """Obstacles of a scenario in the form of core/io/yaml/config_writer.cpp: merged, one key per line.
+    """Obstacles of a scenario as core/io/yaml/config_writer.cpp writes it: one key per line.
 
     Args:
         scenario: its text.

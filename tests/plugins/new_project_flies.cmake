@@ -73,7 +73,8 @@ run("${project}" "${CMAKE_COMMAND}" --build build --target my_controller)
 if(NOT EXISTS "${library}" OR EXISTS "${project}/build/plugins/laws.plugins")
   message(FATAL_ERROR "${library} is missing, or laws.plugins is still beside it")
 endif()
-execute_process(COMMAND "${SKYBODY}" check all.yaml WORKING_DIRECTORY "${FOLDER}" RESULT_VARIABLE result
+execute_process(COMMAND "${SKYBODY}" check all.yaml WORKING_DIRECTORY "${FOLDER}" RESULT_VARIABLE
+  result
   ERROR_VARIABLE output)
 if(NOT result EQUAL 2 OR NOT output MATCHES "unknown controller `my_controller`")
   message(FATAL_ERROR "${library} promises laws, and yet my_controller was found:\n${output}")

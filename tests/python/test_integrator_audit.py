@@ -109,7 +109,7 @@ def test_skybody_check_warns_beyond_what_the_audit_found(audit):
     special = {"boom"}  # stiff
     special |= {f["scenario"] for f in found["flights"] if f.get("first_touch") is not None}
     mild = [row for row in found["results"] if row["scenario"] not in special]
-    # Largest steps for which core/io/yaml/scenario_reader.cpp states these errors and gives no warning.
+    # Largest steps without a warning of core/io/yaml/scenario_reader.cpp, with its errors.
     for name, dt, position, angle in (
         ("semi_implicit_euler", 1e-3, 8e-3, 0.5),
         ("midpoint", 4e-3, 1e-3, 0.1),
