@@ -109,24 +109,6 @@ def check_exports(disk: Path, run: Path) -> list[str]:
     return faults
 
 
-def policy_of_format_1(disk: Path) -> list[str]:
-    """Writes an old policy.h5 and returns the command that converts it."""
-    import h5py
-    import numpy as np
-
-    with h5py.File(disk / "policy.h5", "w") as file:
-        file.attrs.update(
-            {"format": "skybody-policy", "version": 1, "action_squash": "clip", "scenario": "x"}
-        )
-        for name in ("mean", "scale"):
-            file[f"normalization/{name}"] = np.ones(2)
-        file["normalization"].attrs["clip"] = 10.0
-        file["layers/0/weight"] = np.zeros((1, 2), np.float32)
-        file["layers/0/bias"] = np.zeros(1, np.float32)
-        file["layers/0"].attrs["activation"] = "none"
-    return module_command("skybody.train.convert_policy", str(disk / "policy.h5"))
-
-
 CASES = (
     Case(
         "run",
@@ -152,17 +134,6 @@ CASES = (
         free=4 << 10,
         left=("schema.json",),  # created by the shell
         to_file="schema.json",
-    ),
-    Case(
-        "convert_policy",
-        policy_of_format_1,
-        free=0,
-        left=("policy.h5",),  # of format 1, unchanged
-        check=lambda disk: (
-            []
-            if (disk / "policy.h5").read_bytes().startswith(b"\x89HDF")
-            else ["policy.h5 is gone"]
-        ),
     ),
     *(
         Case(

@@ -149,8 +149,7 @@ TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
             "text.h5: error: not a policy file: it does not begin with `skybody-policy 2`\n");
   EXPECT_EQ(run("cut.h5"), std::string("cut.h5: error: ") + kDamaged + "\n");
   EXPECT_EQ(run("old.h5"),
-            "old.h5: error: an HDF5 file without the seal of policy format 2; a policy of format 1 "
-            "is converted by `python -P -m skybody.train.convert_policy old.h5`\n");
+            "old.h5: error: an HDF5 file without the seal of policy format 2: export the policy anew\n");
   EXPECT_EQ(run("newer.h5"),
             "newer.h5: error: policy format 3; this Skybody reads format 2: export the policy "
             "anew\n");

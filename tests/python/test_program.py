@@ -102,7 +102,6 @@ def test_every_program_ends_by_run_program() -> None:
 IMPORTED = {  # by main(), among the first packages
     "train": "matplotlib",
     "train.curve": "matplotlib",
-    "train.convert_policy": "h5py",
 }
 
 

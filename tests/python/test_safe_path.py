@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 from skybody.program import module_command
 from skybody.ray.trials import Trial
-from test_convert_policy import write_old
 from training import arguments, finished_run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,9 +38,8 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def folder(tmp_path: Path, trained: Path) -> Path:
-    """A working folder with a run, an old policy, and files that leave a mark when they are run."""
+    """A working folder with a run, and files that leave a mark when they are run."""
     shutil.copytree(trained, tmp_path / "run")
-    write_old(tmp_path / "old.h5")
     code = f"from pathlib import Path\nPath({str(tmp_path / 'mark')!r}).write_text(__file__)\n"
     for name in PLANTED:
         package = tmp_path / name.replace(".", "/")
@@ -94,7 +92,6 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "tune": tuning,
     "evaluate": lambda folder: module_command("skybody.train.evaluate", "run", "--episodes", "1"),
     "curve": lambda folder: module_command("skybody.train.curve", "run"),
-    "convert_policy": lambda folder: module_command("skybody.train.convert_policy", "old.h5"),
     "sweep": lambda folder: module_command("skybody.ray.sweep", "--help"),
     "experiment": lambda folder: [
         *(sys.executable, str(ROOT / "experiments/hash_run.py"), "hover", "--envs", "1"),
@@ -117,7 +114,7 @@ def test_nor_through_an_empty_entry_of_pythonpath(name: str, folder: Path) -> No
     run(COMMANDS[name](folder), folder, PYTHONPATH=":/nowhere:")
 
 
-@pytest.mark.parametrize("name", ["run", "tune", "convert_policy"])
+@pytest.mark.parametrize("name", ["run", "tune"])
 def test_who_has_a_safe_path_by_default_gets_the_same(name: str, folder: Path) -> None:
     run(COMMANDS[name](folder), folder, PYTHONSAFEPATH="1")
     if name == "run":

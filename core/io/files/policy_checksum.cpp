@@ -32,8 +32,7 @@ void check_format(const fs::path& file, std::string_view bytes) {
   if (bytes.starts_with(kHdf5Signature)) {
     fail(file,
          "an HDF5 file without the seal of policy format " + std::to_string(kPolicyFormat) +
-             "; a policy of format 1 is converted by `python -P -m skybody.train.convert_policy " +
-             file.string() + "`");
+             ": export the policy anew");
   }
   if (!bytes.starts_with(kFirstWord)) {
     fail(file, "not a policy file: it does not begin with `skybody-policy " +

@@ -10,25 +10,6 @@
 namespace skybody {
 namespace {
 
-/// Removed plugins and their replacements.
-struct Retired {
-  SkybodyKind kind;
-  const char *name, *remedy;
-};
-constexpr Retired kRetired[] = {
-    {SKYBODY_RANDOMIZER, "uniform",
-     "`draw` does its work: `paths` is `what` there, and `scale` and `shift` are `range` with "
-     "`form: scale` or `form: shift`"},
-    {SKYBODY_RANDOMIZER, "inertia", "`vehicle_constants` does its work"},
-};
-
-std::string remedy_of(const PluginUse& use, SkybodyKind kind) {
-  for (const Retired& r : kRetired) {
-    if (r.kind == kind && use.plugin == r.name) return r.remedy;
-  }
-  return {};
-}
-
 /// Whether the source tree of this build contains the plugin.
 bool is_in_sources(SkybodyKind kind, const std::string& name) {
   const std::filesystem::path folder = shipped_data("", kPluginKinds[kind].folder);
@@ -57,10 +38,6 @@ const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
   const std::string what = std::string(kind_name(kind)) + " `" + use.plugin + "`";
   const PluginDeclaration* found = catalog.find(kind, use.plugin);
-  if (found == nullptr && !remedy_of(use, kind).empty()) {
-    diagnostics.error(use.mark, "the " + what + " is retired: " + remedy_of(use, kind));
-    return nullptr;
-  }
   if (found == nullptr) {
     diagnostics.error(use.mark, unknown_plugin(use.plugin, kind, catalog));
     return nullptr;

@@ -17,10 +17,6 @@ from numpy.typing import NDArray
 from skybody._native import Error, policy_file_bytes, read_policy_file, shipped_policy_file
 from skybody.train import files
 
-FORMAT = "skybody-policy"
-VERSION = 2
-MOST_VALUES = 1 << 24  # limit of an array of format 1
-
 
 @dataclass(frozen=True)
 class Layer:
@@ -219,49 +215,3 @@ def policy_of_values(values: dict[str, Any]) -> Policy:
         size = layers[0].weight.shape[1]
         return Policy(layers, np.zeros(size), np.ones(size), np.inf, *rest)
     return Policy(layers, values["mean"], values["scale"], values["clip"], *rest)
-
-
-def policy_of(file: Any) -> Policy:
-    """The policy of an open HDF5 file of format 1."""
-    attributes = {name: _plain(value) for name, value in file.attrs.items()}
-    if attributes.get("format") != FORMAT:
-        raise ValueError(f"not a policy: its format is {attributes.get('format')}")
-    if (squash := attributes.get("action_squash")) != "clip":
-        raise ValueError(f"action_squash {squash}; the learners write `clip` only")
-    layers = [
-        Layer(_values(group, "weight"), _values(group, "bias"), _plain(group.attrs["activation"]))
-        for group in (_child(file, f"layers/{k}") for k in range(len(_child(file, "layers"))))
-    ]
-    normalization = _child(file, "normalization")
-    return Policy(
-        layers,
-        _values(normalization, "mean"),
-        _values(normalization, "scale"),
-        float(normalization.attrs["clip"]),
-        attributes,
-    )
-
-
-def _plain(value: Any) -> Any:
-    return value.decode() if isinstance(value, bytes) else value
-
-
-def _child(group: Any, name: str) -> Any:
-    """A member of a group; links are not followed."""
-    import h5py  # type: ignore[import-untyped]
-
-    for part in name.split("/"):
-        if not isinstance(group.get(part, getlink=True), h5py.HardLink):
-            raise ValueError(f"`{name}` is missing, or a link to another place")
-        group = group[part]
-    return group
-
-
-def _values(group: Any, name: str) -> NDArray[Any]:
-    dataset = _child(group, name)
-    if dataset.external or dataset.is_virtual:
-        raise ValueError(f"`{name}` is stored in other files")
-    if dataset.size > MOST_VALUES:
-        raise ValueError(f"`{name}` has {dataset.size} values; at most {MOST_VALUES} are read")
-    values: NDArray[Any] = dataset[()]
-    return values
