@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -29,6 +30,7 @@ class Call:
     arguments: str = ""
     package: str = ""  # a required package; without it the test is skipped
     program: str = ""  # likewise, a program of build/release/bin
+    tool: str = ""  # likewise, a program on the path
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "experiments/reference_figures.py": Call("--quick"),
     "experiments/rotorpy_tracking.py": QUICK,
     "experiments/scalability.py": QUICK,
+    "experiments/step_profile.py": Call("--quick --out {out}", tool="perf"),
     "experiments/task_speed.py": Call("hover --quick --out {out}"),
     "experiments/training_reproducibility.py": Elsewhere("test_reproducibility.py"),
     "experiments/tune_table.py": QUICK,
@@ -156,6 +159,8 @@ def test_a_script_runs_at_its_smallest_size(name: str, tmp_path: Path) -> None:
         pytest.skip(f"no package {call.package}")
     if call.program and not (PROGRAMS / call.program).is_file():
         pytest.skip(f"no {call.program}: ./dev build release benchmarks makes it")
+    if call.tool and shutil.which(call.tool) is None:
+        pytest.skip(f"no {call.tool} on the path")
     before = committed()
     command = [sys.executable, str(ROOT / name), *call.arguments.format(out=tmp_path).split()]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
