@@ -2,7 +2,7 @@
 
 #include "core/base/math/random.h"
 #include "core/base/system/error.h"
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 
 namespace skybody {
 namespace {

@@ -21,7 +21,7 @@
 #include <thread>
 #include <utility>
 
-#include "app/action.h"
+#include "app/command_work.h"
 #include "app/report/output.h"
 #include "app/report/report.h"
 #include "core/base/system/error.h"

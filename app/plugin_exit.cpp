@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "app/action.h"
+#include "app/command_work.h"
 #include "core/base/system/plugin_call_trace.h"
 
 namespace skybody {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 
 namespace CLI {
 class App;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/batch/pool.h"
 
 namespace skybody::bench {

@@ -114,7 +114,7 @@ std::vector<float> random_action(int size, std::uint64_t step) {
 /// Line of the scenario whose randomizer writes the mass properties of a rigid body; no line if
 /// there is none.
 SourceLocation mark_of_drawn_body(const CompiledScenario& compiled, int body) {
-  const Layout& layout = compiled.layout();
+  const StateLayout& layout = compiled.layout();
   const int first = layout.body_params[static_cast<std::size_t>(body)];
   const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
   for (std::size_t i = 0; i < randomizers.size(); ++i) {

@@ -2,7 +2,7 @@
 // in `chosen`, which main runs after the whole command line has been validated.
 #pragma once
 
-#include "app/action.h"
+#include "app/command_work.h"
 
 namespace CLI {
 class App;

@@ -14,7 +14,7 @@
 #include "app/report/progress_line.h"
 #include "app/report/text_table.h"
 #include "app/scenario_options.h"
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/io/files/shipped_files.h"
 #include "core/io/yaml/field.h"
 

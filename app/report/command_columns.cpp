@@ -1,6 +1,6 @@
 #include "app/report/command_columns.h"
 
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 
 namespace skybody {
 namespace {

@@ -170,7 +170,7 @@ FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t 
 }
 
 void record(const Simulation& simulation, FlightLog& log) {
-  const Layout& layout = simulation.compiled().layout();
+  const StateLayout& layout = simulation.compiled().layout();
   const Snapshot state = simulation.save();
   const std::vector<double> q = values_of(state, layout.q), u = values_of(state, layout.u);
   const std::vector<double> speed = values_of(state, layout.rotor_speed);

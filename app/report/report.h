@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/action.h"
+#include "app/command_work.h"
 
 namespace skybody {
 

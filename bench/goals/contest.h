@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/limit/loop.h"
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 
 namespace skybody::bench {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 
 namespace skybody::bench {
 

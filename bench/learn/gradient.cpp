@@ -15,7 +15,7 @@
 #include <string>
 
 #include "bench/learn/held_out.h"
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/error.h"
 #include "core/io/files/text.h"
 #include "learn/hyperparameter_text.h"

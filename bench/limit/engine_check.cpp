@@ -7,7 +7,7 @@
 #include "bench/limit/array.h"
 #include "bench/limit/hover_task.h"
 #include "bench/limit/pin_rod_task.h"
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
@@ -85,7 +85,7 @@ class Engine {
   double rotor(int lane, int k) { return value(compiled_->layout().rotor_speed.offset + k, lane); }
   /// @param path  of an EnvParam
   double param(int lane, const std::string& path) {
-    const Layout& layout = compiled_->layout();
+    const StateLayout& layout = compiled_->layout();
     for (std::size_t k = 0; k < layout.param_info.size(); ++k) {
       if (layout.param_info[k].path == path) {
         return value(layout.params.offset + static_cast<int>(k), lane);

@@ -1,5 +1,5 @@
 // One physics step of the QDrone2 in the air, written by hand: rotor lag, all rotor effects, one
-// rigid body, and the default rule of the engine (kMidpointRule, step_rules.h):
+// rigid body, and the default rule of the engine (kMidpointRule, integration_rules.h):
 // 1. half a step of the pose,
 // 2. a step of the velocities by the explicit midpoint rule at that pose,
 // 3. half a step of the pose.

@@ -1,7 +1,7 @@
 // Rounds of Pool: rate of a step including queue, batches and threads.
 #include <benchmark/benchmark.h>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/batch/pool.h"
 
 namespace skybody::bench {

@@ -29,7 +29,7 @@ std::string place_of(const SourceLocation& mark) {
 
 /// Whether a parameter affects the robot's hover speed: gravity, masses, and the rotors' constants.
 bool matters_for_hover(const CompiledScenario& compiled, std::size_t robot, int param) {
-  const Layout& l = compiled.layout();
+  const StateLayout& l = compiled.layout();
   const auto k = [](int i) { return static_cast<std::size_t>(i); };
   if (l.param_info[k(param)].path.rfind("gravity[", 0) == 0) return true;
   const RobotLayout& of = l.robots[robot];

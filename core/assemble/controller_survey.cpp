@@ -10,7 +10,7 @@
 #include "core/base/system/suggestion.h"
 #include "core/env/check_declarations.h"
 #include "core/env/controller_chains.h"
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/plugin_host/instance.h"
 
 namespace skybody {

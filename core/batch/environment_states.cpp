@@ -5,7 +5,7 @@
 
 #include "core/base/simd/lane_mask.h"
 #include "core/base/system/error.h"
-#include "core/env/fork_key.h"
+#include "core/env/fork_random_key.h"
 #include "core/env/param_access.h"
 #include "core/physics/world/lane_values.h"
 

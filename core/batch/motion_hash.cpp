@@ -36,7 +36,7 @@ void add_row(HashChain& chain, const Batch& rows, std::size_t row) {
 MotionHash::MotionHash(const Pool& envs) : chains_(static_cast<std::size_t>(envs.envs())) {}
 
 void MotionHash::received(const Batch& rows, const EnvironmentStates& states) {
-  const Layout& layout = states.compiled().layout();
+  const StateLayout& layout = states.compiled().layout();
   for (std::size_t row = 0; row < static_cast<std::size_t>(rows.rows); ++row) {
     const std::int32_t env = rows.env_id[row];
     HashChain& chain = chains_[static_cast<std::size_t>(env)];

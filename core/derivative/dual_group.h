@@ -37,7 +37,7 @@ class DualGroup {
   SkybodyLanes view();
 
  private:
-  const Layout& layout_;
+  const StateLayout& layout_;
   int observation_, observed_, rows_, bodies_;
   AlignedArray<double> data_, scratch_;
 };

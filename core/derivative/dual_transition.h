@@ -51,7 +51,7 @@ class DualTransition {
 
   const CompiledScenario& compiled_;
   const StepPlan& plan_;
-  const Layout& layout_;
+  const StateLayout& layout_;
   DualGroup& dual_;
   GroupBlocks blocks_;
   double* derived_ = nullptr;

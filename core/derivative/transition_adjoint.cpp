@@ -17,17 +17,17 @@ void add_block(std::vector<int>& rows, const Block& block) {
   add_rows(rows, block.offset, block.size);
 }
 
-void add_state(std::vector<int>& rows, const Layout& layout, const PluginInstance& p) {
+void add_state(std::vector<int>& rows, const StateLayout& layout, const PluginInstance& p) {
   add_rows(rows, layout.plugin_state.offset + p.state, p.state_words);
   add_rows(rows, layout.plugin_state.offset + p.buffer, p.buffer_words);
 }
 
 /// The outputs of controllers.
-constexpr Block Layout::*kCommandBlocks[] = {&Layout::rotor_command, &Layout::wrench,
-                                             &Layout::drive, &Layout::joint_command};
+constexpr Block StateLayout::*kCommandBlocks[] = {&StateLayout::rotor_command, &StateLayout::wrench,
+                                                  &StateLayout::drive, &StateLayout::joint_command};
 
 /// The rows of the world's motion that plugins read.
-std::vector<int> motion_rows(const Layout& l, const DualGroup& dual) {
+std::vector<int> motion_rows(const StateLayout& l, const DualGroup& dual) {
   std::vector<int> rows;
   for (const Block& b : {l.q, l.u, l.rotor_speed, l.rotor_command}) add_block(rows, b);
   add_rows(rows, dual.bodies(), dual.body_rows());
@@ -35,7 +35,7 @@ std::vector<int> motion_rows(const Layout& l, const DualGroup& dual) {
 }
 
 SparseJacobian task_map(const CompiledScenario& c, const DualGroup& dual, bool with_reward) {
-  const Layout& l = c.layout();
+  const StateLayout& l = c.layout();
   std::vector<int> inputs = motion_rows(l, dual), outputs;
   add_block(inputs, l.action);
   add_block(inputs, l.command);
@@ -47,7 +47,7 @@ SparseJacobian task_map(const CompiledScenario& c, const DualGroup& dual, bool w
 }
 
 SparseJacobian chain_map(const CompiledScenario& c, const DualGroup& dual) {
-  const Layout& l = c.layout();
+  const StateLayout& l = c.layout();
   std::vector<int> inputs = motion_rows(l, dual), outputs;
   add_block(inputs, l.action);
   add_block(inputs, l.command);
@@ -61,13 +61,13 @@ SparseJacobian chain_map(const CompiledScenario& c, const DualGroup& dual) {
     add_block(outputs, l.*block);
     // A controller that is not due leaves its block unchanged; `rotor_command` is part of the
     // motion.
-    if (block != &Layout::rotor_command) add_block(inputs, l.*block);
+    if (block != &StateLayout::rotor_command) add_block(inputs, l.*block);
   }
   return {inputs, outputs};
 }
 
 SparseJacobian effects_map(const CompiledScenario& c, const DualGroup& dual) {
-  const Layout& l = c.layout();
+  const StateLayout& l = c.layout();
   std::vector<int> inputs = motion_rows(l, dual), outputs;
   for (std::vector<int>* rows : {&inputs, &outputs}) {
     for (const Block& held : l.held) add_block(*rows, held);
@@ -81,7 +81,7 @@ SparseJacobian effects_map(const CompiledScenario& c, const DualGroup& dual) {
   return {inputs, outputs};
 }
 
-SparseJacobian motion_map(const Layout& l, const DualGroup& dual) {
+SparseJacobian motion_map(const StateLayout& l, const DualGroup& dual) {
   std::vector<int> inputs, outputs;
   add_block(inputs, l.q);
   add_block(inputs, l.u);
@@ -90,7 +90,7 @@ SparseJacobian motion_map(const Layout& l, const DualGroup& dual) {
 }
 
 /// The physics step as a map. It includes only held inputs that depend on the motion.
-SparseJacobian step_map(const Layout& l, const SparseJacobian& effects) {
+SparseJacobian step_map(const StateLayout& l, const SparseJacobian& effects) {
   std::vector<int> inputs, outputs;
   for (std::vector<int>* rows : {&inputs, &outputs}) {
     for (const Block& b : {l.q, l.u, l.rotor_speed, l.joint_state}) add_block(*rows, b);

@@ -88,7 +88,7 @@ class TransitionAdjoint {
   void pull_back_motion(const RecordedStep& step, double* adjoints);
 
   const CompiledScenario& compiled_;
-  const Layout& layout_;
+  const StateLayout& layout_;
   StepAdjoint step_adjoint_;
   DualGroup dual_;
   TransitionRecords records_;

@@ -43,7 +43,7 @@ class TransitionRecords {
     return (static_cast<std::ptrdiff_t>(t) * (repeat_ + 1) + k) * record_size_;
   }
 
-  const Layout& layout_;
+  const StateLayout& layout_;
   int repeat_;
   int early_rows_;  ///< words from the header on, up to the parameters
   int late_first_;  ///< words from the action on, up to the last observation

@@ -261,7 +261,8 @@ void check_repeats(const PluginInstance& p) {
 
 }  // namespace
 
-void check_declarations(const Topology& topology, const Layout& layout, const PluginInstance& p) {
+void check_declarations(const Topology& topology, const StateLayout& layout,
+                        const PluginInstance& p) {
   const auto bodies = static_cast<int>(topology.bodies.size());
   const auto robots = static_cast<int>(topology.scenario.robots.size());
   const auto params = static_cast<int>(layout.param_info.size());

@@ -7,7 +7,7 @@
 namespace skybody {
 
 /// @throws Error with the plugin, the faulty declaration and the allowed values
-void check_declarations(const Topology& topology, const Layout& layout,
+void check_declarations(const Topology& topology, const StateLayout& layout,
                         const PluginInstance& plugin);
 
 }  // namespace skybody

@@ -14,7 +14,7 @@ struct Writers {
   const PluginInstance& task;
   Block task_params;  ///< the task's own EnvParams, within the parameter block
   const InitialStates& starts;
-  const Layout& layout;
+  const StateLayout& layout;
   const Scenario& scenario;
 };
 

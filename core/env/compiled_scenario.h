@@ -66,7 +66,7 @@ class CompiledScenario {
   ~CompiledScenario();
 
   const World& world() const { return *world_; }
-  const Layout& layout() const { return world_->layout; }
+  const StateLayout& layout() const { return world_->layout; }
   const Scenario& scenario() const { return world_->scenario; }
   /// Plugins in the order of the scenario; controllers in robot order.
   const std::vector<PluginInstance>& plugins(SkybodyKind kind) const { return plugins_[kind]; }
@@ -85,8 +85,8 @@ class CompiledScenario {
   const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
   /// Number of values in a row of observations, the input of a policy.
   int observation_size() const { return plan_.observation_size; }
-  /// The values of that row that are stored in the state (Layout::last_observation), and those that
-  /// repeat others.
+  /// The values of that row that are stored in the state (StateLayout::last_observation), and those
+  /// that repeat others.
   const RowParts& observation_row() const { return plan_.row; }
   /// Number of values in a privileged row, an input of the critic only.
   int privileged_size() const { return plan_.privileged_size; }

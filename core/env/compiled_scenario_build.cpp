@@ -12,7 +12,7 @@
 #include "core/env/error_location.h"
 #include "core/env/group_workspace.h"
 #include "core/env/param_access.h"
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/env/start_overlaps.h"
 #include "core/env/state_values.h"
 #include "core/model/located_error.h"
@@ -227,7 +227,7 @@ struct CompiledScenario::Builder {
   }
 
   void lay_out() {
-    Layout& l = plan.layout;
+    StateLayout& l = plan.layout;
     l.bodies_before.size =
         env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
     l.contacts.size =
@@ -341,7 +341,7 @@ struct CompiledScenario::Builder {
 
   /// Converts places within plugin_state to places within all words.
   void make_absolute() {
-    const Layout& l = env.layout();
+    const StateLayout& l = env.layout();
     for (PluginInstance& c : env.plugins_[SKYBODY_CONTROLLER]) {
       c.last_output.offset += l.plugin_state.offset;
     }

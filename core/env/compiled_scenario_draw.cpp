@@ -128,9 +128,9 @@ struct RequestNumber {
 };
 
 /// Writes the values of a request. @param only  the parameters that may be written
-void put_request(const Layout& layout, StateGroup& group, int lane, RequestNumber number,
+void put_request(const StateLayout& layout, StateGroup& group, int lane, RequestNumber number,
                  const ParamRequest& request, Block only) {
-  const RandomKey key{group.bits(kSeed)[lane], group.bits(kStreamEnv)[lane]};
+  const RandomKey key{group.bits(kSeed)[lane], group.bits(kEnvId)[lane]};
   const Random<double> random(key, group.bits(kEpisode)[lane], number.counter(),
                               derive_stream("requests"));
   request.each_value(random, [&](int param, double value) {
@@ -174,7 +174,7 @@ void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWorkspac
 /// places the robots at the drawn starts.
 void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
                             SkybodyOccasion occasion) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   const std::uint32_t mask = lanes.active;
   const SkybodyStart where{group.writable(l.q, mask), group.writable(l.u, mask),
                            group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
@@ -190,7 +190,7 @@ void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
 /// parameters and all data derived from them.
 void CompiledScenario::draw_in_time(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& lanes) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   const int width = group.lanes();
   for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
     if (!r.draws_in_time) continue;
@@ -254,7 +254,7 @@ void CompiledScenario::draw_start(StateGroup& group, GroupWorkspace& work,
 void CompiledScenario::draw_task(StateGroup& group, GroupWorkspace& work,
                                  std::uint32_t mask) const {
   if (task().kernels.randomize == nullptr) return;
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   const SkybodyStart where{group.unmarked(l.q), group.unmarked(l.u), group.unmarked(l.rotor_speed),
                            group.unmarked(l.params), SKYBODY_AT_RESET};
   const SkybodyLanes lanes = view(group, work, mask);
@@ -352,7 +352,7 @@ void CompiledScenario::randomize(StateGroup& group, GroupWorkspace& work,
   update(group, work, mask);
   if (plugins_[SKYBODY_RANDOMIZER].empty()) return;
   // Motion continues: a randomizer that also places robots must not move them now.
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   std::vector<double> motion;
   for (const Block& block : {l.q, l.u, l.rotor_speed}) {
     const double* values = group.reals(block);

@@ -3,9 +3,9 @@
 // last values; a steady effect keeps them until parameters are written.
 #include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
-#include "core/env/group_rows.h"
 #include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"
+#include "core/env/row_conversion.h"
 #include "core/model/combine_held_inputs.h"
 
 namespace skybody {

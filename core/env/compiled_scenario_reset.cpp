@@ -17,14 +17,14 @@ void CompiledScenario::initialize(StateGroup& group, int lane, std::uint64_t see
                                   std::uint64_t stream_env) const {
   group.clear(lane);
   group.writable(kSeed)[lane] = seed;
-  group.writable(kStreamEnv)[lane] = stream_env;
+  group.writable(kEnvId)[lane] = stream_env;
   place_at_start(group, lane);
   group.scatter(lane, layout().params, initial_.params.data());
 }
 
 /// The scenario's poses, velocities, rotors, held commands and joint drives.
 void CompiledScenario::place_at_start(StateGroup& group, int lane) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   group.scatter(lane, l.q, initial_.q.data());
   group.scatter(lane, l.u, initial_.u.data());
   group.scatter(lane, l.rotor_speed, initial_.rotor_speed.data());
@@ -62,7 +62,7 @@ void CompiledScenario::reset(StateGroup& group, GroupWorkspace& work, std::uint3
 /// Sets counters, places robots by their EnvParams, and clears commands. Drawn parameters persist
 /// until a randomizer is due.
 void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   each_lane(mask, [&](int lane) {
     ++group.writable(kEpisode)[lane];
     group.writable(kStep)[lane] = 0;
@@ -114,7 +114,7 @@ void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) con
     bool is_moved = false, has_live_rotors = false;
     for (const ControllerChain& chain : chains_) {
       for (const ChainEnd& end : chain.ends) {
-        if (end.robot != r || end.block == &Layout::command) continue;
+        if (end.robot != r || end.block == &StateLayout::command) continue;
         has_live_rotors |= end.signal == SKYBODY_ROTOR_SPEED;
         is_moved |= end.signal != SKYBODY_ROTOR_SPEED && end.signal != SKYBODY_JOINT;
       }
@@ -131,7 +131,7 @@ void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) con
 
 /// Position drives begin at the joints' positions, drawn or not.
 void CompiledScenario::settle_joint_drives(StateGroup& group, std::uint32_t mask) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   for (std::size_t i = 0; i < world_->joint_drives.size(); ++i) {
     const JointDrive& drive = world_->joint_drives[i];
     if (drive.mode != JointMode::kPosition) continue;

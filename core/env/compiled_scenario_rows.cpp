@@ -8,8 +8,8 @@
 #include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
-#include "core/env/group_rows.h"
 #include "core/env/group_workspace.h"
+#include "core/env/row_conversion.h"
 
 namespace skybody {
 namespace {

@@ -9,9 +9,9 @@
 #include "core/base/system/error.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
-#include "core/env/group_rows.h"
 #include "core/env/group_workspace.h"
 #include "core/env/plugin_call.h"
+#include "core/env/row_conversion.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
@@ -65,7 +65,7 @@ void CompiledScenario::check(const StateGroup& group, const GroupWorkspace& work
 
 SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWorkspace& work,
                                     std::uint32_t mask) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   SkybodyLanes v{};
   v.lanes = static_cast<std::uint32_t>(group.lanes());
   v.active = mask;
@@ -101,15 +101,15 @@ void CompiledScenario::apply_action(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& view, const float* actions,
                                     int action_stride) const {
   const Block& action = layout().action;
-  work.bad_action =
-      view.active & ~row_kernels().read_clipped(view.active, group.lanes(), actions, action_stride,
-                                                action.size, group.writable(action, view.active));
+  work.bad_action = view.active & ~row_kernels().read_clipped_actions(
+                                      view.active, group.lanes(), actions, action_stride,
+                                      action.size, group.writable(action, view.active));
 }
 
 /// Converts the action to the command.
 void CompiledScenario::make_command(StateGroup& group, GroupWorkspace& work,
                                     const SkybodyLanes& view) const {
-  const Layout& l = layout();
+  const StateLayout& l = layout();
   const auto values = static_cast<std::size_t>(commanded_ * group.lanes());
   if (task().interpolates) {
     std::copy_n(group.reals(l.command), values, work.command_from.data());

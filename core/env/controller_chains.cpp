@@ -255,18 +255,18 @@ class ChainMaker {
     end.count = output.count;
     if (ControllerChain* chain = fed_by(c, output)) {
       chain->is_fed = true;
-      end.block = &Layout::command;
+      end.block = &StateLayout::command;
       end.feeds = chain->first;  // place_commands() sets the place of its command
       return end;
     }
     claim(i, output);
     switch (output.signal) {
       case SKYBODY_ROTOR_SPEED:
-        end.block = &Layout::rotor_command;
+        end.block = &StateLayout::rotor_command;
         end.first = layout(output).first_rotor;
         break;
       case SKYBODY_WRENCH:
-        end.block = &Layout::wrench;
+        end.block = &StateLayout::wrench;
         end.first = 6 * static_cast<int>(plan_.sites.size());
         for (const WrenchSite& site : of_robot(c.sites, output)) plan_.sites.push_back(site);
         break;
@@ -280,7 +280,7 @@ class ChainMaker {
   }
 
   void add_joints(int i, const PluginInstance& c, const PluginOutput& output, ChainEnd& end) {
-    end.block = &Layout::joint_command;
+    end.block = &StateLayout::joint_command;
     end.first = static_cast<int>(plan_.joint_drives.size());
     for (const JointDrive& drive : of_robot(c.joints, output)) {
       check_joint(i, c, output, drive);
@@ -310,7 +310,7 @@ class ChainMaker {
 
   void add_drive(const PluginOutput& output, ChainEnd& end) {
     const bool is_velocity = output.signal == SKYBODY_VELOCITY;
-    end.block = &Layout::drive;
+    end.block = &StateLayout::drive;
     end.first =
         kDriveSize * count_driven(plan_.drives) + (is_velocity ? kDriveVelocity : kDrivePosition);
     plan_.drives[static_cast<std::size_t>(output.robot)] =

@@ -16,7 +16,7 @@ struct ChainEnd {
   int robot = 0;   ///< robot whose actuators or own chain receive it
   int signal = 0;  ///< SkybodySignal
   int count = 0;   ///< number of values
-  Block Layout::*block =
+  Block StateLayout::*block =
       nullptr;     ///< rotor_command, wrench, drive or joint_command; command if it feeds a chain
   int first = 0;   ///< first value within that block
   int feeds = -1;  ///< the first controller of the chain that it feeds, or -1

@@ -85,7 +85,7 @@ SourceLocation blamed(const Scenario& scenario, const PluginUse& use, const std:
   return use.mark;
 }
 
-std::string with_nearest_param(const Layout& layout, const std::string& message) {
+std::string with_nearest_param(const StateLayout& layout, const std::string& message) {
   const std::size_t end = message.rfind(plugin_detail::kNoSuchParam);
   const std::vector<std::string> words = quoted_words(message.substr(0, end));
   if (end == std::string::npos || words.empty()) return message;

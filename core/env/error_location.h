@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 
@@ -22,7 +22,7 @@ SourceLocation blamed(const Scenario& scenario, const PluginUse& use, const std:
 
 /// The message. If it reports that a path names nothing, the nearest existing path is appended,
 /// because plugins have no list of paths.
-std::string with_nearest_param(const Layout& layout, const std::string& message);
+std::string with_nearest_param(const StateLayout& layout, const std::string& message);
 
 /// The location of the setting that makes a plugin write an EnvParam: its parameter whose texts
 /// name the EnvParam, else the line where the scenario names the plugin.

@@ -55,7 +55,7 @@ class Search {
       : world_(world), group_(group), lane_(lane) {}
 
   std::uint64_t bits() const {
-    const Layout& l = world_.layout;
+    const StateLayout& l = world_.layout;
     std::uint64_t bits = 0;
     const auto look = [&](const Block& block, Cause cause, int values_each) {
       for (int k = 0; k < block.size && bits == 0; ++k) {

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "core/base/simd/lane_mask.h"
-#include "core/env/group_rows.h"
+#include "core/env/row_conversion.h"
 
 namespace skybody {
 

@@ -27,7 +27,7 @@ int drawn_position_size(JointType type) {
 /// Fills the EnvParams and places.
 struct InitialStates::Author {
   const Topology& world;
-  Layout& layout;
+  StateLayout& layout;
   std::vector<Place>& places;
 
   /// Appends EnvParams `path` or `path[0]`, ... @returns the first
@@ -46,13 +46,14 @@ struct InitialStates::Author {
     const Vec3<double>& p = pose.position;
     const Quat<double>& q = pose.rotation;
     const std::vector<double> none(3, 0.0);
-    places.push_back({&Layout::q, body.q, add(path + "position", "", "m", {p.x, p.y, p.z}), 3});
+    places.push_back(
+        {&StateLayout::q, body.q, add(path + "position", "", "m", {p.x, p.y, p.z}), 3});
     const int rotation = add(path + "rotation", "", "", {q.w, q.x, q.y, q.z}, -1.0, 1.0);
     const int turn = add(path + "turn", "", "rad", none);
-    places.push_back({&Layout::q, body.q + 3, rotation, 4, turn});
-    places.push_back({&Layout::u, body.u, add(path + "velocity", "", "m/s", none), 3});
+    places.push_back({&StateLayout::q, body.q + 3, rotation, 4, turn});
+    places.push_back({&StateLayout::u, body.u, add(path + "velocity", "", "m/s", none), 3});
     places.push_back(
-        {&Layout::u, body.u + 3, add(path + "angular_velocity", "", "rad/s", none), 3});
+        {&StateLayout::u, body.u + 3, add(path + "angular_velocity", "", "rad/s", none), 3});
   }
 
   void add_rotors(const std::string& path, const RobotLayout& robot) {
@@ -63,7 +64,7 @@ struct InitialStates::Author {
                             path + "rotors." + rotor.name + ".speed", "rad/s",
                             {start_rotor_speed(world, i)}, rotor.min_speed);
       const int limit = layout.rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed;
-      places.push_back({&Layout::rotor_speed, i, param, 1, -1, limit});
+      places.push_back({&StateLayout::rotor_speed, i, param, 1, -1, limit});
     }
   }
 
@@ -78,13 +79,13 @@ struct InitialStates::Author {
       const double high = joint.limit.enabled ? joint.limit.upper : kInfinity;
       const std::vector<double> nominal(static_cast<std::size_t>(n), n == 1 ? joint.position : 0.0);
       places.push_back(
-          {&Layout::q, body.q,
+          {&StateLayout::q, body.q,
            add(own + "position", alias + "position", is_travel ? "m" : "rad", nominal, low, high),
            n});
     }
     if (joint.type == JointType::kFree) return;
     const int n = velocity_size(joint.type);
-    places.push_back({&Layout::u, body.u,
+    places.push_back({&StateLayout::u, body.u,
                       add(own + "velocity", alias + "velocity", is_travel ? "m/s" : "rad/s",
                           std::vector<double>(static_cast<std::size_t>(n), 0.0)),
                       n});
@@ -104,7 +105,7 @@ struct InitialStates::Author {
   }
 };
 
-InitialStates::InitialStates(const Topology& topology, Layout& layout)
+InitialStates::InitialStates(const Topology& topology, StateLayout& layout)
     : first_(static_cast<int>(layout.param_info.size())) {
   Author author{topology, layout, places_};
   const auto robots = static_cast<int>(topology.scenario.robots.size());
@@ -138,7 +139,7 @@ void InitialStates::place(StateGroup& group, std::uint32_t mask,
   }
 }
 
-void InitialStates::place(StateGroup& group, std::uint32_t mask, const Layout& layout,
+void InitialStates::place(StateGroup& group, std::uint32_t mask, const StateLayout& layout,
                           const Place& place) {
   const int width = group.lanes();
   double* to = group.writable({(layout.*place.block).offset + place.first, place.count}, mask);

@@ -18,7 +18,7 @@ class InitialStates {
  public:
   InitialStates() = default;
   /// Appends the EnvParams to the layout, with the scenario's own start as their nominal values.
-  InitialStates(const Topology& topology, Layout& layout);
+  InitialStates(const Topology& topology, StateLayout& layout);
 
   bool has(int param) const { return first_ <= param && param < end_; }
   /// The places that these EnvParams belong to, each once, in order.
@@ -31,14 +31,14 @@ class InitialStates {
 
  private:
   struct Place {
-    Block Layout::*block;  ///< q, u or rotor_speed
-    int first;             ///< first word within the block
-    int param, count;      ///< EnvParams that are copied there
-    int turn = -1;         ///< for a rotation: the first of three EnvParams of the turn; else -1
-    int limit = -1;        ///< for a rotor: the EnvParam of its greatest speed; else -1
+    Block StateLayout::*block;  ///< q, u or rotor_speed
+    int first;                  ///< first word within the block
+    int param, count;           ///< EnvParams that are copied there
+    int turn = -1;   ///< for a rotation: the first of three EnvParams of the turn; else -1
+    int limit = -1;  ///< for a rotor: the EnvParam of its greatest speed; else -1
   };
   struct Author;
-  static void place(StateGroup& group, std::uint32_t mask, const Layout& layout,
+  static void place(StateGroup& group, std::uint32_t mask, const StateLayout& layout,
                     const Place& place);
 
   std::vector<Place> places_;

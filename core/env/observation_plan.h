@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/env/group_rows.h"
 #include "core/env/observation_column.h"
 #include "core/env/plugin_instance.h"
+#include "core/env/row_conversion.h"
 #include "core/model/scenario.h"
 
 namespace skybody {
@@ -35,8 +35,8 @@ struct ObservationPlan {
   std::vector<ObservationPart> parts;
   std::vector<ObservedImage> images;
   bool is_task_in_place = true;  ///< the task's values are the first of the observation
-  /// Layout of a row of observations. Repeats of a task in place are copied only at the end, within
-  /// rows.
+  /// StateLayout of a row of observations. Repeats of a task in place are copied only at the end,
+  /// within rows.
   RowParts row;
   std::vector<ValueCopy> task_copies;  ///< repeats of a task not in place: copied within the task's
                                        ///< values, in lanes

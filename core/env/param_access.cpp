@@ -17,7 +17,7 @@ std::string stem_of(const std::string& path) {
 }
 
 int index_of(const CompiledScenario& compiled, const std::string& path) {
-  const Layout& layout = compiled.layout();
+  const StateLayout& layout = compiled.layout();
   const int index = layout.find_param(path);
   if (index >= 0) return index;
   if (layout.find_param(path + "[0]") >= 0) {
@@ -28,7 +28,7 @@ int index_of(const CompiledScenario& compiled, const std::string& path) {
 
 }  // namespace
 
-std::string nearest_param(const Layout& layout, const std::string& path) {
+std::string nearest_param(const StateLayout& layout, const std::string& path) {
   const bool is_indexed = path.find('[') != path.npos;
   std::set<std::string> names;
   for (const EnvParam& param : layout.param_info) {
@@ -40,7 +40,7 @@ std::string nearest_param(const Layout& layout, const std::string& path) {
   return found.empty() ? where : "; did you mean `" + found + "`? " + where.substr(2);
 }
 
-std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
+std::vector<int> find_params(const Scenario& scenario, const StateLayout& layout,
                              const std::string& path) {
   std::vector<std::string> robots;
   for (const RobotUse& robot : scenario.robots) robots.push_back(robot.name);
@@ -58,7 +58,7 @@ std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
   return found;
 }
 
-void check_vector_size(const Scenario& scenario, const Layout& layout, const std::string& path,
+void check_vector_size(const Scenario& scenario, const StateLayout& layout, const std::string& path,
                        std::size_t count) {
   const std::vector<int> found = find_params(scenario, layout, path);
   const auto name = [&](int k) { return layout.param_info[static_cast<std::size_t>(k)].path; };
@@ -81,7 +81,7 @@ void check_vector_size(const Scenario& scenario, const Layout& layout, const std
   }
 }
 
-void check_one_value(const Scenario& scenario, const Layout& layout, const std::string& path) {
+void check_one_value(const Scenario& scenario, const StateLayout& layout, const std::string& path) {
   const std::vector<int> found = find_params(scenario, layout, path);
   if (path.back() == ']' || path.back() == '*') return;  // names each value
   for (const int k : found) {

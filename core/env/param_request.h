@@ -8,7 +8,7 @@
 
 #include "core/base/math/distribution.h"
 #include "core/base/math/random.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/env/column_type.h"
-#include "core/env/group_rows.h"
+#include "core/env/row_conversion.h"
 #include "core/model/parameter_spec.h"
 #include "core/physics/world/world.h"
 #include "core/plugin_abi/abi.h"

@@ -7,7 +7,7 @@
 
 namespace skybody {
 
-StateGroup::StateGroup(const Layout& layout, int bodies, int lanes, int image_words,
+StateGroup::StateGroup(const StateLayout& layout, int bodies, int lanes, int image_words,
                        std::unique_ptr<GroupStepper> stepper)
     : layout_(&layout),
       lanes_(lanes),

@@ -8,7 +8,7 @@
 
 #include "core/base/simd/aligned_array.h"
 #include "core/env/image_memory.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/world/lane_state.h"
 
@@ -26,10 +26,10 @@ class StateGroup {
   /// @param lanes    L >= 1; all words start as zero
   /// @param image_words  of the sensors' images of each environment
   /// @param stepper  the physics of this group
-  StateGroup(const Layout& layout, int bodies, int lanes, int image_words,
+  StateGroup(const StateLayout& layout, int bodies, int lanes, int image_words,
              std::unique_ptr<GroupStepper> stepper);
 
-  const Layout& layout() const { return *layout_; }
+  const StateLayout& layout() const { return *layout_; }
   int lanes() const { return lanes_; }
   int words() const { return layout_->words; }
   /// Lanes that hold an environment: those on which clear() was called.
@@ -144,7 +144,7 @@ class StateGroup {
     derived_ &= ~lanes;
   }
 
-  const Layout* layout_;
+  const StateLayout* layout_;
   int lanes_;
   AlignedArray<std::uint64_t> words_;
   AlignedArray<double> bodies_, memo_;

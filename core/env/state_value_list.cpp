@@ -275,7 +275,7 @@ class List {
 
   const CompiledScenario& compiled_;
   const World& world_;
-  const Layout& layout_;
+  const StateLayout& layout_;
   std::vector<StateValue> values_;
 };
 

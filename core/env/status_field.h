@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 

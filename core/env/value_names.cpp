@@ -109,7 +109,7 @@ class StateNames {
   }
 
   const CompiledScenario& compiled_;
-  const Layout& layout_;
+  const StateLayout& layout_;
   std::vector<std::string> names_;
 };
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 

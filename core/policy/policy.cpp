@@ -6,7 +6,7 @@
 #include "core/base/system/error.h"
 #include "core/io/files/shipped_files.h"
 #include "core/io/files/text.h"
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 #include "core/policy/network_policy.h"
 
 namespace skybody {

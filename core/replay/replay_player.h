@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/env/compiled_scenario.h"
 #include "core/io/files/replay_file.h"
 #include "core/replay/replay_report.h"

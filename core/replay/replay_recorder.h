@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/batch/pool.h"
 #include "core/io/files/replay_file.h"
 

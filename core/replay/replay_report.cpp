@@ -8,7 +8,7 @@
 
 #include "core/base/system/error.h"
 #include "core/base/system/printable.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 namespace {

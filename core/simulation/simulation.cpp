@@ -7,7 +7,7 @@
 #include "core/base/simd/fp_environment.h"
 #include "core/base/system/arguments.h"
 #include "core/base/system/error.h"
-#include "core/env/fork_key.h"
+#include "core/env/fork_random_key.h"
 #include "core/env/param_access.h"
 #include "core/simulation/simulation_data.h"
 
@@ -39,7 +39,7 @@ void Simulation::reset() {
 }
 
 void Simulation::reset(std::uint64_t seed) {
-  compiled_->initialize(data_->group, 0, seed, data_->group.bits(kStreamEnv)[0]);
+  compiled_->initialize(data_->group, 0, seed, data_->group.bits(kEnvId)[0]);
   reset();
 }
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/param_request.h"
 #include "core/env/state_values.h"

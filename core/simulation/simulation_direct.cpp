@@ -104,7 +104,7 @@ void Simulation::evaluate() {
 }
 
 Accelerations Simulation::accelerations() const {
-  const Layout& layout = compiled_->layout();
+  const StateLayout& layout = compiled_->layout();
   Accelerations out;
   out.udot.resize(static_cast<std::size_t>(layout.u.size));
   try {
@@ -142,7 +142,7 @@ void Simulation::teleport(const std::string& robot, const BodyState& base) {
   // Scale first: the square of a large finite number need not be finite.
   const Quat<double> unit = normalized(
       Quat<double>{turn.w / largest, turn.x / largest, turn.y / largest, turn.z / largest});
-  const Layout& layout = compiled_->layout();
+  const StateLayout& layout = compiled_->layout();
   const RobotLayout& place = layout.robots[r];
   const std::array<double, 7> q{base.position.x, base.position.y, base.position.z, unit.w,
                                 unit.x,          unit.y,          unit.z};
@@ -155,7 +155,7 @@ void Simulation::teleport(const std::string& robot, const BodyState& base) {
 
 MassProperties Simulation::mass_properties(const std::string& robot,
                                            const std::string& link) const {
-  const Layout& layout = compiled_->layout();
+  const StateLayout& layout = compiled_->layout();
   const int first = layout.body_params[static_cast<std::size_t>(body_index(robot, link))];
   std::array<double, kBodyParamCount> p;
   data_->group.gather(0, {layout.params.offset + first, kBodyParamCount}, p.data());
@@ -169,7 +169,7 @@ void Simulation::set_mass_properties(const std::string& robot, const std::string
   demand_finite("mass property", p);
   const auto& model = *compiled_->world().bodies[static_cast<std::size_t>(body)].model;
   checked_mass(model.name, p.data());
-  const Layout& layout = compiled_->layout();
+  const StateLayout& layout = compiled_->layout();
   const int first = layout.body_params[static_cast<std::size_t>(body)];
   data_->group.scatter(0, {layout.params.offset + first, kBodyParamCount}, p.data());
 }

@@ -3,7 +3,7 @@
 // learner with either algorithm.
 #pragma once
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/io/files/policy_writer.h"
 #include "learn/gradient/gradient.h"
 #include "learn/hyperparameter_text.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "learn/common/task_threads.h"
+#include "learn/common/learner_threads.h"
 #include "learn/gradient/gradient_slice.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
@@ -62,7 +62,7 @@ class AnalyticGradientLearner : public Learner {
   std::vector<double> scale_;             ///< factors that normalise observations
   WeightAverage average_;
   Counters counters_;
-  TaskThreads threads_;
+  LearnerThreads threads_;
   std::vector<std::unique_ptr<GradientSlice>> slices_;
   std::vector<const float*> gradients_, value_gradients_;
   std::vector<double> sums_;

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "core/base/system/error.h"
+#include "learn/network/growing_array.h"
 #include "learn/network/initial_weights.h"
 #include "learn/network/kernels/kernels.h"
-#include "learn/network/large_enough.h"
 
 namespace skybody::learn {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "core/base/math/random.h"
 #include "core/base/system/error.h"
-#include "learn/network/large_enough.h"
+#include "learn/network/growing_array.h"
 
 namespace skybody::learn {
 

@@ -7,7 +7,7 @@
 namespace skybody::learn {
 Ppo::Ppo(const LearnerOptions& options)
     : setup_(std::make_shared<const PpoSetup>(options)),
-      threads_(std::make_unique<TaskThreads>(options.threads, kSlices)),
+      threads_(std::make_unique<LearnerThreads>(options.threads, kSlices)),
       driver_(setup_),
       slices_(std::make_unique<PpoSlices>(setup_, 0, setup_->plan.slices(), *threads_)),
       sums_(static_cast<std::size_t>(slices_->count())),
@@ -16,7 +16,7 @@ Ppo::Ppo(const LearnerOptions& options)
 
 Ppo::Ppo(std::shared_ptr<const PpoSetup> setup, std::unique_ptr<SliceHolder> slices, int threads)
     : setup_(std::move(setup)),
-      threads_(std::make_unique<TaskThreads>(threads, kSlices)),
+      threads_(std::make_unique<LearnerThreads>(threads, kSlices)),
       driver_(setup_),
       slices_(std::move(slices)),
       sums_(static_cast<std::size_t>(slices_->count())),

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "learn/common/task_threads.h"
+#include "learn/common/learner_threads.h"
 #include "learn/learner.h"
 #include "learn/ppo/ppo_driver.h"
 #include "learn/ppo/slice_holder.h"
@@ -45,7 +45,7 @@ class Ppo : public Learner {
                               std::vector<const float*>& gradients);
 
   std::shared_ptr<const PpoSetup> setup_;
-  std::unique_ptr<TaskThreads> threads_;  // before the slices, which use it
+  std::unique_ptr<LearnerThreads> threads_;  // before the slices, which use it
   PpoDriver driver_;
   std::unique_ptr<SliceHolder> slices_;
   std::vector<std::span<const double>> sums_;

@@ -5,7 +5,7 @@
 namespace skybody::learn {
 
 PpoSlices::PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count,
-                     TaskThreads& threads)
+                     LearnerThreads& threads)
     : threads_(threads) {
   if (first < 0 || count < 1 || first + count > setup->plan.slices()) {
     throw Error("slices " + std::to_string(first) + " to " + std::to_string(first + count - 1) +

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "learn/common/learner_threads.h"
 #include "learn/common/state_blocks.h"
-#include "learn/common/task_threads.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
@@ -16,15 +16,15 @@
 
 namespace skybody::learn {
 
-/// Runs the phases of its slices on a TaskThreads, in the order given in PpoDriver. The results of
-/// a slice do not depend on its holder or on the holder's other slices. Data is passed as plain
+/// Runs the phases of its slices on a LearnerThreads, in the order given in PpoDriver. The results
+/// of a slice do not depend on its holder or on the holder's other slices. Data is passed as plain
 /// arrays. Inputs: parameters (by PpoNetworks::set), RolloutInputs, Minibatch. Outputs: sums and
 /// gradients of each slice, valid until the next call.
 class PpoSlices : public SliceHolder {
  public:
   /// Slices `first` ... first + count - 1 of setup->plan.
   /// @param threads  must outlive this object; may run other work between calls
-  PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskThreads& threads);
+  PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, LearnerThreads& threads);
 
   int count() const override { return static_cast<int>(slices_.size()); }
   void collect(const RolloutInputs& inputs, const PpoNetworks& networks) override;
@@ -41,7 +41,7 @@ class PpoSlices : public SliceHolder {
   const PpoSlice& slice(int k) const { return *slices_[static_cast<std::size_t>(k)]; }
 
  private:
-  TaskThreads& threads_;
+  LearnerThreads& threads_;
   std::vector<std::unique_ptr<PpoSlice>> slices_;
   std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< one per thread
 };

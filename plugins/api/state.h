@@ -1,5 +1,5 @@
-// Layout of a plugin's State in state words: one 64-bit word per member and environment. With dual
-// numbers two words, the second of which is the tangent.
+// StateLayout of a plugin's State in state words: one 64-bit word per member and environment. With
+// dual numbers two words, the second of which is the tangent.
 #pragma once
 
 #include <array>

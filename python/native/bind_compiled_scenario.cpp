@@ -8,7 +8,7 @@
 #include <new>
 #include <tuple>
 
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/env/state_values.h"
 #include "core/env/value_names.h"
 #include "python/native/bindings.h"

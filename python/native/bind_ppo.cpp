@@ -139,7 +139,7 @@ class HeldSlices {
   }
 
   std::shared_ptr<const learn::PpoSetup> setup_;
-  learn::TaskThreads threads_;
+  learn::LearnerThreads threads_;
   learn::PpoNetworks networks_;
   learn::PpoSlices slices_;
   learn::RolloutInputs inputs_;

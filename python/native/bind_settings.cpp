@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/suggestion.h"
 #include "core/io/yaml/config_tree.h"
 #include "python/native/bindings.h"

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "python/native/bindings.h"
 #include "python/native/shapes.h"
 

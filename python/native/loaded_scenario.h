@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/env/compiled_scenario.h"
 
 namespace skybody::python {

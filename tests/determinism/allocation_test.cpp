@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/batch/pool.h"
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 #include "core/simulation/simulation.h"
 #include "learn/network/adam.h"
 #include "learn/network/noise.h"

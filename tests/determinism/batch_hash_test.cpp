@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/math/random.h"
 #include "core/batch/pool.h"
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

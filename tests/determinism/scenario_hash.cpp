@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/math/hash.h"
 #include "core/base/math/random.h"
 #include "core/batch/pool.h"

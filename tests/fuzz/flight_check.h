@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/io/yaml/diagnostics.h"
 #include "core/simulation/simulation.h"
 #include "tests/fuzz/area.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 
 namespace skybody::fuzz {
 

@@ -148,8 +148,9 @@ TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
   EXPECT_EQ(run("text.h5"),
             "text.h5: error: not a policy file: it does not begin with `skybody-policy 2`\n");
   EXPECT_EQ(run("cut.h5"), std::string("cut.h5: error: ") + kDamaged + "\n");
-  EXPECT_EQ(run("old.h5"),
-            "old.h5: error: an HDF5 file without the seal of policy format 2: export the policy anew\n");
+  EXPECT_EQ(
+      run("old.h5"),
+      "old.h5: error: an HDF5 file without the seal of policy format 2: export the policy anew\n");
   EXPECT_EQ(run("newer.h5"),
             "newer.h5: error: policy format 3; this Skybody reads format 2: export the policy "
             "anew\n");

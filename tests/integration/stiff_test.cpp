@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

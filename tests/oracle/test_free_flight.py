@@ -74,7 +74,7 @@ def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
 
 
 def test_midpoint_is_of_second_order(wild: Wild) -> None:
-    # At these steps hardly any of the flights spins fast (core/physics/step/step_rules.h). Where
+    # At these steps hardly any of the flights spins fast (core/physics/step/integration_rules.h). Where
     # the rule applies torque-free motion instead, its error differs in size but is of the same
     # order.
     errors = [wild.error("midpoint", dt) for dt in (1e-3, 5e-4, 2.5e-4)]

@@ -1,8 +1,8 @@
 // Replaces Simbody and SUNDIALS where the tree engine is compiled without them.
 #include "core/base/system/error.h"
 #include "core/physics/simbody/dynamics.h"
+#include "core/physics/step/integration_rules.h"
 #include "core/physics/step/integrator.h"
-#include "core/physics/step/step_rules.h"
 
 namespace skybody {
 

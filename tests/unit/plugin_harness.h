@@ -17,7 +17,7 @@
 
 #include "core/base/simd/isa.h"
 #include "core/base/simd/lane_mask.h"
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/io/yaml/parameter_reader.h"
 #include "core/model/held_inputs.h"
 #include "core/plugin_host/descriptor.h"

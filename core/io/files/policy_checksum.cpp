@@ -30,9 +30,8 @@ std::string read_bytes(const fs::path& file) {
 /// Rejects files without a seal of this format.
 void check_format(const fs::path& file, std::string_view bytes) {
   if (bytes.starts_with(kHdf5Signature)) {
-    fail(file,
-         "an HDF5 file without the seal of policy format " + std::to_string(kPolicyFormat) +
-             ": export the policy anew");
+    fail(file, "an HDF5 file without the seal of policy format " + std::to_string(kPolicyFormat) +
+                   ": export the policy anew");
   }
   if (!bytes.starts_with(kFirstWord)) {
     fail(file, "not a policy file: it does not begin with `skybody-policy " +

@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "core/io/urdf/urdf_document.h"
+#include "core/io/urdf/urdf_links_and_joints.h"
 #include "core/io/yaml/diagnostics.h"
 
 namespace skybody {

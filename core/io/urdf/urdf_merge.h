@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/io/urdf/urdf_document.h"
+#include "core/io/urdf/urdf_links_and_joints.h"
 #include "core/io/yaml/diagnostics.h"
 
 namespace skybody {

@@ -1,9 +1,9 @@
 #include "core/io/urdf/urdf_reader.h"
 
 #include "core/io/files/file.h"
-#include "core/io/urdf/urdf_document.h"
+#include "core/io/urdf/urdf_bodies.h"
 #include "core/io/urdf/urdf_fixed.h"
-#include "core/io/urdf/urdf_joints.h"
+#include "core/io/urdf/urdf_links_and_joints.h"
 #include "core/io/urdf/urdf_merge.h"
 
 namespace skybody {

@@ -3,7 +3,7 @@
 // Supported:
 // - links with inertials in rotated frames, visuals and collisions (box, cylinder, sphere, mesh)
 // - joints: fixed (merged exactly), revolute, continuous, prismatic, floating. Two or three
-//   revolute or continuous joints in one place make a universal or ball joint (urdf_joints.h).
+//   revolute or continuous joints in one place make a universal or ball joint (urdf_bodies.h).
 //   Planar and other types are errors.
 // Warnings, each with its line: unknown elements, missing meshes, massless links on fixed joints,
 // joints that are read as fixed. A missing mesh is an error only if the link has no collision shape

@@ -106,7 +106,7 @@ double start_rotor_speed(const Topology& world, int rotor) {
 }
 
 LaneState make_lane_state(const World& world) {
-  const Layout& layout = world.layout;
+  const StateLayout& layout = world.layout;
   LaneState state;
   for (const LaneBlock& b : kLaneBlocks) {
     (state.*b.values).assign(static_cast<std::size_t>((layout.*b.place).size), 0.0);

@@ -22,7 +22,7 @@ class BroadPhase {
   /// Finds the pairs that may touch within the coming step, by bounding spheres about the bodies'
   /// origins. Bodies that are far from everything then need no rotation. Obstacles are left to
   /// measure() if clearances are kept. Pairs without a moving body are skipped.
-  /// @param motion  motion(body): the BodyWay of a contact body
+  /// @param motion  motion(body): the BodyTravel of a contact body
   /// @param up      up(body): W's z axis in its frame
   /// @param wanted  lanes to test
   /// @param clearances  per contact body; null: not kept
@@ -159,7 +159,7 @@ class BroadPhase {
     }
   }
   SKYBODY_INLINE BodyBound<Real> bound_about_origin(const ContactBody& body,
-                                                    const BodyWay<Real>& m) const {
+                                                    const BodyTravel<Real>& m) const {
     const Real speed = size_of(m.velocity) + body.reach * size_of(m.spin);
     return {m.position, (body.reach + kMargin) + dt() * speed, speed};
   }

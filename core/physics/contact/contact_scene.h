@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/physics/contact/contact.h"
+#include "core/physics/contact/cylinder_rims.h"
 #include "core/physics/contact/placed_shape.h"
-#include "core/physics/contact/rims.h"
 #include "core/physics/world/world.h"
 
 namespace skybody {

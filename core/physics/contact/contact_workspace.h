@@ -18,7 +18,7 @@ struct BodyBound {
 
 /// Motion of a body's origin, for its bound.
 template <class Real>
-struct BodyWay {
+struct BodyTravel {
   Vec3<Real> position, velocity;  ///< W [m, m/s]
   Vec3<Real> spin;                ///< in any axes [rad/s]
 };

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/base/math/vec3.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 #include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/rotor_lag.h"
 

@@ -18,7 +18,7 @@
 
 #include "core/base/math/vec3.h"
 #include "core/model/held_inputs.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 #include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/coplanar_rotors.h"
 #include "core/physics/forces/rotor_lag.h"

@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "core/base/math/math.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 

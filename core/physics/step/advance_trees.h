@@ -1,8 +1,8 @@
 // Kernels that step any world with the tree's algorithms.
 #pragma once
 
+#include "core/physics/step/equations_of_motion.h"
 #include "core/physics/step/group_kernels.h"
-#include "core/physics/step/mechanics.h"
 
 namespace skybody {
 
@@ -14,12 +14,13 @@ struct AdvanceTrees {
     StepArrays<Real> arrays(*call.plan, call.scratch);
     return for_packs<W, kKind == TreeKind::kAny>(
         call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params,
-            const auto& derived) SKYBODY_INLINE_LAMBDA {
-          using Values = std::decay_t<decltype(params)>;
-          return bits_from_mask(Mechanics<Real, Values, kKind>(call, first, params, derived, arrays)
-                                    .advance(mask_from_bits<Real>(bits)));
-        });
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              return bits_from_mask(
+                  EquationsOfMotion<Real, Values, kKind>(call, first, params, derived, arrays)
+                      .advance(mask_from_bits<Real>(bits)));
+            });
   }
 };
 

@@ -56,7 +56,7 @@ class BroadPhaseUpdate {
   /// Motion of a contact body at the start of the step.
   SKYBODY_INLINE auto motion() const {
     return [this](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
-      return BodyWay<Real>{vec3(body, 0), vec3(body, 7), vec3(body, 10)};
+      return BodyTravel<Real>{vec3(body, 0), vec3(body, 7), vec3(body, 10)};
     };
   }
   SKYBODY_INLINE auto up() const {

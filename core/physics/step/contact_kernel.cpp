@@ -1,6 +1,6 @@
 // Contact kernels for any world.
 #include "core/physics/step/broad_phase_update.h"
-#include "core/physics/step/contact_correction.h"
+#include "core/physics/step/contact_substeps.h"
 #include "core/physics/step/group_kernels.h"
 #include "core/physics/world/lane_list.h"
 
@@ -52,7 +52,7 @@ SKYBODY_INLINE std::uint32_t for_lists(const StepCall& call, std::uint32_t lanes
 }
 
 template <class Real, class Values>
-using ListCorrection = ContactCorrection<Real, Values, TreeResponse, LaneList<Real>>;
+using ListCorrection = ContactSubsteps<Real, Values, TreeResponse, LaneList<Real>>;
 
 struct FindNear {
   template <int W>

@@ -1,7 +1,7 @@
 // Work arrays of a contact correction, and the response of bodies to forces.
 #pragma once
 
-#include "core/physics/contact/contact_step.h"
+#include "core/physics/contact/contact_forces.h"
 #include "core/physics/step/step_arrays.h"
 
 namespace skybody {
@@ -37,7 +37,7 @@ struct CorrectionArrays {
   CorrectionArrays() = default;
 
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
-    const Layout& layout = plan.world.layout;
+    const StateLayout& layout = plan.world.layout;
     const std::size_t count = plan.world.bodies.size();
     const auto us = static_cast<std::size_t>(layout.u.size);
     const auto bristles = static_cast<std::size_t>(layout.bristles.size / 3);

@@ -1,14 +1,14 @@
 #include "core/physics/step/dual_kernels.h"
 
+#include "core/physics/step/equations_of_motion.h"
 #include "core/physics/step/group_kernels.h"
-#include "core/physics/step/mechanics.h"
 
 namespace skybody {
 namespace {
 
 /// Held inputs are possible. Worlds without them use the same code, with no input held.
 template <class Real>
-using DualMechanics = Mechanics<Real, ConstantValues<Real>, TreeKind::kAny>;
+using DualEquations = EquationsOfMotion<Real, ConstantValues<Real>, TreeKind::kAny>;
 
 /// Calls f(mechanics, mask) for every pack that contains any of `lanes`.
 template <int W, class F>
@@ -16,7 +16,7 @@ SKYBODY_INLINE void each_dual_pack(const StepCall& call, std::uint32_t lanes, co
   using Real = Dual<RealOf<W>>;
   StepArrays<Real> arrays(*call.plan, call.scratch);
   each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-    DualMechanics<Real> mechanics(call, first, ConstantValues<Real>(call.group->params + first),
+    DualEquations<Real> mechanics(call, first, ConstantValues<Real>(call.group->params + first),
                                   ConstantValues<Real>(call.derived + first), arrays);
     f(mechanics, mask_from_bits<Real>(bits));
     return bits;

@@ -1,6 +1,6 @@
 // One step of a robot of one free body, from coordinates to coordinates, without stored
 // intermediate values. On double and packs. The laws are those of every robot (rotor_force.h,
-// force_terms.h, force_accumulators.h, step_rules.h), combined here in the axes of the body.
+// force_terms.h, force_accumulators.h, integration_rules.h), combined here in the axes of the body.
 #pragma once
 
 #include "core/physics/bodies/torque_free.h"
@@ -8,7 +8,7 @@
 #include "core/physics/step/free_robots.h"
 #include "core/physics/step/held_input_set.h"
 #include "core/physics/step/held_rotor.h"
-#include "core/physics/step/step_rules.h"
+#include "core/physics/step/integration_rules.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
@@ -147,7 +147,7 @@ class FreeRobotStep {
     }
   }
 
-  /// kMidpointRule (step_rules.h). The predictor's velocity stays in body axes, since both
+  /// kMidpointRule (integration_rules.h). The predictor's velocity stays in body axes, since both
   /// evaluations use the axes of half the step.
   template <class Fast, class Load>
   SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Fast& fast, const Load& load,

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/physics/forces/force_model.h"
-#include "core/physics/step/step_rules.h"
+#include "core/physics/step/integration_rules.h"
 #include "core/physics/world/pose_math.h"
 
 namespace skybody {

@@ -15,7 +15,7 @@ GroupPhysics::~GroupPhysics() = default;
 int GroupPhysics::preferred_lanes() const { return plan_->has_kernels() ? kGroupLanes : 1; }
 
 bool GroupPhysics::bodies_are_coordinates() const {
-  const Layout& layout = plan_->world.layout;
+  const StateLayout& layout = plan_->world.layout;
   return plan_->free_robots && plan_->world.bodies.size() == 1 &&
          layout.u.offset == layout.q.offset + layout.q.size;
 }

@@ -1,7 +1,7 @@
 // Steps of a group. Kernels take all lanes at once with the tree's algorithms. With Simbody, and
 // with integrators that choose their own times, each lane is stepped alone (LaneStepper): it is
 // copied to a group of one lane and back. If a pair may touch, contact corrects the step afterwards
-// (contact_correction.h).
+// (contact_substeps.h).
 #include "core/physics/step/group_stepper.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class GroupStepper::ScalarFallback {
  public:
   ScalarFallback(const StepPlan& plan, int lanes)
       : plan_(plan), steppers_(static_cast<std::size_t>(lanes)), near_(plan.contact.pairs.size()) {
-    const Layout& layout = plan.world.layout;
+    const StateLayout& layout = plan.world.layout;
     int total = plan.derived.size + layout.q.size + layout.u.size;
     for (const StateBlock& b : kStateBlocks) total += (layout.*b.place).size;
     for (const InputBlock& b : kInputBlocks) total += (layout.*b.place).size;
@@ -70,7 +70,7 @@ class GroupStepper::ScalarFallback {
   /// Copies a lane to a group of its own; without bodies.
   StepCall take(const StepCall& all, int lane) {
     const GroupBlocks& group = *all.group;
-    const Layout& layout = plan_.world.layout;
+    const StateLayout& layout = plan_.world.layout;
     double* next = values_.data();
     const auto copy = [&](const double* from, int count) {
       double* to = next;

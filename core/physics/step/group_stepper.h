@@ -37,27 +37,27 @@ struct GroupBlocks {
 /// A block that steps read, and its block of state words. Held inputs are not in this list.
 struct InputBlock {
   const double* GroupBlocks::*values;
-  Block Layout::*place;
+  Block StateLayout::*place;
 };
 inline constexpr InputBlock kInputBlocks[] = {
-    {&GroupBlocks::rotor_command, &Layout::rotor_command},
-    {&GroupBlocks::wrench, &Layout::wrench},
-    {&GroupBlocks::drive, &Layout::drive},
-    {&GroupBlocks::params, &Layout::params},
-    {&GroupBlocks::joint_command, &Layout::joint_command}};
+    {&GroupBlocks::rotor_command, &StateLayout::rotor_command},
+    {&GroupBlocks::wrench, &StateLayout::wrench},
+    {&GroupBlocks::drive, &StateLayout::drive},
+    {&GroupBlocks::params, &StateLayout::params},
+    {&GroupBlocks::joint_command, &StateLayout::joint_command}};
 
 /// A block that steps change.
 struct StateBlock {
   double* GroupBlocks::*values;
-  Block Layout::*place;
+  Block StateLayout::*place;
 };
 inline constexpr StateBlock kStateBlocks[] = {
-    {&GroupBlocks::q, &Layout::q},
-    {&GroupBlocks::u, &Layout::u},
-    {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
-    {&GroupBlocks::joint_state, &Layout::joint_state},
-    {&GroupBlocks::coupling_forces, &Layout::coupling_forces},
-    {&GroupBlocks::bristles, &Layout::bristles}};
+    {&GroupBlocks::q, &StateLayout::q},
+    {&GroupBlocks::u, &StateLayout::u},
+    {&GroupBlocks::rotor_speed, &StateLayout::rotor_speed},
+    {&GroupBlocks::joint_state, &StateLayout::joint_state},
+    {&GroupBlocks::coupling_forces, &StateLayout::coupling_forces},
+    {&GroupBlocks::bristles, &StateLayout::bristles}};
 /// The blocks that a step changes before contact corrects it: the first of them.
 inline constexpr std::span kSteppedBlocks = std::span(kStateBlocks).first<5>();
 

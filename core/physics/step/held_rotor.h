@@ -1,7 +1,7 @@
 // A rotor with held inputs during a physics step.
 #pragma once
 
-#include "core/physics/step/step_rules.h"
+#include "core/physics/step/integration_rules.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {

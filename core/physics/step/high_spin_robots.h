@@ -1,7 +1,7 @@
-// Robots that spin fast (fast_spin_square in step_rules.h), in the environments of one Real. Their
-// bases drift by the torque-free motion of the robot with locked joints, and the rates of that
-// motion are subtracted from the accelerations. The remaining accelerations are small and may be
-// evaluated in mid-step. On double, packs and dual numbers.
+// Robots that spin fast (fast_spin_square in integration_rules.h), in the environments of one Real.
+// Their bases drift by the torque-free motion of the robot with locked joints, and the rates of
+// that motion are subtracted from the accelerations. The remaining accelerations are small and may
+// be evaluated in mid-step. On double, packs and dual numbers.
 #pragma once
 
 #include "core/physics/bodies/torque_free.h"

@@ -25,7 +25,7 @@ class Integrator {
 };
 
 /// The integrator of the scenario, with its solver settings; null for those with fixed steps
-/// (step_rules.h).
+/// (integration_rules.h).
 std::unique_ptr<Integrator> make_integrator(const World& world);
 
 }  // namespace skybody

@@ -3,8 +3,8 @@
 #include <functional>
 #include <stdexcept>
 
-#include "core/physics/step/contact_correction.h"
-#include "core/physics/step/mechanics.h"
+#include "core/physics/step/contact_substeps.h"
+#include "core/physics/step/equations_of_motion.h"
 
 namespace skybody {
 namespace {
@@ -72,11 +72,11 @@ class OneLane {
 };
 
 /// The variant for any world. In worlds without rare cases it gives the bits of the usual variant.
-using LaneMechanics =
-    OneLane<Mechanics<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>,
+using LaneEquations =
+    OneLane<EquationsOfMotion<double, LaneValues<double>, TreeKind::kAny, ChosenAccelerations>,
             StepArrays<double>>;
-using LaneContact = OneLane<ContactCorrection<double, LaneValues<double>, ChosenResponse>,
-                            CorrectionArrays<double>>;
+using LaneContact =
+    OneLane<ContactSubsteps<double, LaneValues<double>, ChosenResponse>, CorrectionArrays<double>>;
 
 }  // namespace
 
@@ -102,7 +102,7 @@ Dynamics* LaneStepper::dynamics(const StepCall& lane) {
 /// fails, but the program continues. Bugs (std::logic_error) and lack of memory are passed on.
 bool LaneStepper::advance(const StepCall& lane) {
   try {
-    LaneMechanics mechanics(lane, scratch_, dynamics(lane));
+    LaneEquations mechanics(lane, scratch_, dynamics(lane));
     if (integrator_ != nullptr) {
       const auto advance = [&](auto& rates, double* q, double* u) {
         integrator_->advance(std::ref(rates), q, u);
@@ -126,7 +126,7 @@ bool LaneStepper::correct(const StepCall& lane) {
 void LaneStepper::accelerations(const StepCall& lane, double* udot) {
   LaneContact contact(lane, contact_scratch_, nullptr);
   contact->each_contact(NoContactList());
-  LaneMechanics(lane, scratch_, dynamics(lane))->accelerations(contact->forces(), udot);
+  LaneEquations(lane, scratch_, dynamics(lane))->accelerations(contact->forces(), udot);
 }
 
 void LaneStepper::joint_reactions(const StepCall& lane, SpatialForce<double>* out) {
@@ -135,7 +135,7 @@ void LaneStepper::joint_reactions(const StepCall& lane, SpatialForce<double>* ou
   accelerations_.resize(world.bodies.size());
   LaneContact contact(lane, contact_scratch_, nullptr);
   contact->each_contact(NoContactList());
-  LaneMechanics mechanics(lane, scratch_, dynamics(lane));
+  LaneEquations mechanics(lane, scratch_, dynamics(lane));
   mechanics->accelerations(contact->forces(), udot_.data());
   body_accelerations(plan_.multibody.bodies(), lane.group->q, lane.group->u, udot_.data(),
                      mechanics->motion(), accelerations_.data());

@@ -26,7 +26,7 @@ class LaneStepper {
   ///          kLargestState, or the dynamics failed (a std::runtime_error)
   bool advance(const StepCall& lane);
 
-  /// Contact, applied as a correction after the step (contact_correction.h).
+  /// Contact, applied as a correction after the step (contact_substeps.h).
   /// @returns false likewise, with the step uncorrected
   bool correct(const StepCall& lane);
 

@@ -49,7 +49,7 @@ void StepAdjoint::pull_back(const double* values, const double* params,
                             const AlignedArray<double>& derived, std::uint32_t lanes,
                             double* adjoints) const {
   if (lanes == 0) return;
-  const Layout& layout = plan_.world.layout;
+  const StateLayout& layout = plan_.world.layout;
   auto* const run = const_cast<double*>(values);  // kernels do not write
   const auto place = [&](Block block) {
     return run + static_cast<std::ptrdiff_t>(block.offset - layout.q.offset) * kGroupLanes;

@@ -106,7 +106,7 @@ struct StepArrays {
 
   /// @returns the number of bytes used
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
-    const Layout& layout = plan.world.layout;
+    const StateLayout& layout = plan.world.layout;
     const std::size_t bodies = plan.world.bodies.size();
     StepArena arena{memory};
     for (Coordinates<Real>* c : {&now, &stages.point, &stages.outer, &stages.inner, &stages.rate}) {

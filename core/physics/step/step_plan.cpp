@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "core/physics/step/broad_phase_update.h"
-#include "core/physics/step/contact_correction.h"
+#include "core/physics/step/contact_substeps.h"
+#include "core/physics/step/equations_of_motion.h"
 #include "core/physics/step/free_robot_step.h"
-#include "core/physics/step/mechanics.h"
 
 namespace skybody {
 

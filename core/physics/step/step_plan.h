@@ -12,8 +12,8 @@
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
 #include "core/physics/step/held_input_set.h"
+#include "core/physics/step/integration_rules.h"
 #include "core/physics/step/joint_stops.h"
-#include "core/physics/step/step_rules.h"
 #include "core/physics/tree/multibody_tree.h"
 #include "core/physics/world/lane_values.h"
 
@@ -26,9 +26,9 @@ struct DrivenBase {
   int value = 0;  ///< first of its values within the drive block
 };
 
-/// Layout of the values derived from the parameters of one environment: the rotors' lags (kLagSize
-/// each) and factors (kRotorFactorCount each), then the constants of the bodies (kBodyConstantCount
-/// each) and of the obstacles' shapes (kShapeConstantCount each).
+/// StateLayout of the values derived from the parameters of one environment: the rotors' lags
+/// (kLagSize each) and factors (kRotorFactorCount each), then the constants of the bodies
+/// (kBodyConstantCount each) and of the obstacles' shapes (kShapeConstantCount each).
 struct DerivedLayout {
   explicit DerivedLayout(const World& world);
   int lags = 0;
@@ -101,7 +101,7 @@ struct StepKernels {
   /// Closes the gaps of couplings after a change of values from outside; returns the lanes in which
   /// this succeeded.
   StepKernel* project_constraints = nullptr;
-  /// Contact, applied as a correction after the step (contact_correction.h); returns the lanes that
+  /// Contact, applied as a correction after the step (contact_substeps.h); returns the lanes that
   /// succeeded. The others keep the step without contact.
   StepKernel* correct = nullptr;
   /// Derives the values of the rotors, into the memory of StepCall::derived.
@@ -136,7 +136,7 @@ struct StepPlan {
            use != DynamicsBackend::kSimbody;
   }
   bool has_held() const { return held != HeldInputSet::kNothing; }
-  /// Whether trees use the kernel for any world: see TreeKind in mechanics.h.
+  /// Whether trees use the kernel for any world: see TreeKind in equations_of_motion.h.
   bool has_rare_cases() const { return has_held() || stops.any() || has_reversible_rotors; }
   /// Whether lanes read their own parameters even if these are nominal: a second kernel would
   /// double the compile time.

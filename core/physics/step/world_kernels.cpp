@@ -1,13 +1,13 @@
 // Kernels for any world.
+#include "core/physics/step/equations_of_motion.h"
 #include "core/physics/step/group_kernels.h"
-#include "core/physics/step/mechanics.h"
 
 namespace skybody {
 namespace {
 
-/// Mechanics for operations that use no parameters.
+/// EquationsOfMotion for operations that use no parameters.
 template <class Real>
-SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, TreeKind::kUsual> motion_of(
+SKYBODY_INLINE EquationsOfMotion<Real, SharedValues<Real>, TreeKind::kUsual> motion_of(
     const StepCall& call, int first, StepArrays<Real>& arrays) {
   const SharedValues<Real> none(nullptr);
   return {call, first, none, none, arrays};
@@ -34,7 +34,8 @@ struct CloseGaps {
         [&](int first, std::uint32_t bits, const auto& params,
             const auto& derived) SKYBODY_INLINE_LAMBDA {
           using Values = std::decay_t<decltype(params)>;
-          Mechanics<Real, Values, TreeKind::kUsual> mechanics(call, first, params, derived, arrays);
+          EquationsOfMotion<Real, Values, TreeKind::kUsual> mechanics(call, first, params, derived,
+                                                                      arrays);
           return bits_from_mask(mechanics.project_constraints(mask_from_bits<Real>(bits))) & bits;
         });
   }

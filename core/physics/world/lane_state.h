@@ -6,7 +6,7 @@
 
 #include "core/base/math/quat.h"
 #include "core/base/math/vec3.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 
@@ -31,22 +31,23 @@ struct LaneState {
 /// list.
 struct LaneBlock {
   std::vector<double> LaneState::*values;
-  Block Layout::*place;
+  Block StateLayout::*place;
 };
-inline constexpr LaneBlock kLaneBlocks[] = {{&LaneState::q, &Layout::q},
-                                            {&LaneState::u, &Layout::u},
-                                            {&LaneState::rotor_speed, &Layout::rotor_speed},
-                                            {&LaneState::rotor_command, &Layout::rotor_command},
-                                            {&LaneState::wrench, &Layout::wrench},
-                                            {&LaneState::drive, &Layout::drive},
-                                            {&LaneState::params, &Layout::params},
-                                            {&LaneState::joint_command, &Layout::joint_command},
-                                            {&LaneState::joint_state, &Layout::joint_state},
-                                            {&LaneState::coupling_forces, &Layout::coupling_forces},
-                                            {&LaneState::bristles, &Layout::bristles}};
+inline constexpr LaneBlock kLaneBlocks[] = {
+    {&LaneState::q, &StateLayout::q},
+    {&LaneState::u, &StateLayout::u},
+    {&LaneState::rotor_speed, &StateLayout::rotor_speed},
+    {&LaneState::rotor_command, &StateLayout::rotor_command},
+    {&LaneState::wrench, &StateLayout::wrench},
+    {&LaneState::drive, &StateLayout::drive},
+    {&LaneState::params, &StateLayout::params},
+    {&LaneState::joint_command, &StateLayout::joint_command},
+    {&LaneState::joint_state, &StateLayout::joint_state},
+    {&LaneState::coupling_forces, &StateLayout::coupling_forces},
+    {&LaneState::bristles, &StateLayout::bristles}};
 
 /// The values of a lane state that belong to a block.
-inline std::vector<double>& values_of(LaneState& state, Block Layout::*place) {
+inline std::vector<double>& values_of(LaneState& state, Block StateLayout::*place) {
   const LaneBlock* block = kLaneBlocks;
   while (block->place != place) ++block;
   return state.*block->values;

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/model/layout.h"
 #include "core/model/scenario.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 
@@ -96,8 +96,8 @@ struct WorldPlan {
   /// The values that physics needs; no sites, no drives, no held inputs.
   explicit WorldPlan(const Topology& topology);
 
-  Layout layout;  ///< without offsets, and without the sizes of wrench, drive, joint drives, held
-                  ///< inputs and params
+  StateLayout layout;  ///< without offsets, and without the sizes of wrench, drive, joint drives,
+                       ///< held inputs and params
   std::vector<WrenchSite> sites;
   std::vector<DriveKind> drives;  ///< one per robot
   std::vector<JointDrive> joint_drives;
@@ -115,14 +115,14 @@ class World : public Topology {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  const Layout layout;
+  const StateLayout layout;
   const std::vector<WrenchSite> sites;  ///< of the controllers that output wrenches, in their order
   const std::vector<DriveKind> drives;  ///< one per robot
   const std::vector<JointDrive> joint_drives;  ///< at most one per coordinate
 };
 
-/// Number of friction bristles of an environment (contact/contact_law.h): one per point of each
-/// contact shape and, if there is more to touch than the ground, one per edge. Used by World's
+/// Number of friction bristles of an environment (contact/contact_force_law.h): one per point of
+/// each contact shape and, if there is more to touch than the ground, one per edge. Used by World's
 /// constructor, defined in contact/contact_scene.cpp.
 int count_bristles(const Topology& topology);
 

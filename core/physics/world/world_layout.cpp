@@ -11,7 +11,7 @@ namespace {
 /// Appends the first values of a table as EnvParams, as many as `nominal` has.
 /// @param alias  another path; empty: none
 /// @returns the index of the first
-int add_constants(Layout& layout, const std::string& path, std::span<const ConstantRow> rows,
+int add_constants(StateLayout& layout, const std::string& path, std::span<const ConstantRow> rows,
                   std::span<const double> nominal, const std::string& alias = "") {
   const int first = static_cast<int>(layout.param_info.size());
   for (const ConstantRow& row : rows) {
@@ -53,7 +53,7 @@ std::vector<double> obstacle_constants(const Shape& shape) {
 }
 
 /// The EnvParams of a world.
-void add_physical_constants(Layout& layout, const Topology& world) {
+void add_physical_constants(StateLayout& layout, const Topology& world) {
   const std::vector<RobotUse>& robots = world.scenario.robots;
   const auto path_of = [&](int robot) {
     return "robots." + robots[static_cast<std::size_t>(robot)].name + ".";
@@ -130,13 +130,13 @@ RobotLayout make_robot_layout(const Topology& world, int robot) {
 
 }  // namespace
 
-int add_param(Layout& layout, const EnvParam& param) {
+int add_param(StateLayout& layout, const EnvParam& param) {
   layout.param_info.push_back(param);
   return static_cast<int>(layout.param_info.size()) - 1;
 }
 
-Layout physics_layout(const Topology& world) {
-  Layout layout;
+StateLayout physics_layout(const Topology& world) {
+  StateLayout layout;
   layout.header.size = kHeaderSize;
   for (std::size_t r = 0; r < world.scenario.robots.size(); ++r) {
     layout.robots.push_back(make_robot_layout(world, static_cast<int>(r)));
@@ -164,8 +164,8 @@ int held_size(const WorldPlan& plan, int input) {
   return row.size * bodies;
 }
 
-Layout finish_layout(const WorldPlan& plan) {
-  Layout layout = plan.layout;
+StateLayout finish_layout(const WorldPlan& plan) {
+  StateLayout layout = plan.layout;
   layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
   layout.drive.size = kDriveSize * count_driven(plan.drives);
   layout.joint_command.size = layout.joint_state.size = static_cast<int>(plan.joint_drives.size());

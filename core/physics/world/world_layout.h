@@ -8,14 +8,14 @@ namespace skybody {
 
 /// Sizes of the blocks header, q, u, rotor_speed and rotor_command, the layout of each robot, and
 /// the EnvParams of the physical constants.
-Layout physics_layout(const Topology& topology);
+StateLayout physics_layout(const Topology& topology);
 
 /// Appends one randomizable value. @returns its index within the parameter block.
-int add_param(Layout& layout, const EnvParam& param);
+int add_param(StateLayout& layout, const EnvParam& param);
 
 /// The plan's layout, completed: sizes of wrench, drive, joint drives, held inputs and params,
 /// offsets of all blocks, and the number of words. Called by World's constructor.
-Layout finish_layout(const WorldPlan& plan);
+StateLayout finish_layout(const WorldPlan& plan);
 
 /// Number of words of a held input (SkybodyHeldInput), whether or not the plan holds it.
 int held_size(const WorldPlan& plan, int input);

@@ -26,7 +26,7 @@ struct Tile {
   ptrdiff_t y_stride;
 };
 
-/// Layout of `x`: contiguous in a row, or contiguous in an inner index.
+/// StateLayout of `x`: contiguous in a row, or contiguous in an inner index.
 enum class Order { kRows, kColumns };
 
 template <Order kOrder, int kRows, int kVectors>

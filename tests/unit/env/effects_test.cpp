@@ -182,7 +182,7 @@ double calls(const Flight& flight, int lane = 0) {
 }
 
 void set_strength(Flight& flight, int lane, double value) {
-  const Layout& layout = flight.env.layout();
+  const StateLayout& layout = flight.env.layout();
   for (int k = 0; k < layout.params.size; ++k) {
     if (layout.param_info[static_cast<std::size_t>(k)].path != "effects.steady.strength") continue;
     flight.group.writable({layout.params.offset + k, 1}, 1u << lane)[lane] = value;

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/env/group_rows.h"
-#include "core/model/layout.h"
+#include "core/env/row_conversion.h"
+#include "core/model/state_layout.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
@@ -101,7 +101,7 @@ TEST(RowKernels, ReadFiniteRowsOfTheMaskAlone) {
         finite |= 1u << l;
     }
     std::vector<double> values(static_cast<std::size_t>(kWidest * lanes), kGuard);
-    EXPECT_EQ(kernels.read_clipped(mask, lanes, rows.data(), kStride, count, values.data()),
+    EXPECT_EQ(kernels.read_clipped_actions(mask, lanes, rows.data(), kStride, count, values.data()),
               finite);
     for (int k = 0; k < kWidest; ++k) {
       for (int l = 0; l < lanes; ++l) {

@@ -23,7 +23,7 @@ class StateGroupTest : public testing::Test {
 
   StateGroup& group() { return flight_.group; }
   PhysicsScratch& scratch() { return flight_.work->physics; }
-  const Layout& layout() const { return compiled_.layout(); }
+  const StateLayout& layout() const { return compiled_.layout(); }
   /// Vertical velocity after one step of free fall.
   double fall(int lane) {
     group().advance(1u << lane, scratch());

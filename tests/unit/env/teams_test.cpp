@@ -377,7 +377,7 @@ TEST(Teams, HaveTheSameBitsInLanesAsAlone) {
     alone.step(row);
   }
   for (int k = 0; k < env->layout().words; ++k) {
-    if (k == kStreamEnv) continue;
+    if (k == kEnvId) continue;
     ASSERT_EQ(group.group.bits(k)[0], alone.group.bits(k)[0]) << k;
   }
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/error.h"
 #include "learn/make_learner.h"
 #include "tests/unit/learn/isas.h"

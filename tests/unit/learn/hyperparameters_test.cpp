@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/error.h"
 #include "core/io/files/policy_file.h"
 #include "core/io/files/policy_writer.h"

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "learn/common/learner_threads.h"
 #include "learn/common/running_moments.h"
-#include "learn/common/task_threads.h"
 #include "learn/ppo/gaussian.h"
 #include "learn/ppo/normalizer.h"
 #include "learn/ppo/policy_loss.h"
@@ -154,8 +154,8 @@ TEST_P(PolicyLossOf, GradientIsThatOfFiniteDifferences) {
 INSTANTIATE_TEST_SUITE_P(PolicyLoss, PolicyLossOf, testing::Bool(),
                          [](const auto& c) { return c.param ? "BoundedMean" : "FreeMean"; });
 
-TEST(TaskThreads, RunsEachTaskOnceAndPassesOnWhatOneThrows) {
-  TaskThreads threads(3, 8);
+TEST(LearnerThreads, RunsEachTaskOnceAndPassesOnWhatOneThrows) {
+  LearnerThreads threads(3, 8);
   for (int round = 0; round < 50; ++round) {
     std::vector<int> runs(8);
     threads.run(8, [&](int task, int) { ++runs[static_cast<std::size_t>(task)]; });

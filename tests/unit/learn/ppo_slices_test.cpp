@@ -76,7 +76,7 @@ class TwoWorkers {
  private:
   std::shared_ptr<const PpoSetup> setup_;
   PpoDriver driver_;
-  TaskThreads threads_;
+  LearnerThreads threads_;
   PpoSlices first_, second_;
   PpoNetworks networks_;
   int policy_steps_ = 0, value_steps_ = 0;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/math/hash.h"
 #include "core/policy/network_policy.h"
 #include "tests/unit/learn/isas.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "learn/common/slice_plan.h"
 #include "learn/ppo/ppo.h"
 #include "tests/unit/learn/isas.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "learn/position_error.h"
 #include "tests/unit/learn/small_team.h"
 

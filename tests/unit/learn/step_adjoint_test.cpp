@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/math/dual.h"
 #include "core/physics/step/free_robot_step.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/simd/fp_environment.h"
 
 namespace skybody {
@@ -267,7 +267,7 @@ TEST(TransitionAdjoint, NeedsOneDirectionForEachValueOfATree) {
   flights.fly();
   flights.adjoint.look(flights.state, ~0u, kSteps);
   flights.adjoint.color_columns();
-  const Layout& l = compiled->layout();
+  const StateLayout& l = compiled->layout();
   EXPECT_EQ(flights.adjoint.evaluations().physics,
             l.q.size + l.u.size + l.rotor_speed.size + l.rotor_command.size);
 }

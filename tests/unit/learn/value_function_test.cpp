@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/physics/world/lane_values.h"
 #include "learn/gradient/gradient_slice.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody::test {
 namespace {
@@ -37,8 +37,8 @@ TEST(RobotModel, SumsMassesAndFindsLinksByName) {
   EXPECT_EQ(model.find_link("rod"), -1);
 }
 
-TEST(Layout, FindsParametersByTheirPath) {
-  Layout layout;
+TEST(StateLayout, FindsParametersByTheirPath) {
+  StateLayout layout;
   layout.param_info = {{"robots.quad.links.base.mass", "kg", 1.5, 0.0, 2.0},
                        {"controllers.rate_pd.kp", "", 3.0, 0.0, 9.0}};
   EXPECT_EQ(layout.find_param("controllers.rate_pd.kp"), 1);

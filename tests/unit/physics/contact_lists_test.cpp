@@ -92,7 +92,7 @@ TEST(ManyObstacles, AreToALaneWhatTheyAreToItAlone) {
       const std::vector<double>& q = alone.states[static_cast<std::size_t>(lane)].q;
       for (std::size_t k = 0; k < q.size(); ++k) {
         const double found =
-            packs.values_at(&Layout::q)[k * kGroupLanes + static_cast<std::size_t>(lane)];
+            packs.values_at(&StateLayout::q)[k * kGroupLanes + static_cast<std::size_t>(lane)];
         ASSERT_EQ(found, q[k]) << "step " << step << ", lane " << lane << ", value " << k;
       }
     }

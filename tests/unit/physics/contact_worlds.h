@@ -101,17 +101,17 @@ class LaneTries {
   /// True if any object was near enough to touch in the last step.
   bool was_near(int lane) const { return (group_.stepper->near() >> lane & 1u) != 0; }
   BodyState body(int lane) {
-    const auto value = [&](Block Layout::*block, int k) {
+    const auto value = [&](Block StateLayout::*block, int k) {
       return group_.values_at(block)[static_cast<std::size_t>(k * kGroupLanes + lane)];
     };
-    const auto vector = [&](Block Layout::*block, int k) {
+    const auto vector = [&](Block StateLayout::*block, int k) {
       return Vec3<double>{value(block, k), value(block, k + 1), value(block, k + 2)};
     };
-    return {
-        vector(&Layout::q, 0),
-        {value(&Layout::q, 3), value(&Layout::q, 4), value(&Layout::q, 5), value(&Layout::q, 6)},
-        vector(&Layout::u, 0),
-        vector(&Layout::u, 3)};
+    return {vector(&StateLayout::q, 0),
+            {value(&StateLayout::q, 3), value(&StateLayout::q, 4), value(&StateLayout::q, 5),
+             value(&StateLayout::q, 6)},
+            vector(&StateLayout::u, 0),
+            vector(&StateLayout::u, 3)};
   }
   /// Index of a parameter in LaneState::params.
   std::size_t place(const std::string& path) const {

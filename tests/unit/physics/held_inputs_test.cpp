@@ -62,7 +62,7 @@ TEST(HeldInputs, TakeNoWordsWhereNothingHoldsThem) {
 
 TEST(HeldInputs, LieBehindTheBristlesWithTheirNeutralValues) {
   const Bench bench = make_bench(aloft(make_dragging_vehicle()));
-  const Layout& layout = bench.world.layout;
+  const StateLayout& layout = bench.world.layout;
   EXPECT_EQ(layout.held[SKYBODY_HELD_WIND].offset, layout.bristles.offset + layout.bristles.size);
   EXPECT_EQ(layout.held[SKYBODY_HELD_WRENCH].size, 6);
   EXPECT_EQ(layout.held[SKYBODY_HELD_ROTOR_GAIN].size, 16);

@@ -44,7 +44,7 @@ struct PackGroup {
       block[k * kGroupLanes + static_cast<std::size_t>(lane)] = values[k];
     }
   }
-  AlignedArray<double>& values_at(Block Layout::*place) {
+  AlignedArray<double>& values_at(Block StateLayout::*place) {
     std::size_t b = 0;
     while (kLaneBlocks[b].place != place) ++b;
     return values[b];

@@ -294,9 +294,9 @@ TEST(Stepper, AcceptsTheInertiaOfAFlatBodyWithinRounding) {
   EXPECT_TRUE(bench.run(10));
 }
 
-TEST(Layout, NamesEveryParameterAndOrdersTheBlocks) {
+TEST(StateLayout, NamesEveryParameterAndOrdersTheBlocks) {
   Bench bench(payload_flight());
-  const Layout& layout = bench.world.layout;
+  const StateLayout& layout = bench.world.layout;
   EXPECT_EQ(layout.q.size, 8);
   EXPECT_EQ(layout.u.size, 7);
   EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 11 + 6 + 3 + 5);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/plugin_host/instance.h"
 
 namespace skybody::test {

@@ -1,5 +1,5 @@
 // Geometry and statics of the shipped arm in the hold baseline.
-#include "core/policy/arm.h"
+#include "core/policy/hold/arm.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {

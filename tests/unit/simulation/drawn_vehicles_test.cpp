@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
-#include "core/policy/hold_policy.h"
+#include "core/assemble/compile_scenario.h"
+#include "core/policy/hold/hold_policy.h"
 
 namespace skybody {
 namespace {

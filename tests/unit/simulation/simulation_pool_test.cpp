@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/error.h"
 
 namespace skybody {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/batch/pool.h"
 #include "core/simulation/simulation.h"
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 #include "core/base/system/error.h"
 #include "core/simulation/simulation.h"
 

@@ -14,11 +14,11 @@ namespace skybody::learn {
 /// them. While a task runs, its thread flushes denormal numbers to zero. They arise in gradients of
 /// saturated units, are negligible there, and cost a processor a hundred times the time of other
 /// numbers. (A Pool stepped by a task sets the standard mode for itself.)
-class TaskThreads : private GroupRunner {
+class LearnerThreads : private GroupRunner {
  public:
   /// @param threads     including the caller; 0: one per processor that the process may use
   /// @param most_tasks  largest `count` of run(); no more threads than that are started
-  TaskThreads(int threads, int most_tasks);
+  LearnerThreads(int threads, int most_tasks);
 
   int threads() const { return threads_.threads(); }
 

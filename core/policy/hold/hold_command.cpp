@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/base/math/math.h"
-#include "core/policy/hold_setpoint.h"
-#include "core/policy/pseudo_inverse.h"
+#include "core/policy/hold/hold_setpoint.h"
+#include "core/policy/hold/pseudo_inverse.h"
 
 namespace skybody {
 namespace {
@@ -168,7 +168,7 @@ std::vector<double> HoldPolicy::rotor_speeds(const Robot& robot, const View& vie
 
 /// The drawn constants of one of its rotors.
 const double* HoldPolicy::rotor_params(const Robot& robot, const View& view, std::size_t i) const {
-  const Layout& layout = compiled_.layout();
+  const StateLayout& layout = compiled_.layout();
   const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
   return view.params.data() + layout.rotor_params[static_cast<std::size_t>(first) + i];
 }

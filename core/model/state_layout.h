@@ -23,7 +23,7 @@ struct Block {
 /// Positions of the header's words (each a std::uint64_t).
 enum HeaderWord : int {
   kSeed = 0,         ///< first half of the random key
-  kStreamEnv = 1,    ///< second half: the env id, or a fork's own key
+  kEnvId = 1,        ///< second half: the env id, or a fork's own key
   kEpisode = 2,      ///< number of resets so far
   kStep = 3,         ///< actions taken in this episode
   kPhysicsStep = 4,  ///< physics steps taken in this episode
@@ -70,7 +70,7 @@ struct EnvParam {
 };
 
 /// The order of state words. Blocks follow each other in the order of the members.
-struct Layout {
+struct StateLayout {
   Block header;         ///< kHeaderSize words
   Block q, u;           ///< coordinates of all robots, in body order
   Block rotor_speed;    ///< [rad/s], >= 0, every rotor of every robot
@@ -80,7 +80,7 @@ struct Layout {
   Block joint_command;  ///< 1 per joint drive, held during the physics step
   Block joint_state;    ///< 1 per joint drive: the command after its lag
   Block coupling_forces;  ///< 3 per coupling: its force on the first end, W [N]
-  Block bristles;         ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
+  Block bristles;  ///< 3 per bristle of friction [m], W (core/physics/contact/contact_force_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if not
                         ///< requested

@@ -10,7 +10,7 @@
 
 #include "core/physics/bodies/body_constants.h"
 #include "core/physics/contact/broad_phase.h"
-#include "core/physics/contact/contact_law.h"
+#include "core/physics/contact/contact_force_law.h"
 #include "core/physics/contact/manifold.h"
 
 namespace skybody {
@@ -24,7 +24,7 @@ enum class ContactPass {
 
 /// @tparam Values  access to constants: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
-class ContactStep : public BroadPhase<Real, Values> {
+class ContactForces : public BroadPhase<Real, Values> {
   using Search = BroadPhase<Real, Values>;
 
  public:
@@ -33,8 +33,9 @@ class ContactStep : public BroadPhase<Real, Values> {
   /// @param constants  the world's kWorldParamCount values
   /// @param bodies     kBodyConstantCount values per body; read by act() only
   /// @param obstacles  kShapeConstantCount values per obstacle
-  SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants, const Real* bodies,
-                             const Values& obstacles, const ContactWorkspace<Real>& work)
+  SKYBODY_INLINE ContactForces(const ContactScene& scene, const Values& constants,
+                               const Real* bodies, const Values& obstacles,
+                               const ContactWorkspace<Real>& work)
       : Search(scene, obstacles, work),
         bodies_(bodies),
         friction_(constants[kFriction]),
@@ -394,7 +395,7 @@ class ContactStep : public BroadPhase<Real, Values> {
   SKYBODY_INLINE Vec3<Real> friction(const Part& part, const ContactPoint<Real>& place,
                                      const ContactKinematics<Real>& t, const Real& most) const {
     const int bristle = place.bristle;
-    if (bristle < 0) return creep(part, place, t, most);
+    if (bristle < 0) return viscous_friction(part, place, t, most);
     const ContactLaw& law = w_.near[place.pair].pair->law;
     MaskOf<Real>& is_bent = w_.is_bent[bristle];
     if (w_.is_idle[bristle]) is_bent = MaskOf<Real>(false);
@@ -406,14 +407,15 @@ class ContactStep : public BroadPhase<Real, Values> {
     const auto is_second = logical_and(place.touches, is_bent);
     is_bent |= place.touches;
     if (none(is_second)) return force;
-    return select(is_second, creep(part, place, t, most), force);
+    return select(is_second, viscous_friction(part, place, t, most), force);
   }
 
   /// Friction without a bristle. Its damping is 1 / n of the value that would stop the contact
   /// point within the substep, from its mobility along its own velocity. n is the number of contact
   /// points of the body (at least four), so that all of them together gain no energy.
-  SKYBODY_INLINE Vec3<Real> creep(const Part& part, const ContactPoint<Real>& place,
-                                  const ContactKinematics<Real>& t, const Real& most) const {
+  SKYBODY_INLINE Vec3<Real> viscous_friction(const Part& part, const ContactPoint<Real>& place,
+                                             const ContactKinematics<Real>& t,
+                                             const Real& most) const {
     const Vec3<Real> velocity = across(t.normal, t.velocity);
     const Real speed = norm(velocity);
     const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));

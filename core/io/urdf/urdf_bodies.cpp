@@ -1,4 +1,4 @@
-#include "core/io/urdf/urdf_joints.h"
+#include "core/io/urdf/urdf_bodies.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 //     dq = J^T (J J^T + damping)^-1 e, with e the error to the target.
 // Damping keeps steps small if the arm is stretched, and allows a target outside the plane in which
 // the arm moves. With levers of 0.1 m, a step leaves a hundredth of the error.
-#include "core/policy/arm.h"
+#include "core/policy/hold/arm.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // Loops of the hold baseline: goal -> force -> attitude -> rates -> torque.
-#include "core/policy/hold_setpoint.h"
+#include "core/policy/hold/hold_setpoint.h"
 
 #include <algorithm>
 
-#include "core/policy/pseudo_inverse.h"
+#include "core/policy/hold/pseudo_inverse.h"
 
 namespace skybody {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/base/math/quat.h"
 #include "core/base/math/vec3.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 
@@ -21,7 +21,7 @@ struct BandwidthScale {
 /// / (2 k_m w lag): it closes a loop of its own, in which a high gain is unstable.
 /// @param params  of the environment
 /// @param weight  carried by the robot's rotors [N]
-BandwidthScale bandwidth_scale(const Layout& layout, const RobotLayout& robot,
+BandwidthScale bandwidth_scale(const StateLayout& layout, const RobotLayout& robot,
                                const std::vector<double>& params, double weight);
 
 /// Attitude (W from B) whose z axis lies along `up` (W, not zero) and whose heading is `yaw` [rad].

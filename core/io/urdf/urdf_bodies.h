@@ -2,7 +2,7 @@
 // URDF reader.
 #pragma once
 
-#include "core/io/urdf/urdf_document.h"
+#include "core/io/urdf/urdf_links_and_joints.h"
 #include "core/io/urdf/urdf_merge.h"
 #include "core/io/urdf/urdf_reader.h"
 #include "core/io/yaml/diagnostics.h"

@@ -1,4 +1,4 @@
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 
 #include <algorithm>
 #include <array>
@@ -47,7 +47,7 @@ void copy(const Pose& pose, double* out) {
   copy(pose.rotation, out + 3);
 }
 
-SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int index) {
+SkybodyBodyInfo body_info(const Topology& topology, const StateLayout& layout, int index) {
   const WorldBody& b = topology.bodies[static_cast<std::size_t>(index)];
   const MassProperties& m = b.model->mass;
   SkybodyBodyInfo info{};
@@ -74,7 +74,7 @@ SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int in
   return info;
 }
 
-SkybodyRotorInfo rotor_info(const Topology& topology, const Layout& layout, int index) {
+SkybodyRotorInfo rotor_info(const Topology& topology, const StateLayout& layout, int index) {
   const WorldRotor& w = topology.rotors[static_cast<std::size_t>(index)];
   const Rotor& r = *w.model;
   SkybodyRotorInfo info{};
@@ -94,7 +94,7 @@ SkybodyRotorInfo rotor_info(const Topology& topology, const Layout& layout, int 
   return info;
 }
 
-SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int index) {
+SkybodyRobotInfo robot_info(const Topology& topology, const StateLayout& layout, int index) {
   const RobotUse& use = topology.scenario.robots[static_cast<std::size_t>(index)];
   const RobotLayout& robot = layout.robots[static_cast<std::size_t>(index)];
   SkybodyRobotInfo info{};
@@ -178,7 +178,7 @@ BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
   }
 }
 
-SetupTables::SetupTables(const Topology& topology, const Layout& layout)
+SetupTables::SetupTables(const Topology& topology, const StateLayout& layout)
     : scenario_(topology.scenario), layout_(layout) {
   for (int i = 0; i < static_cast<int>(scenario_.robots.size()); ++i) {
     robots_.push_back(robot_info(topology, layout, i));

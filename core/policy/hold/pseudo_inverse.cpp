@@ -1,6 +1,6 @@
 // As in core/base/math/inertia.cpp: the library has one form of each of Eigen's functions.
 #define EIGEN_DONT_VECTORIZE
-#include "core/policy/pseudo_inverse.h"
+#include "core/policy/hold/pseudo_inverse.h"
 
 #include <Eigen/LU>
 

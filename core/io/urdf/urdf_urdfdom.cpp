@@ -2,7 +2,7 @@
 // then have different names for one link. urdfdom therefore gets a new text, written from
 // tinyxml2's elements and attributes, and its model is compared with the list of links and joints.
 // Capsules, which urdfdom does not support, are passed as cylinders: they have the same attributes.
-#include "core/io/urdf/urdf_model.h"
+#include "core/io/urdf/urdf_urdfdom.h"
 
 #include <console_bridge/console.h>
 #include <urdf_model/link.h>

@@ -60,8 +60,8 @@ struct RowKernels {
   /// @param rows    row of lane l at rows + l * stride, `count` values each
   /// @param values  `count` values in lanes
   /// @returns the lanes whose rows are finite; the rows of other lanes are ignored
-  std::uint32_t (*read_clipped)(std::uint32_t mask, int lanes, const float* rows,
-                                std::ptrdiff_t stride, int count, double* values);
+  std::uint32_t (*read_clipped_actions)(std::uint32_t mask, int lanes, const float* rows,
+                                        std::ptrdiff_t stride, int count, double* values);
 
   /// low + (a + 1) / 2 (high - low) for each of `count` values.
   void (*scale)(std::uint32_t mask, int lanes, const double* action, int count, const double* low,

@@ -1,4 +1,4 @@
-#include "core/assemble/load.h"
+#include "core/assemble/compile_scenario.h"
 
 #include <algorithm>
 #include <map>

@@ -17,7 +17,7 @@
 #include <type_traits>
 
 #include "core/physics/step/correction_arrays.h"
-#include "core/physics/step/mechanics.h"
+#include "core/physics/step/equations_of_motion.h"
 
 namespace skybody {
 
@@ -25,13 +25,13 @@ namespace skybody {
 /// @tparam Response  computes the accelerations that forces on the bodies cause
 /// @tparam Lanes     access to the lanes' values: a LaneSlice or LaneList
 template <class Real, class Values, class Response = TreeResponse, class Lanes = LaneSlice<Real>>
-class ContactCorrection {
+class ContactSubsteps {
  public:
   /// @param lanes   the lanes of Real
   /// @param arrays  of the call's scratch memory
-  SKYBODY_INLINE ContactCorrection(const StepCall& call, const Lanes& lanes, const Values& params,
-                                   const Values& derived, CorrectionArrays<Real>& arrays,
-                                   const Response& response = {})
+  SKYBODY_INLINE ContactSubsteps(const StepCall& call, const Lanes& lanes, const Values& params,
+                                 const Values& derived, CorrectionArrays<Real>& arrays,
+                                 const Response& response = {})
       : plan_(*call.plan),
         group_(*call.group),
         start_(call.start),
@@ -78,7 +78,7 @@ class ContactCorrection {
     return finish(is_near, mask);
   }
 
-  /// Calls `list` for each contact of the current state (see ContactStep::act). Bristles stay
+  /// Calls `list` for each contact of the current state (see ContactForces::act). Bristles stay
   /// unchanged.
   template <class List>
   SKYBODY_INLINE void each_contact(const List& list) {
@@ -410,7 +410,7 @@ class ContactCorrection {
   Values params_;
   Couplings<Real> couplings_;
   HighSpinRobots<Real> fast_;
-  ContactStep<Real, Values> contact_;
+  ContactForces<Real, Values> contact_;
 };
 
 }  // namespace skybody

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/policy/arm.h"
+#include "core/policy/hold/arm.h"
 #include "core/policy/policy.h"
 
 namespace skybody {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/base/math/vec3.h"
-#include "core/policy/attitude_loops.h"
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/attitude_loops.h"
+#include "core/policy/hold/hold_policy.h"
 
 namespace skybody {
 

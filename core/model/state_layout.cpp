@@ -1,8 +1,8 @@
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 
 namespace skybody {
 
-int Layout::find_param(const std::string& path) const {
+int StateLayout::find_param(const std::string& path) const {
   if (path.empty()) return -1;
   for (std::size_t i = 0; i < param_info.size(); ++i) {
     const EnvParam& param = param_info[i];
@@ -11,7 +11,7 @@ int Layout::find_param(const std::string& path) const {
   return -1;
 }
 
-std::vector<double> Layout::nominal_params() const {
+std::vector<double> StateLayout::nominal_params() const {
   std::vector<double> values;
   for (const EnvParam& param : param_info) values.push_back(param.nominal);
   return values;

@@ -13,9 +13,9 @@ inline void count_fork(StateGroup& group, int lane) { ++group.writable(kForks)[l
 /// key and of the number of such copies made so far.
 inline void give_fork_key(StateGroup& group, int lane) {
   HashChain key;
-  key.update(group.bits(kStreamEnv)[lane]);
+  key.update(group.bits(kEnvId)[lane]);
   key.update(group.bits(kForks)[lane]);
-  group.writable(kStreamEnv)[lane] = key.value();
+  group.writable(kEnvId)[lane] = key.value();
   group.writable(kForks)[lane] = 0;
 }
 

@@ -1,6 +1,6 @@
 // The hold baseline by robots: setup at the start, and actions at every step. The loops are in
 // hold_setpoint.cpp, the commands of each control mode in hold_command.cpp.
-#include "core/policy/hold_policy.h"
+#include "core/policy/hold/hold_policy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include "core/assemble/trajectory_chain.h"
 #include "core/base/system/error.h"
-#include "core/env/setup_tables.h"
+#include "core/env/plugin_setup_tables.h"
 #include "core/physics/coupling/coupling_scene.h"
-#include "core/policy/hold_setpoint.h"
-#include "core/policy/pseudo_inverse.h"
+#include "core/policy/hold/hold_setpoint.h"
+#include "core/policy/hold/pseudo_inverse.h"
 
 namespace skybody {
 namespace {

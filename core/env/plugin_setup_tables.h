@@ -29,7 +29,7 @@ class BoundValues {
 class SetupTables {
  public:
   /// @param layout  with all EnvParams
-  SetupTables(const Topology& topology, const Layout& layout);
+  SetupTables(const Topology& topology, const StateLayout& layout);
 
   /// The setup for one plugin use.
   /// @param team    robots that a controller serves; must outlive the setup
@@ -47,7 +47,7 @@ class SetupTables {
 
  private:
   const Scenario& scenario_;
-  const Layout& layout_;
+  const StateLayout& layout_;
   std::vector<SkybodyRobotInfo> robots_;
   std::vector<SkybodyBodyInfo> bodies_;
   std::vector<SkybodyLinkInfo> links_;

@@ -1,4 +1,4 @@
-#include "learn/common/task_threads.h"
+#include "learn/common/learner_threads.h"
 
 #include <algorithm>
 #include <utility>
@@ -16,10 +16,10 @@ int threads_for(int wanted, int most_tasks) {
 
 }  // namespace
 
-TaskThreads::TaskThreads(int threads, int most_tasks)
+LearnerThreads::LearnerThreads(int threads, int most_tasks)
     : threads_(threads_for(threads, most_tasks), most_tasks, false, *this) {}
 
-void TaskThreads::run_tasks(int count) {
+void LearnerThreads::run_tasks(int count) {
   left_.store(count, std::memory_order_relaxed);
   threads_.submit_unknown(count);
   threads_.wait([this] { return left_.load(std::memory_order_acquire) == 0; },
@@ -27,7 +27,7 @@ void TaskThreads::run_tasks(int count) {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-void TaskThreads::run(const int* tasks, int count, int thread) {
+void LearnerThreads::run(const int* tasks, int count, int thread) {
   const FlushedDenormals guard;
   for (int k = 0; k < count; ++k) {
     try {
@@ -41,7 +41,7 @@ void TaskThreads::run(const int* tasks, int count, int thread) {
 }
 
 /// Keeps the first failure only; later ones are usually its consequences.
-void TaskThreads::keep_failure() {
+void LearnerThreads::keep_failure() {
   const std::lock_guard lock(mutex_);
   if (!failure_) failure_ = std::current_exception();
 }

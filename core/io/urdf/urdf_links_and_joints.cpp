@@ -1,7 +1,7 @@
 // Needs a checked XML document for lines (urdf_check.cpp) and urdfdom's model of it for the
-// semantics (urdf_model.cpp). urdfdom converts rpy into quaternions with libm, whose last bits
+// semantics (urdf_urdfdom.cpp). urdfdom converts rpy into quaternions with libm, whose last bits
 // depend on the processor. Rotations are therefore computed again from the text.
-#include "core/io/urdf/urdf_document.h"
+#include "core/io/urdf/urdf_links_and_joints.h"
 
 #include <urdf_model/link.h>
 #include <urdf_model/model.h>
@@ -11,7 +11,7 @@
 #include "core/io/files/text.h"
 #include "core/io/urdf/mesh_box.h"
 #include "core/io/urdf/urdf_meshes.h"
-#include "core/io/urdf/urdf_model.h"
+#include "core/io/urdf/urdf_urdfdom.h"
 #include "core/io/urdf/urdf_xml.h"
 
 namespace skybody {

@@ -37,13 +37,13 @@ enum class TreeKind {
 ///                        SharedValues
 /// @tparam Accelerations  computes accelerations from forces
 template <class Real, class Values, TreeKind kKind, class Accelerations = TreeAccelerations>
-class Mechanics {
+class EquationsOfMotion {
  public:
   /// @param first   of the lanes of Real
   /// @param arrays  of the call's scratch memory
-  SKYBODY_INLINE Mechanics(const StepCall& call, int first, const Values& params,
-                           const Values& derived, StepArrays<Real>& arrays,
-                           const Accelerations& accelerations = {})
+  SKYBODY_INLINE EquationsOfMotion(const StepCall& call, int first, const Values& params,
+                                   const Values& derived, StepArrays<Real>& arrays,
+                                   const Accelerations& accelerations = {})
       : plan_(*call.plan),
         group_(*call.group),
         spins_(call.spins),
@@ -151,7 +151,7 @@ class Mechanics {
   static constexpr bool kIsAny = kKind == TreeKind::kAny;
 
   double dt() const { return plan_.world.scenario.stepping.dt; }
-  const Layout& layout() const { return plan_.world.layout; }
+  const StateLayout& layout() const { return plan_.world.layout; }
   const std::vector<TreeBody>& tree() const { return plan_.multibody.bodies(); }
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
 

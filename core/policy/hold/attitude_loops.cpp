@@ -1,4 +1,4 @@
-#include "core/policy/attitude_loops.h"
+#include "core/policy/hold/attitude_loops.h"
 
 #include <algorithm>
 
@@ -44,7 +44,7 @@ V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia,
          cross(rates, inertia * rates);
 }
 
-BandwidthScale bandwidth_scale(const Layout& layout, const RobotLayout& robot,
+BandwidthScale bandwidth_scale(const StateLayout& layout, const RobotLayout& robot,
                                const std::vector<double>& params, double weight) {
   if (robot.rotor_count == 0) return {};
   double lag = 0.0, inertia = 0.0, drag = 0.0, lift = 0.0;

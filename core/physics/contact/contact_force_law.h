@@ -7,8 +7,8 @@
 //             O. D. L. Strack, "A discrete numerical model for granular assemblies", 1979
 //
 // x is the depth, v its rate of growth. Damping factors are limited to m' / h, with m' the contact
-// point's share of the bodies' mass and h the step. The substeps of a step (contact_step.h) are so
-// short that the law does not exceed this limit, as long as there are enough substeps. Otherwise
+// point's share of the bodies' mass and h the step. The substeps of a step (contact_forces.h) are
+// so short that the law does not exceed this limit, as long as there are enough substeps. Otherwise
 // limited_force() applies.
 #pragma once
 

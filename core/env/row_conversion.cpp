@@ -7,7 +7,7 @@
 //
 // Limits: groups have 1 or kGroupLanes lanes. Only the latter have blocks of eight lanes, so the
 // stride between values is a constant wherever packs are used.
-#include "core/env/group_rows.h"
+#include "core/env/row_conversion.h"
 
 #include <algorithm>
 #include <cstring>
@@ -16,7 +16,7 @@
 #include "core/base/simd/kernels.h"
 #include "core/base/simd/lane_mask.h"
 #include "core/base/simd/pack.h"
-#include "core/model/layout.h"
+#include "core/model/state_layout.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
@@ -203,7 +203,7 @@ SKYBODY_INLINE void read_octet(const float* rows, std::ptrdiff_t stride, int cou
   }
 }
 
-struct ReadClipped {
+struct ReadClippedActions {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const float* rows,
                                           std::ptrdiff_t stride, int count, double* values) {
@@ -517,9 +517,16 @@ void RowParts::set_pieces() {
 void copy_repeats(const RowParts& parts, float* row) { copy_parts(parts, row); }
 
 RowKernels row_kernels(Isa isa) {
-  return {kernel<ReadClipped>(isa), kernel<Scale>(isa), kernel<Copy>(isa),      kernel<Fill>(isa),
-          kernel<Multiples>(isa),   kernel<Count>(isa), kernel<AreFinite>(isa), kernel<Write>(isa),
-          kernel<WriteParts>(isa),  kernel<End>(isa)};
+  return {kernel<ReadClippedActions>(isa),
+          kernel<Scale>(isa),
+          kernel<Copy>(isa),
+          kernel<Fill>(isa),
+          kernel<Multiples>(isa),
+          kernel<Count>(isa),
+          kernel<AreFinite>(isa),
+          kernel<Write>(isa),
+          kernel<WriteParts>(isa),
+          kernel<End>(isa)};
 }
 
 const RowKernels& row_kernels() {
