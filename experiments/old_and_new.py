@@ -143,13 +143,17 @@ on {machine_line(machine())}. Old: {revision(options.old)}, new: {revision(optio
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--old", type=Path, help="project folder")
-    parser.add_argument("--new", type=Path, default=ROOT, help="project folder (this one)")
+    parser.add_argument("--old", type=Path, help="folder of the old project")
+    parser.add_argument(
+        "--new", type=Path, default=ROOT, help="folder of the new project (this one)"
+    )
     parser.add_argument("--turns", type=int, default=21)
-    parser.add_argument("--seconds", type=float, default=0.5, help="of one measurement")
+    parser.add_argument(
+        "--seconds", type=float, default=0.5, help="duration of one measurement [s]"
+    )
     parser.add_argument("--least", type=float, default=0.97)
-    parser.add_argument("--case", action="append", help="only the cases with this in their name")
-    parser.add_argument("--markdown", type=Path, help="the page to write")
+    parser.add_argument("--case", action="append", help="only cases with this text in their name")
+    parser.add_argument("--markdown", type=Path, help="page to write")
     parser.add_argument(
         "--quick", action="store_true", help="a trial: the first case, three short turns"
     )

@@ -101,7 +101,7 @@ gives it back.
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--turns", type=int, default=3, help="runs of each setting")
-    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the page there")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the page to this file")
     parser.add_argument("--quick", action="store_true", help="a trial: one turn, short rollouts")
     options = parser.parse_args()
     rollout = QUICK_ROLLOUT if options.quick else ROLLOUT

@@ -34,7 +34,7 @@
 /* Paths: gravity[2], contact.friction. */
 #define SKYBODY_WORLD_CONSTANTS(X)                                                                 \
   X(SKYBODY_WORLD_GRAVITY, kGravity, "gravity", "m/s^2", 3, (0, 0, -9.81), -1000, 1000, -INFINITY, \
-    "axes of W")                                                                                   \
+    "acceleration of gravity, axes of W")                                                          \
   X(SKYBODY_WORLD_DISSIPATION, kDissipation, "contact.dissipation", "s/m", 1, (3), 0, 100, 0,      \
     "Hunt-Crossley dissipation c")                                                                 \
   X(SKYBODY_WORLD_FRICTION, kFriction, "contact.friction", "", 1, (0.6), 0, 10, 0,                 \
@@ -43,14 +43,14 @@
 /* Paths: robots.quad.disturbance.force[0]. Paper eq. 1. */
 #define SKYBODY_ROBOT_CONSTANTS(X)                                                                 \
   X(SKYBODY_ROBOT_DISTURBANCE_FORCE, kDisturbanceForce, "disturbance.force", "N", 3, (0, 0, 0),    \
-    -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "on the base's centre of mass, axes of W")               \
+    -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "force on the base's centre of mass, axes of W")         \
   X(SKYBODY_ROBOT_DISTURBANCE_MOMENT, kDisturbanceMoment, "disturbance.moment", "N m", 3,          \
-    (0, 0, 0), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "on the base, its own axes")
+    (0, 0, 0), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "moment on the base, axes of the base")
 
 /* Paths: robots.quad.links.base_link.mass. Files: from the URDF, see core/io/yaml/ranges.h. */
 #define SKYBODY_BODY_CONSTANTS(X)                                                                  \
   X(SKYBODY_BODY_MASS, kMass, "mass", "kg", 1, (), 1e-20, 1e12, SKYBODY_LEAST_POSITIVE,            \
-    "of the body")                                                                                 \
+    "mass of the body")                                                                            \
   X(SKYBODY_BODY_COM, kCom, "com", "m", 3, (), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY,               \
     "centre of mass, body frame")                                                                  \
   X(SKYBODY_BODY_INERTIA, kInertia, "inertia", "kg m^2", 6, (), -1e24, 1e24,                       \
@@ -66,11 +66,11 @@
   X(SKYBODY_JOINT_STIFFNESS, kJointStiffness, "stiffness", "N m/rad or N/m", 1, (0), 0,            \
     SKYBODY_FAR, 0, "spring to `rest`; revolute and prismatic joints")                             \
   X(SKYBODY_JOINT_REST, kJointRest, "rest", "rad or m", 1, (0), -SKYBODY_FAR, SKYBODY_FAR,         \
-    -INFINITY, "where the spring is relaxed")                                                      \
+    -INFINITY, "position at which the spring is relaxed")                                          \
   X(SKYBODY_JOINT_LIMIT_STIFFNESS, kLimitStiffness, "limit_stiffness", "N m/rad or N/m", 1, (0),   \
-    0, 1e9, 0, "of the spring beyond the limits")                                                  \
+    0, 1e9, 0, "stiffness of the spring beyond the limits")                                        \
   X(SKYBODY_JOINT_LIMIT_DAMPING, kLimitDamping, "limit_damping", "N m s/rad or N s/m", 1, (0), 0,  \
-    1e9, 0, "of the damper beyond the limits")
+    1e9, 0, "constant of the damper beyond the limits")
 
 /* Paths: robots.quad.rotors[2].thrust_constant. RotorS, Furrer et al. 2016, "Rotor dynamics". */
 #define SKYBODY_ROTOR_CONSTANTS(X)                                                                 \
@@ -91,16 +91,16 @@
   X(SKYBODY_ROTOR_TAU_DOWN, kTauDown, "tau_down", "s", 1, (0), 0, 100, 0,                          \
     "time constant while slowing down; 0: immediate")                                              \
   X(SKYBODY_ROTOR_POSITION, kRotorPosition, "position", "m", 3, (), -1000, 1000, -INFINITY,        \
-    "hub; in files in the frame of the link that carries it, else in the body's")
+    "position of the hub; in files in the frame of its link, otherwise in the frame of the body")
 
 /* Paths: obstacles.pole.position[0]. In files: the keys `shape` and `pose` of `obstacles`. */
 #define SKYBODY_OBSTACLE_CONSTANTS(X)                                                              \
   X(SKYBODY_OBSTACLE_PRESENT, kObstaclePresent, "present", "", 1, (1), 0, 1, 0,                    \
-    "0: it is not there")                                                                          \
+    "1: present; 0: absent")                                                                       \
   X(SKYBODY_OBSTACLE_POSITION, kObstaclePosition, "position", "m", 3, (), -SKYBODY_FAR,            \
-    SKYBODY_FAR, -INFINITY, "of its centre, W")                                                    \
+    SKYBODY_FAR, -INFINITY, "position of its centre, W")                                           \
   X(SKYBODY_OBSTACLE_ROTATION, kObstacleRotation, "rotation", "", 4, (), -1, 1, -INFINITY,         \
-    "quaternion w x y z, W from the obstacle; brought to norm 1")                                  \
+    "quaternion w x y z, W from the obstacle; normalized")                                         \
   X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 1e-9, SKYBODY_FAR, 0,                \
     "box: edge lengths; cylinder, capsule: radius, length; sphere: radius; gate: width, height, "  \
     "thickness; height_field: along x and y; plane: none")
@@ -109,13 +109,14 @@
  * springs all rows. */
 #define SKYBODY_COUPLING_CONSTANTS(X)                                                              \
   X(SKYBODY_COUPLING_PRESENT, kCouplingPresent, "present", "", 1, (1), 0, 1, 0,                    \
-    "0: it is not there")                                                                          \
+    "1: present; 0: absent")                                                                       \
   X(SKYBODY_COUPLING_LENGTH, kCouplingLength, "length", "m", 1, (), SKYBODY_LEAST_LENGTH,          \
-    SKYBODY_FAR, SKYBODY_LEAST_LENGTH, "between its ends; of a rope the largest, of a spring where it is relaxed") \
+    SKYBODY_FAR, SKYBODY_LEAST_LENGTH,                                                             \
+    "distance between the ends; rope: the largest one; spring: the one at which it is relaxed")    \
   X(SKYBODY_COUPLING_STIFFNESS, kCouplingStiffness, "stiffness", "N/m", 1, (0), 0, SKYBODY_FAR, 0, \
-    "of a spring")                                                                                 \
+    "stiffness of a spring")                                                                       \
   X(SKYBODY_COUPLING_DAMPING, kCouplingDamping, "damping", "N s/m", 1, (0), 0, SKYBODY_FAR, 0,     \
-    "of a spring, along it")
+    "damping of a spring, along its line")
 
 /* clang-format on */
 

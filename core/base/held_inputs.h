@@ -12,11 +12,11 @@
 #define SKYBODY_HELD_INPUTS(X) \
   X(WIND,        Wind,       wind,        body,  3, "velocity of the air around the body, W [m/s]") \
   X(WRENCH,      Wrench,     wrench,      body,  6, "force [N] at the centre of mass, moment [N m], W axes") \
-  X(BODY_DRAG,   BodyDrag,   body_drag,   body,  6, "drag at the centre of mass against the air, per body axis: linear [N s/m], and by the whole speed [N s^2/m^2]") \
+  X(BODY_DRAG,   BodyDrag,   body_drag,   body,  6, "drag at the centre of mass against the air, per body axis: linear [N s/m], and proportional to the total speed [N s^2/m^2]") \
   X(ROTOR_GAIN,  RotorGain,  rotor_gain,  rotor, 4, "factors on thrust, reaction moment, rotor drag, rolling moment") \
   X(ROTOR_LIMIT, RotorLimit, rotor_limit, rotor, 2, "least and greatest speed [rad/s]") \
   X(ROTOR_RATE,  RotorRate,  rotor_rate,  rotor, 1, "acceleration [rad/s^2] in place of the first-order lag; NaN: the lag") \
-  X(ROTOR_FLOW,  RotorFlow,  rotor_flow,  rotor, 3, "of the air at the hub: drag along the axis [N s^2/(m rad)], flapping moment [N s^2/rad], lift of what blows across [N s^2/m^2]")
+  X(ROTOR_FLOW,  RotorFlow,  rotor_flow,  rotor, 3, "coefficients of the air at the hub: drag along the axis [N s^2/(m rad)], flapping moment [N s^2/rad], lift by the flow across the axis [N s^2/m^2]")
 // clang-format on
 
 /* Indices within a rotor's flow. */

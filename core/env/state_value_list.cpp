@@ -21,17 +21,19 @@ struct Part {
 
 /// Parts of a BodyState.
 constexpr Part kMotion[] = {
-    {"position", "m", "W", 0, 3, "of the origin"},
+    {"position", "m", "W", 0, 3, "position of the origin"},
     {"rotation", "", "W from B", 3, 4, "unit quaternion w x y z"},
-    {"velocity", "m/s", "W", 7, 3, "of the origin"},
-    {"angular_velocity", "rad/s", "B", 10, 3, "against the world"},
+    {"velocity", "m/s", "W", 7, 3, "velocity of the origin"},
+    {"angular_velocity", "rad/s", "B", 10, 3, "angular velocity relative to the world"},
 };
 
 /// Parts of a body's contact (SKYBODY_CONTACT_VALUES).
 constexpr Part kContact[] = {
-    {"force", "N", "W", 0, 3, "sum over all contacts of the body, after the last physics step"},
-    {"moment", "N m", "W", 3, 3, "likewise, about the body's origin"},
-    {"touching", "", "", 6, 1, "1 where anything touches the body, else 0"},
+    {"force", "N", "W", 0, 3,
+     "sum of the forces of all contacts of the body, after the last physics step"},
+    {"moment", "N m", "W", 3, 3,
+     "sum of the moments of these forces about the body's origin, after the last physics step"},
+    {"touching", "", "", 6, 1, "1 if anything touches the body, otherwise 0"},
 };
 
 /// Texts about a joint's coordinates.
@@ -45,15 +47,15 @@ struct JointText {
 JointText text_of(JointType type) {
   switch (type) {
     case JointType::kSlider:
-      return {"m", "m/s", "travel", "its rate"};
+      return {"m", "m/s", "travel", "rate of the travel"};
     case JointType::kBall:
       return {"", "rad/s",
               "unit quaternion w x y z, joint frame of the parent from that of the body",
               "angular velocity, axes of the body's joint frame"};
     case JointType::kUniversal:
-      return {"rad", "rad/s", "angles about x, then about y", "their rates"};
+      return {"rad", "rad/s", "angles about x, then about y", "rates of these angles"};
     default:
-      return {"rad", "rad/s", "angle", "its rate"};
+      return {"rad", "rad/s", "angle", "rate of the angle"};
   }
 }
 
@@ -125,25 +127,26 @@ class List {
   }
 
   void add_world() {
-    add_header("time", "s", StateSource::kTime, kPhysicsStep, "since the reset");
-    add_header("episode", "", StateSource::kHeader, kEpisode, "resets so far");
-    add_header("steps", "", StateSource::kHeader, kStep, "actions taken in this episode");
-    add_header("physics_steps", "", StateSource::kHeader, kPhysicsStep, "taken in this episode");
-    add_header(
-        "status", "", StateSource::kHeader, kStatus,
-        "bits of the last transition: 1 terminated, 2 truncated, 4 fault, with a fault also 8 bad "
-        "action, 16 bad state, 32 bad outcome");
+    add_header("time", "s", StateSource::kTime, kPhysicsStep, "time since the reset");
+    add_header("episode", "", StateSource::kHeader, kEpisode, "number of resets so far");
+    add_header("steps", "", StateSource::kHeader, kStep, "number of actions taken in this episode");
+    add_header("physics_steps", "", StateSource::kHeader, kPhysicsStep,
+               "number of physics steps taken in this episode");
+    add_header("status", "", StateSource::kHeader, kStatus,
+               "bits of the last transition: 1 terminated, 2 truncated, 4 fault; in addition to "
+               "fault: 8 bad action, 16 bad state, 32 bad outcome");
     add_header("redraws", "", StateSource::kHeader, kRedraws,
-               "how often the start of this episode was drawn again: bodies that cannot be, or "
-               "robots inside something");
+               "number of repeated draws of the start of this episode, because of inertias that "
+               "are not physical or robots inside something");
     add_motion("bodies", 0, static_cast<int>(world_.bodies.size()), {});
-    add_block("q", "", layout_.q, "coordinates of all joints, bases included");
-    add_block("u", "", layout_.u, "their velocities");
-    add_block("rotor_speed", "rad/s", layout_.rotor_speed, "of all rotors of all robots");
+    add_block("q", "", layout_.q, "coordinates of all joints, including the bases");
+    add_block("u", "", layout_.u, "velocities of all joints, including the bases");
+    add_block("rotor_speed", "rad/s", layout_.rotor_speed, "speeds of all rotors of all robots");
     add_block("rotor_command", "rad/s", layout_.rotor_command,
-              "of all rotors, held during the last physics step");
-    add_block("action", "", layout_.action, "the last one, clipped to [-1, 1]");
-    add_block("command", "", layout_.command, "of all chains of controllers, physical units");
+              "commands of all rotors, constant during the last physics step");
+    add_block("action", "", layout_.action, "last action, clipped to [-1, 1]");
+    add_block("command", "", layout_.command,
+              "commands of all chains of controllers, physical units");
   }
 
   void add_block(const char* path, const char* unit, Block block, const char* doc) {
@@ -168,8 +171,8 @@ class List {
     add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count}, use.model.rotors);
     const Block command = compiled_.commands_of(robot);
     add_words_if_any(prefix + "command", "", "", command, {command.size},
-                     "of its chains of controllers, and of teams whose first robot it is, physical "
-                     "units (docs/control-modes.md)");
+                     "commands of its chains of controllers, and of teams whose first robot it is, "
+                     "physical units (docs/control-modes.md)");
   }
 
   /// The inboard joint of a body; a base has `base` instead.
@@ -195,7 +198,7 @@ class List {
     if (wind.size == 0) return;
     const std::string& link = world_.bodies[static_cast<std::size_t>(index)].model->name;
     add_words(prefix + "links." + link + ".wind", "m/s", "W", {wind.offset + 3 * index, 3}, {3},
-              "velocity of the air around the body, of all effects, in the last physics step");
+              "velocity of the air around the body, from all effects, in the last physics step");
   }
 
   void add_contact(const std::string& prefix, int index) {
@@ -215,11 +218,12 @@ class List {
     const auto add = [&](const std::string& prefix, const std::string& alias, Block place,
                          const std::vector<int>& shape) {
       add_words(prefix + ".speed", "rad/s", "",
-                {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
+                {layout_.rotor_speed.offset + place.offset, place.size}, shape,
+                "speed; below 0: the rotor turns backwards");
       if (!alias.empty()) values_.back().alias = alias + ".speed";
       add_words(prefix + ".command", "rad/s", "",
                 {layout_.rotor_command.offset + place.offset, place.size}, shape,
-                "held during the last physics step");
+                "commanded speed, constant during the last physics step");
       if (!alias.empty()) values_.back().alias = alias + ".command";
     };
     add(path, "", rotors, {rotors.size});
@@ -231,7 +235,7 @@ class List {
       const int size = kHeldInputs[SKYBODY_HELD_ROTOR_GAIN].size;
       const int first = gains.offset + size * (rotors.offset + k) + SKYBODY_GAIN_THRUST;
       add_words(path + "[" + std::to_string(k) + "].thrust_gain", "", "", {first, 1}, {},
-                "factor on its thrust, of all effects, in the last physics step");
+                "factor on its thrust, from all effects, in the last physics step");
       values_.back().alias = path + "." + models[static_cast<std::size_t>(k)].name + ".thrust_gain";
     }
   }
@@ -247,8 +251,9 @@ class List {
         if (command.size == 0) command.offset = layout_.command.offset + chain.command;
         command.size += chain.inputs;
       }
-      add_words_if_any("teams." + teams[team].name + ".command", "", "", command, {command.size},
-                       "of its chains of controllers, physical units (docs/control-modes.md)");
+      add_words_if_any(
+          "teams." + teams[team].name + ".command", "", "", command, {command.size},
+          "commands of its chains of controllers, physical units (docs/control-modes.md)");
     }
   }
 
@@ -256,7 +261,7 @@ class List {
     Block pull{layout_.coupling_forces.offset, 3};
     for (const Coupling& coupling : world_.scenario.couplings) {
       add_words("couplings." + coupling.name + ".force", "N", "W", pull, {3},
-                "on its first end, in the last physics step");
+                "force on the first end, in the last physics step");
       pull.offset += pull.size;
     }
   }
@@ -267,7 +272,7 @@ class List {
       for (const Channel& channel : sensor.channels) {
         if (channel.is_image()) continue;
         add_words_if_any("sensors." + sensor.name + "." + channel.name, channel.unit, "",
-                         {word, channel.count}, shape_of(channel.count), "as last sampled");
+                         {word, channel.count}, shape_of(channel.count), "last sample");
         word += channel.count;
       }
     }

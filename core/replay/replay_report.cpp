@@ -143,11 +143,11 @@ std::string ReplayReport::text(const ReplayHeader& header, const std::string& fi
   std::string text = remark.empty() ? "" : remark + "\n";
   if (!where) return text;
   const ReplayRow& row = where->first;
-  text += "parted: environment " + std::to_string(row.env) + ", transition " +
+  text += "first difference: environment " + std::to_string(row.env) + ", transition " +
           std::to_string(where->transition) + " (episode " + std::to_string(row.episode) +
           ", step " + std::to_string(row.episode_step) + (row.was_reset ? ", a reset" : "") +
           "); " + std::to_string(parted) + " of " + std::to_string(header.envs) +
-          " environments part\n";
+          " environments differ\n";
   if (!where->differences.empty()) return text + table(where->differences, first, second);
   const bool has_states = !header.state_names.empty();
   return text + (has_states ? "  only images differ, and the recording has only their hash\n"

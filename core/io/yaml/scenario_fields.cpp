@@ -71,17 +71,17 @@ void read_constants(const MapReader& reader, std::span<const ConstantRow> rows, 
 const MapSpec& solver_fields() {
   static const MapSpec spec{
       "solver",
-      "How the integrators `cvode` and `arkode` work. They start anew at every physics step.",
+      "Settings of the integrators `cvode` and `arkode`. They restart at every physics step.",
       {
           choice_field("method", {"auto", "adams", "bdf", "erk", "dirk"},
                        "cvode: adams or bdf (stiff); arkode: erk (explicit) or dirk (stiff), both "
                        "of order 4; auto: adams and erk"),
           real_field("relative_tolerance", "", 1e-8, 1e-14, 0.1,
-                     "largest error of one of its steps, by the size of the value"),
+                     "largest error of an internal step, relative to the value"),
           real_field("absolute_tolerance", "m, rad, m/s, rad/s", 1e-11, 1e-15, 0.1,
-                     "what is added to that"),
+                     "largest absolute error of an internal step, added to the relative one"),
           integer_field("max_steps", 500, 1, 1e6,
-                        "most steps of its own in one physics step; more are a fault"),
+                        "largest number of internal steps in one physics step; more are a fault"),
       }};
   return spec;
 }
@@ -89,21 +89,21 @@ const MapSpec& solver_fields() {
 const MapSpec& stepping_fields() {
   static const MapSpec spec{
       "stepping",
-      "The time grid and how it is advanced.",
+      "The time grid, and the integration of the motion.",
       {
           real_field("dt", "s", 0.001, 1e-6, 0.1, "physics step"),
-          integer_field("action_repeat", 1, 1, 100000, "K, physics steps an action"),
+          integer_field("action_repeat", 1, 1, 100000, "K, physics steps per action"),
           integer_field("horizon", 0, 0, 2e9, "actions until an episode is truncated; 0: never"),
           choice_field(
               "dynamics", {"auto", "simbody", "tree"},
-              "what computes accelerations; tree: our own algorithms, in vector lanes; auto: tree"),
+              "algorithm for accelerations; tree: Skybody's own, in vector lanes; auto: tree"),
           choice_field("integrator", {kIntegratorNames.begin(), kIntegratorNames.end()},
-                       "what advances the state; midpoint: of second order, semi_implicit_euler: "
-                       "of first, the cheapest; rk4: of fourth; cvode, arkode: SUNDIALS, with "
-                       "control of its error, for stiff systems alone: it starts anew at every "
-                       "physics step, slow and no more exact than rk4 elsewhere"),
+                       "integration method; midpoint: second order; semi_implicit_euler: first "
+                       "order, the cheapest; rk4: fourth order; cvode, arkode: SUNDIALS, with "
+                       "error control, only for stiff systems: they restart at every physics step, "
+                       "so for other systems they are slow and no more exact than rk4"),
           map_field("solver", Field::Kind::kMap, solver_fields(),
-                    "how cvode and arkode work; null: as if left out"),
+                    "settings of cvode and arkode; null: the same as omitted"),
       }};
   return spec;
 }
@@ -113,14 +113,14 @@ const MapSpec& contact_fields() {
       "contact", "Contact of robots with the ground, obstacles and each other (docs/contact.md).",
       with_constants(
           {
-              boolean_field("ground", true, "whether the ground carries robots"),
-              real_field(
-                  "penetration", "m", 0.001, 1e-6, 1.0,
-                  "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
+              boolean_field("ground", true, "whether robots collide with the ground"),
+              real_field("penetration", "m", 0.001, 1e-6, 1.0,
+                         "depth to which a robot at rest sinks into the ground under its own "
+                         "weight; determines the stiffness"),
               integer_field("redraws", 16, 0, 1000,
-                            "how often randomizers draw a start again in which a robot begins "
-                            "inside something; still so then: a fault; 0: starts are taken as "
-                            "drawn"),
+                            "largest number of repeated draws of a start in which a robot begins "
+                            "inside something; an overlap after the last one is a fault; 0: starts "
+                            "are kept as drawn"),
           },
           kWorldConstants, "contact.")};
   return spec;
@@ -129,7 +129,7 @@ const MapSpec& contact_fields() {
 const MapSpec& pose_fields() {
   static const MapSpec spec{
       "pose",
-      "A place in the world.",
+      "A pose in the world.",
       {
           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "origin in W"),
           vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
@@ -139,16 +139,18 @@ const MapSpec& pose_fields() {
 }
 
 const MapSpec& disturbance_fields() {
-  static const MapSpec spec{"disturbance", "A steady load on the base.",
+  static const MapSpec spec{"disturbance", "A constant load on the base.",
                             with_constants({}, kRobotConstants, "disturbance.")};
   return spec;
 }
 
 const MapSpec& joint_fields() {
   static const MapSpec spec{
-      "joint", "What replaces or completes the URDF's values of one joint; what is left out stays.",
+      "joint",
+      "Values that replace or complete those of one joint of the URDF. Omitted keys keep the "
+      "URDF's values.",
       with_constants({real_field("position", "rad or m", 0, -kFar, kFar,
-                                 "at a reset; revolute and prismatic joints")},
+                                 "position at a reset; revolute and prismatic joints")},
                      kJointConstants)};
   return spec;
 }
@@ -161,22 +163,21 @@ const MapSpec& robot_fields() {
           required(name_field("its name in paths")),
           required(text_field("model", "", "URDF file, relative to the file that names it")),
           text_field("rotors", "",
-                     "rotors file, or `none`; without this key it is rotors.yaml beside the URDF, "
-                     "where that exists"),
+                     "rotors file, or `none`; default: rotors.yaml beside the URDF, if it exists"),
           boolean_field("fixed_base", false, "weld the base to the world"),
           choice_field("inertia", {"as_written", "repair"},
-                       "repair: inertias in the URDF that no rigid body has become near ones, with "
-                       "a warning, in place of an error"),
-          map_field("pose", Field::Kind::kMap, pose_fields(), "of the base at reset"),
-          hover_or(real_field(
-              "rotor_speed", "rad/s", 0.0, 0.0, kFar,
-              "of every rotor at reset; hover: what carries the robot's nominal weight")),
+                       "repair: an inertia of the URDF that is not physical for a rigid body is "
+                       "replaced by a near one that is, with a warning instead of an error"),
+          map_field("pose", Field::Kind::kMap, pose_fields(), "pose of the base at a reset"),
+          hover_or(real_field("rotor_speed", "rad/s", 0.0, 0.0, kFar,
+                              "speed of every rotor at a reset; hover: the speed at which the "
+                              "rotors carry the robot's nominal weight")),
           map_field("disturbance", Field::Kind::kMap, disturbance_fields(),
-                    "a steady load on the base"),
+                    "a constant load on the base"),
           map_field("joints", Field::Kind::kNamedMaps, joint_fields(),
                     "positions at a reset, springs and dampers by joint name"),
           plugin_field("controllers", Field::Kind::kPluginList, SKYBODY_CONTROLLER,
-                       "in the order in which they are evaluated"),
+                       "in order of evaluation"),
       }};
   return spec;
 }
@@ -184,13 +185,14 @@ const MapSpec& robot_fields() {
 const MapSpec& team_fields() {
   static const MapSpec spec{
       "team",
-      "Robots that controllers serve together.",
+      "Robots with common controllers.",
       {
           required(name_field("its name in paths")),
-          required(list_field("robots", "names of robots, in the order that controllers see")),
+          required(list_field(
+              "robots", "names of robots, in the order in which the controllers receive them")),
           required(plugin_field("controllers", Field::Kind::kPluginList, SKYBODY_CONTROLLER,
-                                "in the order in which they are evaluated; what the last one gives "
-                                "goes to robots' own controllers, or to actuators")),
+                                "in order of evaluation; the outputs of the last one are inputs of "
+                                "the robots' own controllers, or of actuators")),
       }};
   return spec;
 }
@@ -202,11 +204,11 @@ const MapSpec& height_field_fields() {
       {
           required(vector_field("size", "m", {1, 1}, kSmallestLength, kFar, "along x and y")),
           text_field("file", "",
-                     "a .csv file: a line for each row in the order of rising y, with numbers in "
-                     "the order of rising x [m]"),
+                     "a .csv file: one line per row, in order of increasing y; heights [m] in "
+                     "order of increasing x"),
           any_count(real_field("heights", "m", 0, -kFar, kFar,
-                               "in place of a file: all heights, row after row")),
-          integer_field("columns", 2, 2, 1e6, "of `heights`: how many a row has"),
+                               "instead of a file: all heights, row by row")),
+          integer_field("columns", 2, 2, 1e6, "number of heights in each row of `heights`"),
       }};
   return spec;
 }
@@ -214,7 +216,7 @@ const MapSpec& height_field_fields() {
 const MapSpec& obstacle_fields() {
   static const MapSpec spec{
       "obstacle",
-      "A shape that stands in the world: one of box, sphere, cylinder, capsule, gate, plane, "
+      "A fixed shape in the world: one of box, sphere, cylinder, capsule, gate, plane, "
       "height_field.",
       {
           required(name_field("its name")),
@@ -225,11 +227,11 @@ const MapSpec& obstacle_fields() {
                        "radius, length along z between the centres of its caps"),
           vector_field("gate", "m", {1, 1, 0.1}, kSmallestLength, kFar,
                        "a frame of four bars: width (y) and height (z) of the opening, thickness "
-                       "of the bars; its way through is x"),
-          boolean_field("plane", false, "true: all below z = 0 of its frame, without end"),
+                       "of the bars; the passage is along x"),
+          boolean_field("plane", false, "true: the unbounded solid below z = 0 of its frame"),
           map_field("height_field", Field::Kind::kMap, height_field_fields(),
-                    "ground with hills: all below a grid of heights above z = 0 of its frame"),
-          vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its centre in W"),
+                    "uneven ground: solid below a grid of heights, relative to z = 0 of its frame"),
+          vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "position of its centre in W"),
           vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
                        "roll, pitch, yaw about the fixed axes of W"),
       }};
@@ -239,10 +241,10 @@ const MapSpec& obstacle_fields() {
 const MapSpec& coupling_end_fields() {
   static const MapSpec spec{
       "end",
-      "What a coupling holds on to: a point of a robot's link, or of the world.",
+      "One end of a coupling: a point of a robot's link, or of the world.",
       {
-          text_field("robot", "", "its name; without this key: the world"),
-          text_field("link", "", "of the robot; default: the base"),
+          text_field("robot", "", "name of the robot; default: the world"),
+          text_field("link", "", "link of the robot; default: the base"),
           vector_field("point", "m", {0, 0, 0}, -kFar, kFar, "in the link's frame, or in W"),
       }};
   return spec;
@@ -254,17 +256,18 @@ const MapSpec& coupling_fields() {
   };
   Field length = row(kCouplingLength);
   length.value.required = false;
-  length.value.doc += "; without this key what the start has";
+  length.value.doc += "; default: the distance at the start";
   static const MapSpec spec{
       "coupling",
-      "What joins two bodies, or a body and the world (docs/couplings.md).",
+      "A connection between two bodies, or between a body and the world (docs/couplings.md).",
       {
           required(name_field("its name in paths")),
-          required(choice_field("kind", {kCouplingNames.begin(), kCouplingNames.end()},
-                                "rod: keeps its ends at a distance; rope: lets them get no farther "
-                                "apart; point: keeps them at one place; spring: a spring and a "
-                                "damper along the line between them")),
-          required(map_field("ends", Field::Kind::kMapList, coupling_end_fields(), "two of them")),
+          required(
+              choice_field("kind", {kCouplingNames.begin(), kCouplingNames.end()},
+                           "rod: keeps its ends at a fixed distance; rope: limits their distance; "
+                           "point: keeps them at the same place; spring: a spring and a "
+                           "damper along the line between them")),
+          required(map_field("ends", Field::Kind::kMapList, coupling_end_fields(), "the two ends")),
           length,
           row(kCouplingStiffness),
           row(kCouplingDamping),
@@ -276,14 +279,14 @@ const MapSpec& coupling_fields() {
 const MapSpec& observed_fields() {
   static const MapSpec spec{
       "observed",
-      "A sensor's channel that joins the task's observation.",
+      "A sensor channel that is added to the task's observation.",
       {
           required(text_field("channel", "", "the sensor and its channel: SENSOR.CHANNEL")),
-          name_field("of the column; default: SENSOR.CHANNEL"),
+          name_field("name of the column; default: SENSOR.CHANNEL"),
           boolean_field("privileged", false, "for a critic only: not in the policy's observation"),
-          no_default(real_field("low", "", 0, -kMostObservedValue, kMostObservedValue,
-                                "least value of the space, in the channel's unit; else as the "
-                                "sensor declares")),
+          no_default(real_field(
+              "low", "", 0, -kMostObservedValue, kMostObservedValue,
+              "least value of the space, in the channel's unit; default: declared by the sensor")),
           no_default(real_field("high", "", 0, -kMostObservedValue, kMostObservedValue,
                                 "greatest value, likewise")),
       }};
@@ -291,14 +294,16 @@ const MapSpec& observed_fields() {
 }
 
 const MapSpec& plugin_use_fields() {
-  static const MapSpec parameters{"parameters", "As the plugin declares them.", {}};
+  static const MapSpec parameters{
+      "parameters", "Parameters of the plugin, as it declares them.", {}};
   static const MapSpec spec{
       "plugin",
       "One use of a plugin.",
       {
           required(text_field("plugin", "", "the plugin's name, see `skybody plugins`")),
           name_field("its name in paths; default: the plugin's name"),
-          map_field("parameters", Field::Kind::kMap, parameters, "as the plugin declares them"),
+          map_field("parameters", Field::Kind::kMap, parameters,
+                    "values of parameters that the plugin declares"),
       }};
   return spec;
 }
@@ -308,30 +313,32 @@ const MapSpec& scenario_fields() {
       "scenario",
       "The parts of one environment.",
       {
-          name_field("for tables and logs; default: the file's name"),
+          name_field("name for tables and logs; default: the file's name"),
           map_field("stepping", Field::Kind::kMap, stepping_fields(),
-                    "the time grid and how it is advanced"),
+                    "the time grid, and the integration of the motion"),
           constant_field(row_at(kWorldConstants, kGravity)),
-          map_field("contact", Field::Kind::kMap, contact_fields(), "how things touch"),
+          map_field("contact", Field::Kind::kMap, contact_fields(),
+                    "contact of robots with the ground, obstacles and each other"),
           required(
               map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
           map_field("teams", Field::Kind::kMapList, team_fields(),
-                    "robots that controllers serve together"),
-          map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
-                    "shapes that stand still"),
+                    "groups of robots with common controllers"),
+          map_field("obstacles", Field::Kind::kMapList, obstacle_fields(), "fixed shapes"),
           map_field("couplings", Field::Kind::kMapList, coupling_fields(),
-                    "what joins robots, bodies and the world"),
+                    "connections between bodies, or between bodies and the world"),
           plugin_field("sensors", Field::Kind::kPluginList, SKYBODY_SENSOR,
-                       "what measures, in the order of evaluation"),
+                       "sensors, in order of evaluation"),
           plugin_field("effects", Field::Kind::kPluginList, SKYBODY_EFFECT,
-                       "what acts on bodies and rotors beside the controllers, in order"),
-          short_form("channel", map_field("observe", Field::Kind::kMapList, observed_fields(),
-                                          "channels of sensors that join the task's observation, "
-                                          "in order")),
-          may_be_empty(
-              list_field("infos", "paths of randomizable values that join the infos, as they are")),
+                       "effects on bodies and rotors in addition to the controllers, in order of "
+                       "evaluation"),
+          short_form(
+              "channel",
+              map_field("observe", Field::Kind::kMapList, observed_fields(),
+                        "sensor channels that are added to the task's observation, in order")),
+          may_be_empty(list_field(
+              "infos", "paths of randomizable values that are added to the infos, unchanged")),
           plugin_field("randomization", Field::Kind::kPluginList, SKYBODY_RANDOMIZER,
-                       "what draws values at a reset, in order"),
+                       "randomizers, which draw values at a reset, in order of evaluation"),
           required(plugin_field("task", Field::Kind::kPlugin, SKYBODY_TASK,
                                 "observation, reward and end of an episode")),
       }};
@@ -344,14 +351,14 @@ const MapSpec& rotor_fields() {
       with_constants(
           {
               required(name_field("its name in paths")),
-              text_field("link", "", "the link that carries it; default: the base"),
+              text_field("link", "", "link that carries the rotor; default: the base"),
               vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
-                           "thrust direction in the link's frame, any length but 0"),
+                           "thrust direction in the link's frame, of any length except 0"),
               required(
                   choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
               real_field("min_speed", "rad/s", 0.0, -1e5, 0.0,
-                         "below 0: the rotor may turn backwards to it, and then pushes against "
-                         "its axis by the same constants"),
+                         "below 0: the rotor may turn backwards up to this speed, and then pushes "
+                         "against its axis with the same constants"),
           },
           kRotorConstants)};
   return spec;
@@ -362,7 +369,7 @@ const MapSpec& rotors_file_fields() {
       "rotors file",
       "The rotors of one model.",
       {
-          text_field("source", "", "where the constants come from"),
+          text_field("source", "", "source of the constants"),
           map_field("defaults", Field::Kind::kMap, rotor_fields(), "merged into every rotor"),
           required(
               map_field("rotors", Field::Kind::kMapList, rotor_fields(), "at least one rotor")),
