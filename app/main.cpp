@@ -19,7 +19,8 @@ constexpr const char* kMainFooter =
     "  skybody run scenarios/hover.yaml --policy hold\n"
     "  skybody check scenarios/hover.yaml --set robots.quad.pose.position=[0,0,2]\n"
     "  skybody new controller my_law\n"
-    "`skybody COMMAND --help` tells more. Exit status: 0 done, 2 an error that you can mend.";
+    "`skybody COMMAND --help` lists the options of a command. Exit status: 0 done, 2 invalid "
+    "input.";
 
 /// Warnings go to stderr, in colour on a terminal.
 void set_up_log() {

@@ -20,7 +20,7 @@ void add_plugin_path(CLI::App& command, LoadOptions& options) {
 
 void add_trust_scenario(CLI::App& command, LoadOptions& options) {
   command.add_flag("--trust-scenario", options.trust_scenario,
-                   "Search the scenario's folder and its subfolder plugins, too");
+                   "Also search the scenario's folder and its subfolder plugins for plugins");
 }
 
 void add_scenario_options(CLI::App& command, LoadOptions& options) {
@@ -42,14 +42,14 @@ void add_scenario_options(CLI::App& command, LoadOptions& options) {
 void add_reference(CLI::App& command, LoadOptions& options) {
   command
       .add_option("--reference", options.reference,
-                  "Fly a reference in place of a policy: a shipped one or a YAML file, and "
-                  "parameters of it")
+                  "Fly a reference instead of a policy: the name of a shipped one or a YAML file, "
+                  "and its parameters")
       ->type_name("NAME[:KEY=VALUE,...]");
 }
 
 void add_checked(CLI::App& command, LoadOptions& options) {
   command.add_flag("--checked", options.checked,
-                   "Hold plugins to the values that they may touch: slower, the same bits");
+                   "Check the accesses and outputs of plugins: slower, the same bits");
 }
 
 std::shared_ptr<PluginRegistry> open_plugins(const LoadOptions& options) {

@@ -254,11 +254,11 @@ def processor() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--quick", action="store_true", help="fewer, shorter trials: seconds")
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter trials (seconds)")
     parser.add_argument(
-        "--counts", type=int, nargs="+", metavar="N", help="environments, for each row"
+        "--counts", type=int, nargs="+", metavar="N", help="number of environments of each row"
     )
-    parser.add_argument("--json", metavar="FILE", help="write all trials there")
+    parser.add_argument("--json", metavar="FILE", help="write all trials to this file")
     options = parser.parse_args()
     counts = options.counts or ((1, 8, 64) if options.quick else COUNTS)
     trials, seconds = (3, 0.1) if options.quick else (5, 1.0)

@@ -192,10 +192,12 @@ def markdown(facts: dict[str, Any]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     length = parser.add_mutually_exclusive_group()
-    length.add_argument("--full", action="store_true", help="longer trials, for results to keep")
-    length.add_argument("--trial", action="store_true", help="one short trial a figure, for tests")
-    parser.add_argument("--json", metavar="FILE", help="write the figures there")
-    parser.add_argument("--markdown", metavar="FILE", help="write the table there")
+    length.add_argument("--full", action="store_true", help="longer trials, for published results")
+    length.add_argument(
+        "--trial", action="store_true", help="one short trial per figure, for tests"
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the figures to this file")
+    parser.add_argument("--markdown", metavar="FILE", help="write the table to this file")
     options = parser.parse_args()
     trials, seconds = (60, 0.1) if options.full else (1, 0.002) if options.trial else (40, 0.02)
     more = ["--full"] if options.full else ["--trial"] if options.trial else []

@@ -123,8 +123,8 @@ def evaluate(model: PPO, episodes: int = 32, seed: int = 1000) -> tuple[float, f
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--steps", type=int, default=200_000, help="actions to learn from")
-    parser.add_argument("--envs", type=int, default=16, help="environments")
+    parser.add_argument("--steps", type=int, default=200_000, help="actions of the training")
+    parser.add_argument("--envs", type=int, default=16, help="number of environments")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
 

@@ -55,8 +55,10 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--iterations", type=int, default=20)
-    parser.add_argument("--envs", type=int, default=64, help="of each runner")
-    parser.add_argument("--runners", type=int, default=0, help="0: the learner's own process")
+    parser.add_argument("--envs", type=int, default=64, help="environments of each runner")
+    parser.add_argument(
+        "--runners", type=int, default=0, help="number of runners; 0: in the learner's process"
+    )
     parser.add_argument("--scenario", default="hover_learn")
     parser.add_argument("--address", default=LOCAL, help=ADDRESS_HELP)
     given = parser.parse_args()

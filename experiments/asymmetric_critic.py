@@ -186,11 +186,11 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    add("--seeds", type=int, default=5, help="of each kind, 2 at least; default: 5")
-    add("--jobs", type=int, default=2, help="runs at once; default: 2")
-    add("--out", type=Path, default=ROOT / "flights/asymmetric_critic", help="of the runs")
+    add("--seeds", type=int, default=5, help="number of seeds of each kind, at least 2; default: 5")
+    add("--jobs", type=int, default=2, help="parallel runs; default: 2")
+    add("--out", type=Path, default=ROOT / "flights/asymmetric_critic", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--quick", action="store_true", help="2 seeds, short runs, report in --out: a trial")
+    add("--quick", action="store_true", help="a trial: 2 seeds, short runs, report in --out")
     options = parser.parse_args(arguments)
     options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
     options.seeds = 2 if options.quick else options.seeds

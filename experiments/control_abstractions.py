@@ -162,13 +162,20 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
-    add("--seeds", type=int, default=5, help="of each form (5)")
-    add("--jobs", type=int, default=1, help="runs at a time (1)")
-    add("--threads", type=int, default=0, help="of a run; 0: all, which changes no bits")
-    add("--out", type=Path, default=ROOT / "flights/control_abstractions", help="of the runs")
+    add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="tasks; default: all")
+    add("--seeds", type=int, default=5, help="number of seeds of each form (5)")
+    add("--jobs", type=int, default=1, help="parallel runs (1)")
+    add(
+        "--threads",
+        type=int,
+        default=0,
+        help="threads of a run; 0: one per processor; changes no bits",
+    )
+    add(
+        "--out", type=Path, default=ROOT / "flights/control_abstractions", help="folder of the runs"
+    )
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--quick", action="store_true", help="two seeds, few steps, report into --out: a trial")
+    add("--quick", action="store_true", help="a trial: two seeds, few steps, report in --out")
     options = parser.parse_args(arguments)
     options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
     options.seeds = 2 if options.quick else options.seeds

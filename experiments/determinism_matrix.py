@@ -282,27 +282,37 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "--scenarios",
         nargs="+",
         metavar="NAME",
-        help="default: all that are shipped, hover_on_ground and cooperative_payload_slack",
+        help="default: all shipped scenarios, hover_on_ground and cooperative_payload_slack",
     )
-    add("--envs", type=int, default=ENVS, help=f"environments, at least 3; default: {ENVS}")
+    add(
+        "--envs",
+        type=int,
+        default=ENVS,
+        help=f"number of environments, at least 3; default: {ENVS}",
+    )
     add(
         "--steps",
         type=int,
         default=STEPS,
-        help="of each environment, divided by the number of robots; at most, and by default, what "
-        "tests/golden flies",
+        help="steps per environment, divided by the number of robots; default and maximum: those "
+        "of tests/golden",
     )
-    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="skybody")
+    add(
+        "--program",
+        type=Path,
+        default=ROOT / "build/release/bin/skybody",
+        help="the program skybody",
+    )
     add(
         "--quick",
         action="store_true",
-        help="three shapes and, unless others are named, two scenarios: a trial",
+        help="a trial: three shapes, and two scenarios unless --scenarios is given",
     )
     add(
         "--write",
         action="store_true",
-        help="write docs/results/determinism_matrix.md, with as many environments and steps as "
-        "tests/golden flies",
+        help="write docs/results/determinism_matrix.md, with the environments and steps of "
+        "tests/golden",
     )
     options = parser.parse_args(arguments)
     options.scenarios = options.scenarios or (QUICK_SCENARIOS if options.quick else tuple(FLIGHTS))

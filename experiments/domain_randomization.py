@@ -242,12 +242,18 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values, checked."""
     parser = option_parser(__doc__)
     add = parser.add_argument
-    add("--seeds", type=int, help="of each kind; default: 5")
-    add("--total-steps", type=float, help="of a run; default: the preset's")
-    add("--jobs", type=int, default=2, help="runs at once; default: 2")
-    add("--out", type=Path, default=ROOT / "flights/domain_randomization", help="of the runs")
+    add("--seeds", type=int, help="number of seeds of each kind; default: 5")
+    add("--total-steps", type=float, help="steps of a run; default: the preset's")
+    add("--jobs", type=int, default=2, help="parallel runs; default: 2")
+    add(
+        "--out", type=Path, default=ROOT / "flights/domain_randomization", help="folder of the runs"
+    )
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--quick", action="store_true", help="2 seeds, short runs, few episodes, report in --out")
+    add(
+        "--quick",
+        action="store_true",
+        help="a trial: 2 seeds, short runs, few episodes, report in --out",
+    )
     options = parser.parse_args(arguments)
     options.seeds = options.seeds or (2 if options.quick else 5)
     wanted = options.total_steps or (QUICK_STEPS if options.quick else 0)

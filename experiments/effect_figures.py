@@ -350,9 +350,11 @@ FIGURES: dict[str, Callable[[Axes], None]] = {
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("effects", nargs="*", metavar="EFFECT", help=f"of {', '.join(FIGURES)}")
-    parser.add_argument("--out", type=Path, help="folder (default: each effect's own)")
-    parser.add_argument("--quick", action="store_true", help="a trial: `body_drag` alone")
+    parser.add_argument(
+        "effects", nargs="*", metavar="EFFECT", help=f"effects, of {', '.join(FIGURES)}"
+    )
+    parser.add_argument("--out", type=Path, help="folder (default: that of each effect)")
+    parser.add_argument("--quick", action="store_true", help="a trial: only `body_drag`")
     options = parser.parse_args()
     names = options.effects or (["body_drag"] if options.quick else list(FIGURES))
     unknown = [name for name in names if name not in FIGURES]

@@ -110,10 +110,8 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
-    parser.add_argument(
-        "--docs", type=Path, default=ROOT / "docs/results", help="folder to write to"
-    )
-    parser.add_argument("--quick", action="store_true", help="a trial: the first one alone")
+    parser.add_argument("--docs", type=Path, default=ROOT / "docs/results", help="output folder")
+    parser.add_argument("--quick", action="store_true", help="a trial: only the first flight")
     options = parser.parse_args()
     (options.docs / "images").mkdir(parents=True, exist_ok=True)
     parts = [

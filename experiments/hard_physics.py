@@ -74,7 +74,7 @@ nothing leaves faster than 1 / d = 0.222 m/s. `experiments/hard_cases.py` has th
 def main() -> int:
     parser = option_parser(__doc__)
     add_quick(parser, "two steps, fewer throws, short spins")
-    parser.add_argument("--before", type=Path, help="an older build's package")
+    parser.add_argument("--before", type=Path, help="Python package of an older build")
     options = parser.parse_args()
     place_quick(options, NAME)
     cases = hard_cases.cases(options.quick)

@@ -154,12 +154,19 @@ def main() -> None:
     add = parser.add_argument
     add("scenario", help="YAML file, or the name of a shipped scenario")
     add("--set", metavar="PATH=VALUE", action="append", default=[], help="override one value")
-    add("--envs", type=int, default=1, help="environments; default: 1")
-    add("--steps", type=int, default=1000, help="of each environment; default: 1000")
+    add("--envs", type=int, default=1, help="number of environments; default: 1")
+    add("--steps", type=int, default=1000, help="steps per environment; default: 1000")
     add("--seed", type=int, default=0, help="key of all random numbers; default: 0")
-    add("--threads", type=int, default=1, help="0: one per processor; default: 1")
-    add("--batch", type=int, default=0, help="environments a batch; default: 0, all")
-    add("--order", choices=("fixed", "arrival"), default="fixed", help="default: fixed")
+    add(
+        "--threads", type=int, default=1, help="number of threads; 0: one per processor; default: 1"
+    )
+    add("--batch", type=int, default=0, help="environments per batch; default: 0, all")
+    add(
+        "--order",
+        choices=("fixed", "arrival"),
+        default="fixed",
+        help="order of batches; default: fixed",
+    )
     print(*hashes(parser.parse_args()), sep="\n")
 
 

@@ -201,25 +201,30 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     add = parser.add_argument
     steps = {algorithm: shipped_steps(algorithm) for algorithm in SECONDS}
     defaults = ", ".join(f"{name} {number:,}" for name, number in steps.items())
-    add("--steps", type=float, help=f"of all runs, for a trial; default: {defaults}")
-    add("--seeds", type=int, nargs="+", default=list(SEEDS), help="default: 1 2 3")
+    add("--steps", type=float, help=f"steps of all runs, for a trial; default: {defaults}")
+    add("--seeds", type=int, nargs="+", default=list(SEEDS), help="seeds; default: 1 2 3")
     add_quick(parser, "a rollout of each run")
     add(
         "--reproducibility",
         type=Path,
-        help="--out of training_reproducibility.py, for the curve of hover.yaml",
+        help="folder --out of training_reproducibility.py, for the curve of hover.yaml",
     )
     add(
         "--hover-steps",
         type=float,
         default=training_reproducibility.STEPS,
-        help="of that run; default: 500,000",
+        help="steps of that run; default: 500,000",
     )
-    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies the policy")
+    add(
+        "--program",
+        type=Path,
+        default=ROOT / "build/release/bin/skybody",
+        help="program that flies the policy",
+    )
     add(
         "--train-only",
         action="store_true",
-        help="evaluate and write in a later call, for which the machine need not be quiet",
+        help="only train; a later call, perhaps under other load, evaluates and writes",
     )
     options = parser.parse_args(arguments)
     place_quick(options, "hover_training")

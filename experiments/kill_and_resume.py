@@ -212,15 +212,20 @@ def main(arguments: list[str] | None = None) -> int:
     """Trains, kills, compares, writes; returns the exit code."""
     parser = option_parser(__doc__)
     add = parser.add_argument
-    add("--kills", type=int, default=KILLS, help=f"of each learner; default: {KILLS}")
-    add("--seed", type=int, default=1, help="of the moments; default: 1")
+    add(
+        "--kills",
+        type=int,
+        default=KILLS,
+        help=f"number of kills of each learner; default: {KILLS}",
+    )
+    add("--seed", type=int, default=1, help="seed of the moments; default: 1")
     add(
         "--algorithms",
         "--algo",
         nargs="+",
         choices=ALGORITHMS,
         default=list(ALGORITHMS),
-        help="default: all",
+        help="learners; default: all",
     )
     add_quick(parser, "one kill of fast-ppo")
     options = parser.parse_args(arguments)

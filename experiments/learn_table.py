@@ -280,12 +280,18 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = option_parser(__doc__)
     there = list(ALGORITHMS)
     add = parser.add_argument
-    add("--algo", nargs="+", choices=there, default=there, help=f"default: {' '.join(there)}")
-    add("--rl-tools", type=Path, metavar="FOLDER", help="checkout of rl_tools, to run it, too")
-    add("--train-only", action="store_true", help="evaluate and write in a later call")
+    add(
+        "--algo",
+        nargs="+",
+        choices=there,
+        default=there,
+        help=f"learners; default: {' '.join(there)}",
+    )
+    add("--rl-tools", type=Path, metavar="FOLDER", help="checkout of rl_tools, to run it as well")
+    add("--train-only", action="store_true", help="only train; a later call evaluates and writes")
     add("--out", type=Path, default=ROOT / "flights/learn_table", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--quick", action="store_true", help="one seed, few steps, report into --out: a trial")
+    add("--quick", action="store_true", help="a trial: one seed, few steps, report in --out")
     options = parser.parse_args(arguments)
     options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
     return options

@@ -312,7 +312,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Measures, writes; returns the exit code."""
     parser = option_parser(__doc__)
     add = parser.add_argument
-    add("--turns", type=int, default=3, help="of each measurement; default: 3")
+    add("--turns", type=int, default=3, help="turns of each measurement; default: 3")
     add("--program", type=Path, default=ROOT / "build/release/bin/bench_learn")
     add_quick(parser, "one turn of two iterations")
     options = parser.parse_args(arguments)

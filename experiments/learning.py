@@ -295,15 +295,25 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         nargs="+",
         choices=names,
         default=names,
-        help="to train or check; default: all",
+        help="scenarios to train or check; default: all",
     )
-    add("--no-training", dest="training", action="store_false", help="take what --out has")
-    add("--threads", type=int, default=0, help="of training, which change no bits; 0: all")
+    add("--no-training", dest="training", action="store_false", help="use the runs in --out")
+    add(
+        "--threads",
+        type=int,
+        default=0,
+        help="threads of training; 0: one per processor; changes no bits",
+    )
     add("--check", action="store_true", help="train the page's runs to their first checkpoint")
     add("--out", type=Path, help="folder of the runs; default: flights/learning")
-    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="that flies")
+    add(
+        "--program",
+        type=Path,
+        default=ROOT / "build/release/bin/skybody",
+        help="program that flies",
+    )
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--quick", action="store_true", help="a seed, few steps, report into --out: a trial")
+    add("--quick", action="store_true", help="a trial: one seed, few steps, report in --out")
     options = parser.parse_args(arguments)
     name = "flights/learning_quick" if options.quick else "flights/learning"
     options.out = options.out or ROOT / name

@@ -202,9 +202,9 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    add("--steps", type=float, default=STEPS, help=f"of all environments; default: {STEPS:,}")
-    add("--cycles", type=int, default=CYCLES, help=f"default: {CYCLES:,}")
-    add("--part", choices=PARTS, help="only this one, in this process; default: all")
+    add("--steps", type=float, default=STEPS, help=f"steps of all environments; default: {STEPS:,}")
+    add("--cycles", type=int, default=CYCLES, help=f"number of cycles; default: {CYCLES:,}")
+    add("--part", choices=PARTS, help="run only this part, in this process; default: all")
     options = parser.parse_args()
     if options.steps < REPORTS * ENVS or options.cycles < REPORTS:
         parser.error(f"at least {REPORTS * ENVS} steps and {REPORTS} cycles")

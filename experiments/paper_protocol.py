@@ -199,19 +199,23 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     add = parser.add_argument
     add("tasks", nargs="+", metavar="TASK", help="scenarios")
     add("--algo", nargs="+", choices=("ppo", "fast-ppo"), default=["fast-ppo", "ppo"])
-    add("--transitions", type=float, help=f"to cut runs at; default: {TRANSITIONS:,}")
+    add(
+        "--transitions", type=float, help=f"transitions at which runs end; default: {TRANSITIONS:,}"
+    )
     add(
         "--seeds",
         type=int,
         nargs="+",
         choices=SEEDS,
         default=SEEDS,
-        help="the paper's; default: all",
+        help="seeds of the paper; default: all",
     )
     add("--out", type=Path, default=ROOT / "flights/paper_protocol", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--learned", action="store_true", help="train nothing: show what runs have learned so far")
-    add("--quick", action="store_true", help=f"a seed, {QUICK_TRANSITIONS:,} transitions")
+    add("--learned", action="store_true", help="train nothing: show the results of the runs so far")
+    add(
+        "--quick", action="store_true", help=f"a trial: one seed, {QUICK_TRANSITIONS:,} transitions"
+    )
     options = parser.parse_args(arguments)
     wanted = options.transitions or (QUICK_TRANSITIONS if options.quick else TRANSITIONS)
     options.transitions = int(wanted)

@@ -185,7 +185,9 @@ more an iteration computes, the less that weighs ([ray.md](../ray.md)).
 def main() -> int:
     """Measures, writes; returns the exit code."""
     parser = arguments(__doc__ or "")
-    parser.add_argument("--turns", type=int, metavar="N", help="default: 3, with --quick 1")
+    parser.add_argument(
+        "--turns", type=int, metavar="N", help="number of turns; default: 3, with --quick 1"
+    )
     options = parser.parse_args()
     folder = output_folder(parser, options)
     turns = options.turns or (1 if options.quick else 3)

@@ -353,14 +353,24 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values."""
     parser = option_parser(__doc__)
     add = parser.add_argument
-    add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
-    add("--seeds", type=int, nargs="+", default=[1, 2, 3], help="default: 1 2 3")
-    add("--jobs", type=int, default=1, help="runs at a time (1)")
-    add("--threads", type=int, default=0, help="of a run; 0: all, which changes no bits")
-    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies policies")
+    add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="tasks; default: all")
+    add("--seeds", type=int, nargs="+", default=[1, 2, 3], help="seeds; default: 1 2 3")
+    add("--jobs", type=int, default=1, help="parallel runs (1)")
+    add(
+        "--threads",
+        type=int,
+        default=0,
+        help="threads of a run; 0: one per processor; changes no bits",
+    )
+    add(
+        "--program",
+        type=Path,
+        default=ROOT / "build/release/bin/skybody",
+        help="program that flies policies",
+    )
     add("--out", type=Path, default=ROOT / "flights/recurrent_policy", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
-    add("--quick", action="store_true", help="one seed, few steps, report into --out: a trial")
+    add("--quick", action="store_true", help="a trial: one seed, few steps, report in --out")
     options = parser.parse_args(arguments)
     options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
     options.seeds = options.seeds[:1] if options.quick else options.seeds

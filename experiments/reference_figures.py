@@ -63,7 +63,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="draw the shipped references")
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
     parser.add_argument(
-        "--quick", action="store_true", help="a trial: one, into a folder that goes"
+        "--quick", action="store_true", help="a trial: one reference, in a temporary folder"
     )
     options = parser.parse_args()
     figure = plt.figure(figsize=(12, 7.4))

@@ -25,7 +25,7 @@ def add_quick(parser: argparse.ArgumentParser, trial: str) -> None:
         trial: description of the reduced experiment.
     """
     add = parser.add_argument
-    add("--quick", action="store_true", help=f"a trial: {trial}, page beside the runs")
+    add("--quick", action="store_true", help=f"a trial: {trial}; page in the folder of the runs")
     add("--out", type=Path, help="folder of the runs; default: below flights")
     add("--report", type=Path, help="folder of the page; default: docs/results")
 

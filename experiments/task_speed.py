@@ -172,7 +172,7 @@ def page(lines: dict[str, Line], found: dict[str, Any]) -> str:
 
 def main() -> int:
     parser = arguments(__doc__ or "")
-    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="scenarios; default: all")
     options = parser.parse_args()
     unknown = [name for name in options.scenarios if name not in SCENARIOS]
     if unknown:

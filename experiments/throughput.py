@@ -223,13 +223,13 @@ def arguments(description: str) -> argparse.ArgumentParser:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="fewer, shorter trials: seconds; writes nothing unless --out is given",
+        help="fewer and shorter trials (seconds); writes nothing unless --out is given",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="FOLDER",
-        help="where page, data and images go (default: docs/results)",
+        help="folder of page, data and images (default: docs/results)",
     )
     return parser
 

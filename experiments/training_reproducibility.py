@@ -235,21 +235,27 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values, checked."""
     parser = option_parser(__doc__)
     add = parser.add_argument
-    add("--algo", choices=("ppo", "fast-ppo"), default="ppo", help="default: ppo")
-    add("--steps", type=float, help=f"per run; default: {STEPS:,}")
+    add("--algo", choices=("ppo", "fast-ppo"), default="ppo", help="learner; default: ppo")
+    add("--steps", type=float, help=f"steps per run; default: {STEPS:,}")
     add("--processes", type=int, help=f"runs per group, 2 to {len(SEEDS)}; default: {len(SEEDS)}")
-    add("--scenarios", nargs="+", choices=SETUPS, default=list(SETUPS), help="default: all")
-    add("--jobs", type=int, default=2, help="runs at a time, changes no bits; default: 2")
+    add(
+        "--scenarios",
+        nargs="+",
+        choices=SETUPS,
+        default=list(SETUPS),
+        help="scenarios; default: all",
+    )
+    add("--jobs", type=int, default=2, help="parallel runs; changes no bits; default: 2")
     add(
         "--out",
         type=Path,
-        help="folder of the runs; default: flights/training_reproducibility, with --algo's name",
+        help="folder of the runs; default: flights/training_reproducibility, with --algo appended",
     )
     add("--report", type=Path, help="folder of table, JSON and picture; default: docs/results")
     add(
         "--quick",
         action="store_true",
-        help=f"2 processes, {QUICK_STEPS:,} steps, report into --out: a trial",
+        help=f"a trial: 2 processes, {QUICK_STEPS:,} steps, report in --out",
     )
     options = parser.parse_args(arguments)
     options.name = NAME if options.algo == "ppo" else f"{NAME}_{options.algo}"

@@ -200,8 +200,8 @@ def main(arguments: list[str] | None = None) -> int:
     """Trains, evaluates, writes; returns the exit code."""
     parser = option_parser(__doc__)
     add = parser.add_argument
-    add("--seeds", type=int, nargs="+", default=[1], help="default: 1")
-    add("--train-only", action="store_true", help="evaluate and write in a later call")
+    add("--seeds", type=int, nargs="+", default=[1], help="seeds; default: 1")
+    add("--train-only", action="store_true", help="only train; a later call evaluates and writes")
     add_quick(parser, f"a rollout of one learner with {QUICK_FLEET} vehicles")
     options = parser.parse_args(arguments)
     place_quick(options, "vehicle_policy")

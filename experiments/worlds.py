@@ -225,7 +225,7 @@ def table(sections: dict[str, str]) -> str:
 
 def main() -> int:
     parser = arguments(__doc__ or "")
-    parser.add_argument("worlds", nargs="*", metavar="WORLD", help="default: all")
+    parser.add_argument("worlds", nargs="*", metavar="WORLD", help="worlds; default: all")
     options = parser.parse_args()
     unknown = [world for world in options.worlds if world not in ALL_WORLDS]
     if unknown:

@@ -58,9 +58,11 @@ def short(output: str) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="the dearest files of a build")
-    parser.add_argument("--build", type=Path, default=ROOT / "build/release", help="its folder")
-    parser.add_argument("--count", type=int, default=20, help="rows of the table")
+    parser = argparse.ArgumentParser(description="list the slowest files of a build")
+    parser.add_argument(
+        "--build", type=Path, default=ROOT / "build/release", help="folder of the build"
+    )
+    parser.add_argument("--count", type=int, default=20, help="number of rows")
     options = parser.parse_args()
     print(table(read_steps(options.build / ".ninja_log"), options.count))
     return 0

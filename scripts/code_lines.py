@@ -54,7 +54,9 @@ def lines_now(path: str) -> int:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("paths", nargs="+", help="folders or files, from the root of the project")
+    parser.add_argument(
+        "paths", nargs="+", help="folders or files, relative to the root of the project"
+    )
     parser.add_argument("--at", metavar="COMMIT", help="count in this commit instead")
     arguments = parser.parse_args()
     for path in arguments.paths:

@@ -113,7 +113,9 @@ def page(modes: dict[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description="write the control page from declared signals")
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; 1 if page or figure is behind"
+        "--check",
+        action="store_true",
+        help="write nothing; exit status 1 if page or figure is out of date",
     )
     options = parser.parse_args()
     modes = declared()

@@ -179,9 +179,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("out", type=Path, help="the picture, *.gif")
+    parser.add_argument("out", type=Path, help="picture, *.gif")
     parser.add_argument("logs", nargs="+", metavar="LOG[:EPISODE]")
-    parser.add_argument("--seconds", type=float, default=6.0, help="of flight [s] (6)")
+    parser.add_argument("--seconds", type=float, default=6.0, help="duration of the flight [s] (6)")
     parser.add_argument("--quick", action="store_true", help="a trial: four frames")
     options = parser.parse_args(arguments)
     rate = FRAMES_PER_SECOND

@@ -337,15 +337,16 @@ def panel_names(text: str) -> list[str]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(
-        prog="skybody plot", description="draw the flights of a Skybody log, a picture an episode"
+        prog="skybody plot",
+        description="draw the flights of a Skybody log, one picture per episode",
     )
     parser.add_argument("log", type=Path, help="flight.h5")
-    parser.add_argument("--pdf", action="store_true", help="PDF in place of PNG")
+    parser.add_argument("--pdf", action="store_true", help="PDF instead of PNG")
     parser.add_argument(
         "--panels",
         type=panel_names,
         metavar="A,B,...",
-        help=f"these alone, one below another: {', '.join(PANELS)}",
+        help=f"only these panels, one below another: {', '.join(PANELS)}",
     )
     parser.add_argument("--out", type=Path, help="folder of the pictures (default: the log's)")
     parser.add_argument("--most", type=int, default=3, help="draw the first N episodes (default 3)")

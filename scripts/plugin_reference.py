@@ -341,7 +341,9 @@ def first_paragraph(name: str) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description="write docs/plugin_reference.md from the headers")
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; 1 if the page is behind"
+        "--check",
+        action="store_true",
+        help="write nothing; exit status 1 if the page is out of date",
     )
     options = parser.parse_args()
     page = write_page()

@@ -27,13 +27,13 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLongestWarmUp = 1.0;  // [s]
 
 constexpr const char* kBenchFooter =
-    "Environment steps are counted, resets are not; a physics step is one of the K of a step. "
-    "Actions:\n"
-    "hold is the hold policy's action after five seconds, kept; zero the middle of every range;\n"
-    "random is uniform, drawn beforehand. The share of physics is estimated: what physics steps "
-    "cost\n"
-    "on one thread alone, over the time of all threads. Rows carry no info values. Nothing else\n"
-    "should run meanwhile.\n"
+    "Counts environment steps without resets; each consists of K physics steps. Actions:\n"
+    "- hold: the constant action of the hold policy after five seconds;\n"
+    "- zero: the middle of every range;\n"
+    "- random: uniform, drawn before the measurement.\n"
+    "The share of physics is an estimate: the time of the physics steps, measured on one thread\n"
+    "without other load, over the time of all threads. Batches contain no info values. No other\n"
+    "program should run during the measurement.\n"
     "Examples:\n"
     "  skybody bench hover --envs 128\n"
     "  skybody bench payload --envs 96 --batch 32 --order arrival --threads 4 --seconds 10 --json";
@@ -167,13 +167,14 @@ int bench(const BenchOptions& options) {
 }  // namespace
 
 void add_bench_command(CLI::App& app, Action& chosen) {
-  CLI::App* command =
-      app.add_subcommand("bench", "Measure how many steps a second environments take");
+  CLI::App* command = app.add_subcommand("bench", "Measure the environment steps per second");
   const auto options = std::make_shared<BenchOptions>();
   command->footer(kBenchFooter);
   add_scenario_options(*command, options->load);
   add_pool_options(*command, options->envs);
-  command->add_option("--seconds", options->seconds, "Time to measure, after a warm-up (5)")
+  command
+      ->add_option("--seconds", options->seconds,
+                   "Duration of the measurement, after a warm-up (5)")
       ->type_name("S")
       ->check(number_within(0.05, 86400.0));
   command->add_option("--actions", options->actions, "hold, zero or random (hold)")

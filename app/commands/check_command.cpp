@@ -17,10 +17,11 @@ namespace skybody {
 namespace {
 
 constexpr const char* kCheckFooter =
-    "Reads all that the scenario names and flies it for a few steps in checked mode, in which a\n"
-    "plugin that touches values beyond its own is named.\n"
-    "Every message goes to stderr as file:line:column: error: what. Exit status 2 if there is an\n"
-    "error; warnings alone are 0.\n"
+    "Reads the scenario with all its files and flies a few steps in checked mode, which checks "
+    "the\n"
+    "accesses and outputs of plugins.\n"
+    "Messages go to stderr as file:line:column: error: MESSAGE. Exit status: 0 no errors, perhaps\n"
+    "warnings; 2 errors.\n"
     "Examples:\n"
     "  skybody check scenarios/hover.yaml\n"
     "  skybody check scenarios/hover.yaml --parameters\n"
@@ -109,18 +110,18 @@ int check(CheckOptions options, const RefusedFiles& refused) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Action& chosen) {
-  CLI::App* command = app.add_subcommand("check", "Say what is wrong with a scenario");
+  CLI::App* command = app.add_subcommand("check", "Report the errors of a scenario");
   const auto options = std::make_shared<CheckOptions>();
   command->footer(kCheckFooter);
   add_scenario_options(*command, options->load);
   add_reference(*command, options->load);
   command->add_flag("--parameters", options->parameters,
-                    "List all randomizable values: path, unit, nominal, least, greatest");
+                    "List all randomizable values: path, unit, nominal, min, max");
   command->add_flag(
       "--columns", options->columns,
-      "List the observation's columns: name, unit, type, shape, bounds, source, whose, meaning");
+      "List the observation's columns: name, unit, type, shape, bounds, source, observer, meaning");
   command->add_flag("--states", options->states,
-                    "List what can be read of the state: path, unit, shape, frame, meaning");
+                    "List the readable values of the state: path, unit, shape, frame, meaning");
   command->callback([options, &chosen] {
     chosen = [options] {
       return run_in_child([&](const RefusedFiles& refused) { return check(*options, refused); });

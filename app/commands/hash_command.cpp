@@ -24,15 +24,15 @@ namespace {
 constexpr std::uint64_t kMost = 1000000000000;
 
 constexpr const char* kHashFooter =
-    "Each environment takes a reset and then exactly K steps; where an episode has ended, the\n"
-    "next step is a reset. Its hash is a chain over state words, observation, privileged row,\n"
-    "images, reward and status after each of them. The actions of step k of environment e are\n"
+    "Each environment takes a reset and then exactly K steps; the step after the end of an\n"
+    "episode is a reset. Its hash is a chain over state words, observation, privileged row,\n"
+    "images, reward and status after each step. The actions of step k of environment e are\n"
     "uniform in [-1, 1], drawn from Philox with key (seed, e), step k, stream `hash.action`.\n"
     "The chains are combined in the order of the environments. The hash does not depend on\n"
     "--threads, --batch and --order.\n"
-    "Ctrl-C ends a recording after the present steps; it is kept, exit status 130.\n"
-    "With --motion a second line follows: the same with q, u and rotor speeds in place of all\n"
-    "state words, which stays when a version of Skybody keeps other ones.\n"
+    "Ctrl-C ends a recording after the current steps; the file is kept, exit status 130.\n"
+    "--motion prints a second line: the hash over q, u and rotor speeds instead of all state\n"
+    "words. It does not change if a version of Skybody has other state words.\n"
     "Examples:\n"
     "  skybody hash scenarios/hover.yaml --steps 20000 --seed 7\n"
     "  skybody hash payload --envs 12 --threads 4 --batch 4 --order arrival\n"
@@ -141,13 +141,13 @@ int hash(const HashOptions& options) {
 }  // namespace
 
 void add_hash_command(CLI::App& app, Action& chosen) {
-  CLI::App* command = app.add_subcommand("hash", "Print a hash over all states of a flight");
+  CLI::App* command = app.add_subcommand("hash", "Print a hash of all states of a flight");
   const auto options = std::make_shared<HashOptions>();
   command->footer(kHashFooter);
   add_scenario_options(*command, options->load);
   add_checked(*command, options->load);
   add_pool_options(*command, options->envs);
-  command->add_option("--steps", options->steps, "Steps of each environment (1000)")
+  command->add_option("--steps", options->steps, "Steps per environment (1000)")
       ->type_name("K")
       ->check(whole_number(1, kMost));
   command->add_option("--seed", options->envs.seed, "Key of all random numbers (0)")
@@ -156,8 +156,8 @@ void add_hash_command(CLI::App& app, Action& chosen) {
   command->add_option("--record", options->record, "Write a recording for `skybody replay`")
       ->type_name("FILE");
   command->add_flag("--states", options->states,
-                    "With all state words, so that a replay which parts can name them");
-  command->add_flag("--motion", options->motion, "Print the hash of the motion alone as well");
+                    "Record all state words, so that a replay that differs can name them");
+  command->add_flag("--motion", options->motion, "Also print the hash of only the motion");
   command->callback([options, &chosen] { chosen = [options] { return hash(*options); }; });
 }
 

@@ -14,12 +14,11 @@ namespace skybody {
 namespace {
 
 constexpr const char* kModesFooter =
-    "With a scenario: the chains of its robots and teams level by level, each level with what\n"
-    "actions -1 and +1 mean there, and all modes that the robot could be flown in. A policy may\n"
-    "enter at any level: leave out the controllers before it. Without: all levels and "
-    "controllers,\n"
-    "asked about a quadrotor with a joint; for any other vehicle sizes and ranges differ.\n"
-    "What the levels mean: docs/control-modes.md.\n"
+    "With a scenario: the control chains of its robots and teams, level by level, the meaning of\n"
+    "actions -1 and +1 at each level, and all possible modes of each robot. A policy may enter at\n"
+    "any level: omit the controllers before it. Without a scenario: all levels and controllers\n"
+    "for a quadrotor with a joint; sizes and ranges differ for other vehicles.\n"
+    "docs/control-modes.md defines the levels.\n"
     "Examples:\n"
     "  skybody modes hover\n"
     "  skybody modes\n"
@@ -75,8 +74,8 @@ int print_modes(ModesOptions options, const RefusedFiles& refused) {
 }  // namespace
 
 void add_modes_command(CLI::App& app, Action& chosen) {
-  CLI::App* command =
-      app.add_subcommand("modes", "Show levels of control and where a policy may enter");
+  CLI::App* command = app.add_subcommand(
+      "modes", "Show the levels of control and the possible inputs for a policy");
   const auto options = std::make_shared<ModesOptions>();
   command->footer(kModesFooter);
   add_scenario_options(*command, options->load);

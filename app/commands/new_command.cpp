@@ -11,17 +11,15 @@ namespace skybody {
 namespace {
 
 constexpr const char* kNewFooter =
-    "Writes the folder DIR/NAME: a small plugin that works, its build file, a test, a scenario "
-    "that\n"
-    "flies it and a README with the commands. `skybody new vehicle` writes a vehicle.\n"
+    "Writes the folder DIR/NAME: a small working plugin, its build file, a test, a scenario that\n"
+    "uses it and a README with the commands. `skybody new vehicle` writes a vehicle.\n"
     "Examples:\n"
     "  skybody new controller my_law && cat my_law/README.md\n"
     "  skybody new vehicle --mass 0.45 --arm 0.11 --thrust-to-weight 6";
 
 constexpr const char* kVehicleFooter =
-    "Writes the folder DIR/NAME: a URDF, rotors.yaml, a scenario that flies it and a README. What "
-    "is\n"
-    "not given follows by the scaling laws of the randomizer `vehicle`.\n"
+    "Writes the folder DIR/NAME: a URDF, rotors.yaml, a scenario that flies the vehicle and a\n"
+    "README. All other properties follow from the scaling laws of the randomizer `vehicle`.\n"
     "Example:\n"
     "  skybody new vehicle my_hexa --mass 1.2 --arm 0.3 --thrust-to-weight 3 --rotors 6";
 
@@ -52,15 +50,14 @@ std::vector<std::string> kind_words() {
 }
 
 void add_folder(CLI::App& command, std::filesystem::path& folder) {
-  command.add_option("--dir", folder, "Folder in which the new folder is made (.)")
-      ->type_name("DIR");
+  command.add_option("--dir", folder, "Parent of the new folder (.)")->type_name("DIR");
 }
 
 void add_new_vehicle_command(CLI::App& parent, Action& chosen) {
-  CLI::App* command = parent.add_subcommand("vehicle", "Write a vehicle to start from");
+  CLI::App* command = parent.add_subcommand("vehicle", "Write a starter vehicle");
   const auto options = std::make_shared<VehicleOptions>();
   command->footer(kVehicleFooter);
-  command->add_option("NAME", options->name, "Its name (vehicle)")->type_name("");
+  command->add_option("NAME", options->name, "Name of the vehicle (vehicle)")->type_name("");
   const auto add_number = [&](const char* name, double& value, const char* doc, double least,
                               double greatest) {
     command->add_option(name, value, doc)
@@ -69,13 +66,15 @@ void add_new_vehicle_command(CLI::App& parent, Action& chosen) {
         ->check(number_within(least, greatest));
   };
   add_number("--mass", options->mass, "Mass [kg]", 1e-3, 1e3);
-  add_number("--arm", options->arm, "From the middle to a hub [m]", 1e-3, 10.0);
+  add_number("--arm", options->arm, "Distance from the centre to a hub [m]", 1e-3, 10.0);
   add_number("--thrust-to-weight", options->thrust_to_weight,
-             "All rotors at their largest speed, by the weight", 1.05, 20.0);
-  command->add_option("--rotors", options->rotors, "How many, an even number (4)")
+             "Thrust of all rotors at their largest speed, over the weight", 1.05, 20.0);
+  command->add_option("--rotors", options->rotors, "Number of rotors, even (4)")
       ->type_name("")
       ->check(whole_number(4, 16));
-  command->add_option("--layout", options->layout, "x: two arms beside the x axis; plus: one on it")
+  command
+      ->add_option("--layout", options->layout,
+                   "x: the x axis is between two arms; plus: one arm is on it")
       ->type_name("")
       ->check(one_of("layout", {"x", "plus"}));
   add_folder(*command, options->folder);
@@ -85,7 +84,7 @@ void add_new_vehicle_command(CLI::App& parent, Action& chosen) {
 }  // namespace
 
 void add_new_command(CLI::App& app, Action& chosen) {
-  CLI::App* command = app.add_subcommand("new", "Write a plugin or a vehicle to start from");
+  CLI::App* command = app.add_subcommand("new", "Write a starter project: a plugin or a vehicle");
   const auto options = std::make_shared<NewOptions>();
   command->footer(kNewFooter);
   command->add_option("KIND", options->kind, kind_names())

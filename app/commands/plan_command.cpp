@@ -27,12 +27,12 @@ constexpr double kFar = 1e5;           // [m]
 constexpr double kRowInterval = 0.02;  // [s] between rows of the table
 
 constexpr const char* kPlanFooter =
-    "GATES.yaml has `start` and `finish`, at rest, and `gates`, each with `position`, and perhaps\n"
-    "`direction`, along which it is passed, and `reach`, how far from its middle that may be.\n"
-    "ROBOT is a scenario, a shipped model or a URDF file; the first robot with rotors is taken.\n"
-    "Lines are tried at random, each at the fastest pace that the vehicle can fly with the "
-    "reserve\n"
-    "left over; the quickest one is written. Ctrl-C ends the search; what was found is kept.\n"
+    "GATES.yaml has `start` and `finish`, at rest, and `gates`, each with `position`, and\n"
+    "optionally `direction` (of the passage) and `reach` (largest distance of the passage from\n"
+    "the gate's centre). ROBOT is a scenario, a shipped model or a URDF file; the first robot\n"
+    "with rotors is used. The search tries random lines, each at the fastest pace that the\n"
+    "vehicle can fly with the reserve left, and writes the fastest one. Ctrl-C ends the search\n"
+    "and writes the best line so far.\n"
     "Examples:\n"
     "  skybody plan gates.yaml qdrone2 --out race.csv\n"
     "  skybody run hover --reference csv:file=race.csv";
@@ -51,21 +51,22 @@ struct PlanOptions {
 const MapSpec& gate_fields() {
   static const MapSpec spec{
       "gate",
-      "What is passed.",
-      {required(vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its middle in W")),
+      "A gate to pass.",
+      {required(
+           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "position of its centre in W")),
        vector_field("direction", "", {0, 0, 0}, -kFar, kFar,
-                    "along which it is passed; 0: from anywhere, through the middle"),
-       real_field("reach", "m", 0, 0, kFar, "how far from the middle it may be passed")}};
+                    "direction of the passage; 0: any, through the centre"),
+       real_field("reach", "m", 0, 0, kFar, "largest distance of the passage from the centre")}};
   return spec;
 }
 
 const MapSpec& course_fields() {
   static const MapSpec spec{
       "course",
-      "What is flown.",
-      {required(vector_field("start", "m", {0, 0, 0}, -kFar, kFar, "where it begins, at rest")),
-       required(vector_field("finish", "m", {0, 0, 0}, -kFar, kFar, "where it ends, at rest")),
-       map_field("gates", Field::Kind::kMapList, gate_fields(), "in their order")}};
+      "The course to fly.",
+      {required(vector_field("start", "m", {0, 0, 0}, -kFar, kFar, "start point, at rest")),
+       required(vector_field("finish", "m", {0, 0, 0}, -kFar, kFar, "end point, at rest")),
+       map_field("gates", Field::Kind::kMapList, gate_fields(), "gates, in order")}};
   return spec;
 }
 
@@ -195,7 +196,7 @@ int plan(PlanOptions options) {
 }  // namespace
 
 void add_plan_command(CLI::App& app, Action& chosen) {
-  CLI::App* command = app.add_subcommand("plan", "Find a quick line through gates");
+  CLI::App* command = app.add_subcommand("plan", "Find a fast line through gates");
   const auto options = std::make_shared<PlanOptions>();
   command->footer(kPlanFooter);
   command->add_option("GATES", options->gates, "YAML file with start, gates and finish")
@@ -204,16 +205,16 @@ void add_plan_command(CLI::App& app, Action& chosen) {
   command->add_option("ROBOT", options->load.scenario, "A scenario, a shipped model or a URDF file")
       ->required()
       ->type_name("");
-  command->add_option("--out", options->out, "The table (race_line.csv)")->type_name("FILE");
-  command->add_option("--samples", options->samples, "Lines that are tried (20000)")
+  command->add_option("--out", options->out, "Output table (race_line.csv)")->type_name("FILE");
+  command->add_option("--samples", options->samples, "Number of lines to try (20000)")
       ->type_name("N")
       ->check(whole_number(1, 1000000));
-  command->add_option("--seed", options->seed, "Of the samples (0)")
+  command->add_option("--seed", options->seed, "Seed of the random lines (0)")
       ->type_name("S")
       ->check(whole_number(0, UINT64_MAX));
   command
       ->add_option("--reserve", options->reserve,
-                   "Share of the rotors' thrust that is left to feedback (0.15)")
+                   "Share of the rotors' thrust that is reserved for feedback (0.15)")
       ->type_name("SHARE")
       ->check(number_within(0.0, 0.9));
   command->add_option("--max-tilt", options->max_tilt, "Largest tilt [rad] (3)")

@@ -18,9 +18,9 @@ namespace skybody {
 namespace {
 
 constexpr const char* kPluginsFooter =
-    "Looks in --plugin-path, SKYBODY_PLUGIN_PATH and the folder of shipped plugins. `lanes` says\n"
-    "whether a plugin serves several environments at a time. Files that cannot be used are listed\n"
-    "below the table, with the reason.\n"
+    "Searches --plugin-path, SKYBODY_PLUGIN_PATH and the folder of shipped plugins. The column\n"
+    "`lanes` states whether a plugin computes several environments at a time. Files that cannot\n"
+    "be used are listed below the table, with the reason.\n"
     "Examples:\n"
     "  skybody plugins --verbose\n"
     "  skybody plugins --markdown controller/rotor_speed";
@@ -101,11 +101,11 @@ int list_plugins(PluginsOptions options, const RefusedFiles& refused) {
 }  // namespace
 
 void add_plugins_command(CLI::App& app, Action& chosen) {
-  CLI::App* command = app.add_subcommand("plugins", "List all plugins that are found");
+  CLI::App* command = app.add_subcommand("plugins", "List all plugins on the search path");
   const auto options = std::make_shared<PluginsOptions>();
   command->footer(kPluginsFooter);
   add_plugin_path(*command, options->load);
-  command->add_flag("--verbose", options->verbose, "With every parameter of every plugin");
+  command->add_flag("--verbose", options->verbose, "Also list the parameters of every plugin");
   command->add_option("--markdown", options->markdown, "Print one plugin's parameters in Markdown")
       ->type_name("KIND/NAME");
   command->callback([options, &chosen] {

@@ -22,7 +22,7 @@ struct PythonCommand {
 
 constexpr PythonCommand kCommands[] = {
     {"train", "skybody.train", "Train a policy in a scenario, reproducibly"},
-    {"tune", "skybody.tune", "Fit gains of a chain of controllers to a vehicle"},
+    {"tune", "skybody.tune", "Fit the gains of a chain of controllers to a vehicle"},
     {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
 };
 

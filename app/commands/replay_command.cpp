@@ -19,13 +19,11 @@ namespace skybody {
 namespace {
 
 constexpr const char* kReplayFooter =
-    "FILE was written by `skybody hash --record FILE` or from Python by `envs.record(FILE)`. It "
-    "has\n"
-    "what was sent to the environments and a hash after each transition; all of it is done again, "
-    "on\n"
-    "any number of threads, and every hash compared. Exit status: 0 identical, 1 the runs part, 2 "
-    "an\n"
-    "error. With --against, two recordings are compared and nothing is run.\n"
+    "FILE is written by `skybody hash --record FILE`, or from Python by `envs.record(FILE)`. It\n"
+    "contains the inputs of the environments and a hash after each transition. The command\n"
+    "repeats the run on any number of threads and compares every hash. With --against, it\n"
+    "compares two recordings and runs nothing. Exit status: 0 identical, 1 the runs differ, 2 an\n"
+    "error.\n"
     "Examples:\n"
     "  skybody hash hover --envs 8 --steps 500 --record run.h5 --states\n"
     "  skybody replay run.h5 --threads 4\n"
@@ -94,21 +92,20 @@ int replay(const ReplayOptions& options) {
 }  // namespace
 
 void add_replay_command(CLI::App& app, Action& chosen) {
-  CLI::App* command =
-      app.add_subcommand("replay", "Run a recording again and say whether the same comes out");
+  CLI::App* command = app.add_subcommand("replay", "Repeat a recording and compare the results");
   const auto options = std::make_shared<ReplayOptions>();
   command->footer(kReplayFooter);
   command->add_option("FILE", options->file, "A recording")->required()->type_name("");
   CLI::Option* against =
       command->add_option("--against", options->against, "Another recording to compare with")
           ->type_name("FILE2");
-  command->add_option("--threads", options->threads, "Threads; 0: one per processor (0)")
+  command->add_option("--threads", options->threads, "Number of threads; 0: one per processor (0)")
       ->type_name("T")
       ->check(whole_number(0, kMostThreads))
       ->excludes(against);
   command
       ->add_option("--scenario", options->scenario,
-                   "Where the scenario lies now, if no longer where it was recorded")
+                   "Current path of the scenario, if it has moved since the recording")
       ->type_name("FILE")
       ->excludes(against);
   add_plugin_path(*command, options->load);

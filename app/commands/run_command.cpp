@@ -28,23 +28,20 @@ constexpr std::uint64_t kMostEpisodes = 1000000;
 constexpr std::uint64_t kMostSteps = 1000000000000;
 
 constexpr const char* kRunFooter =
-    "Policies: zero is the middle of every command's range; random is uniform in it, a function "
-    "of\n"
-    "seed, episode and step; hold hovers at the task's goal; shipped is the trained policy that "
-    "comes\n"
-    "with Skybody for this scenario. A trained policy is a policy.h5, a folder that has one, or a\n"
-    "training run's folder, whose newest checkpoint flies.\n"
-    "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes. "
-    "Without\n"
-    "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that "
-    "exists);\n"
-    "with --out, a log and pictures that are there are replaced once the flight is over.\n"
-    "References: circle, helix, lissajous, figure_eight, waypoints, csv, step, hold and the "
-    "paper's;\n"
-    "the controller `reference` and what leads from it to the robot's chain are put before that "
-    "chain,\n"
-    "task `watch` in the place of the scenario's own. docs/references.md has more.\n"
-    "Ctrl-C ends the flight after the present step; what was flown is kept, exit status 130.\n"
+    "Policies:\n"
+    "- zero: the middle of every command's range\n"
+    "- random: uniform in that range, a function of seed, episode and step\n"
+    "- hold: hovers at the task's goal\n"
+    "- shipped: the trained policy that Skybody has for this scenario\n"
+    "- PATH: a policy.h5, a folder with a policy.h5, or a training run's folder, of which the\n"
+    "  newest checkpoint is used\n"
+    "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes.\n"
+    "Without --out, DIR is a new folder: flights/SCENARIO-SEED, or if it exists, with -2, -3, ...\n"
+    "at the end. With --out, an existing log and pictures are replaced at the end of the flight.\n"
+    "References: circle, helix, lissajous, figure_eight, waypoints, csv, step, hold and those of\n"
+    "the paper. The controller `reference`, and controllers between it and the robot's chain, are\n"
+    "put before that chain; the task `watch` replaces the scenario's task (docs/references.md).\n"
+    "Ctrl-C ends the flight after the current step; the log is kept, exit status 130.\n"
     "Examples:\n"
     "  skybody run scenarios/hover.yaml\n"
     "  skybody run scenarios/payload.yaml --episodes 3 --seed 7 --out /tmp/payload\n"
@@ -161,9 +158,9 @@ void add_run_command(CLI::App& app, Action& chosen) {
       ->type_name("N")
       ->check(whole_number(1, kMostEpisodes));
   command
-      ->add_option(
-          "--steps", options->plan.most_steps,
-          "Most steps an episode (the horizon; 10 s where there is none, 20 s with a reference)")
+      ->add_option("--steps", options->plan.most_steps,
+                   "Largest number of steps per episode (the horizon; without one 10 s, with a "
+                   "reference 20 s)")
       ->type_name("N")
       ->check(whole_number(1, kMostSteps));
   command->add_option("--seed", options->seed, "Key of all random numbers (0)")
@@ -177,8 +174,9 @@ void add_run_command(CLI::App& app, Action& chosen) {
       ->type_name("NAME|PATH")
       ->check(policy_argument())
       ->excludes("--reference");
-  command->add_option("--out", options->out, "Folder of log and pictures")->type_name("DIR");
-  command->add_flag("--no-picture", options->no_picture, "Draw no picture");
+  command->add_option("--out", options->out, "Folder for the log and the pictures")
+      ->type_name("DIR");
+  command->add_flag("--no-picture", options->no_picture, "Draw no pictures");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 

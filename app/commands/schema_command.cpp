@@ -12,12 +12,12 @@ namespace skybody {
 namespace {
 
 constexpr const char* kSchemaFooter =
-    "The schema knows all plugins that are found now. VS Code with the YAML extension, in a "
-    "scenario:\n"
+    "The schema contains all plugins on the search path. To use it in VS Code with the YAML\n"
+    "extension, write into a scenario:\n"
     "  # yaml-language-server: $schema=scenario.schema.json\n"
     "Example:\n"
     "  skybody schema > scenario.schema.json\n"
-    "  skybody schema --markdown               the tables of docs/scenarios.md";
+    "  skybody schema --markdown               # tables of docs/scenarios.md";
 
 int print_schema(LoadOptions options, const RefusedFiles& refused) {
   options.refused_plugins = refused;

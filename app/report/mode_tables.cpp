@@ -235,7 +235,7 @@ std::string modes_text(const RobotModes& robot, const std::vector<std::string>& 
   const std::string refused = refused_text(robot.survey);
   return "\nmodes of " + join(alike) + ", as a list for `robots." + robot.robot +
          ".controllers`\n" + table +
-         (refused.empty() ? "" : "not for " + robot.robot + ":\n" + refused);
+         (refused.empty() ? "" : "not possible for " + robot.robot + ":\n" + refused);
 }
 
 }  // namespace
@@ -245,12 +245,12 @@ std::string survey_text(const ControllerSurvey& survey) {
   for (const ControllerMode& mode : survey.modes) {
     table.add({mode.plugin, mode.passes_on ? "any" : with_size(mode.takes.signal, mode.takes.count),
                mode.passes_on ? "the same" : with_size(mode.gives.signal, mode.gives.count),
-               mode.passes_on ? "of the controller behind it" : ranges_text(mode.low, mode.high),
+               mode.passes_on ? "ranges of the next controller" : ranges_text(mode.low, mode.high),
                join(mode.options)});
   }
   std::string text = signal_table() + "\n" + table.to_string();
   const std::string refused = refused_text(survey);
-  return refused.empty() ? text : text + "\nneed parameters of their own:\n" + refused;
+  return refused.empty() ? text : text + "\ncontrollers with required parameters:\n" + refused;
 }
 
 std::string survey_json(const ControllerSurvey& survey) {
@@ -276,7 +276,7 @@ std::string chains_text(const CompiledScenario& compiled, const std::vector<Robo
     text +=
         (text.empty() ? "" : "\n") + chain_heading(compiled, chain) + chain_table(compiled, chain);
   }
-  if (text.empty()) text = "no robot has controllers: there is nothing that a policy could give\n";
+  if (text.empty()) text = "no robot has controllers, so there are no actions for a policy\n";
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const std::string table = modes_table(robots[i].survey);
     std::vector<std::string> alike;

@@ -211,9 +211,9 @@ std::string reference_table(const CompiledScenario& compiled,
     }
   }
   return table.to_string() +
-         "references: errors after approach and ramp; effort: cubed rotor speeds over those in "
-         "hover; saturated: steps in which a rotor's command is at a limit; limited: steps in "
-         "which a law asks for less than it wants, by limits of its own\n";
+         "references: errors after approach and ramp; effort: cubed rotor speeds relative to "
+         "hover; saturated: steps with a rotor's command at a limit; limited: steps with a "
+         "controller's output cut by its own limits\n";
 }
 
 }  // namespace skybody

@@ -59,9 +59,9 @@ std::string reported_values(const CompiledScenario& compiled,
   std::string text = table.to_string();
   if (value > kMostRows)
     text += "and " + std::to_string(value - kMostRows) + " more, see the log\n";
-  return text + (episodes.size() > 1
-                     ? "at the end: mean of the episodes; times: of those in which they came\n"
-                     : "");
+  return text + (episodes.size() > 1 ? "at the end: mean over the episodes; times: mean over those "
+                                       "in which they occurred\n"
+                                     : "");
 }
 
 }  // namespace skybody

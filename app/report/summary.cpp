@@ -164,7 +164,7 @@ std::string summary_table(const CompiledScenario& compiled,
   }
   if (!episodes.empty()) add_total(table, goals, episodes);
   return table.to_string() + success_line(compiled, episodes) + clipped_line(compiled, episodes) +
-         (goals.empty() ? "" : "errors: mean and greatest of the last second\n") +
+         (goals.empty() ? "" : "errors: mean and largest over the last second\n") +
          whole_ends(episodes);
 }
 

@@ -39,8 +39,10 @@ class Effort:
 
 def parser(description: str | None) -> argparse.ArgumentParser:
     found = argparse.ArgumentParser(description=(description or "").split("\n")[0])
-    found.add_argument("--seconds", type=positive, default=0.2, help="of a trial")
-    found.add_argument("--trials", type=int, default=5, help="the best one counts")
+    found.add_argument("--seconds", type=positive, default=0.2, help="duration of a trial [s]")
+    found.add_argument(
+        "--trials", type=int, default=5, help="number of trials; the best one counts"
+    )
     found.add_argument("--quick", action="store_true", help="fewer sizes")
     return found
 

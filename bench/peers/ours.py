@@ -324,7 +324,7 @@ def limit(effort: measure.Effort) -> None:
 
 def main() -> None:
     parser = measure.parser(__doc__)
-    parser.add_argument("--limit", action="store_true", help="only the limit: bench_limit")
+    parser.add_argument("--limit", action="store_true", help="only measure the limit (bench_limit)")
     options = parser.parse_args()
     effort = measure.effort(parser, options)
     measure.use_cores(2)

@@ -91,7 +91,9 @@ def row(
 
 def main() -> None:
     parser = measure.parser(__doc__)
-    parser.add_argument("--checkout", type=pathlib.Path, required=True, help="its repository")
+    parser.add_argument(
+        "--checkout", type=pathlib.Path, required=True, help="folder of its repository"
+    )
     options = parser.parse_args()
     effort = measure.effort(parser, options)
     sys.path.insert(0, str(options.checkout))

@@ -190,15 +190,23 @@ def machine() -> dict[str, Any]:
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="shorter trials, fewer sizes")
-    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all rows there")
-    parser.add_argument("--picture", type=pathlib.Path, metavar="FILE", help="write bars there")
-    parser.add_argument("--markdown", type=pathlib.Path, metavar="FILE", help="write tables there")
-    parser.add_argument("--only", type=names, metavar="NAMES", help="peers, with commas")
+    parser.add_argument(
+        "--json", type=pathlib.Path, metavar="FILE", help="write all rows to this file"
+    )
+    parser.add_argument(
+        "--picture", type=pathlib.Path, metavar="FILE", help="write a bar chart to this file"
+    )
+    parser.add_argument(
+        "--markdown", type=pathlib.Path, metavar="FILE", help="write the tables to this file"
+    )
+    parser.add_argument(
+        "--only", type=names, metavar="NAMES", help="names of peers, separated by commas"
+    )
     parser.add_argument(
         "--gym-pybullet-drones",
         type=folder,
         metavar="CHECKOUT",
-        help="its repository's folder; no registry has it",
+        help="folder of its repository; it is in no registry",
     )
     return parser.parse_args(arguments)
 

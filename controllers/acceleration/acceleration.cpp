@@ -40,4 +40,4 @@ class Acceleration : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Acceleration, "acceleration", "1.0.0",
-               "Acceleration in world axes [m/s^2] and yaw [rad]; gives force.");
+               "Controls acceleration in world axes [m/s^2] and yaw [rad]; output: force.");

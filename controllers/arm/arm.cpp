@@ -191,48 +191,49 @@ class Arm : public Controller {
   }
 
   TextsParameter joints_{this,
-                         {.name = "joints", .doc = "those from the base to the link, in order"}};
-  TextParameter link_{this, {.name = "link", .doc = "that carries the end", .required = true}};
+                         {.name = "joints", .doc = "joints from the base to the link, in order"}};
+  TextParameter link_{this, {.name = "link", .doc = "link that carries the end", .required = true}};
   RealsParameter point_{this,
                         {.name = "point",
                          .unit = "m",
                          .values = {0.0, 0.0, 0.0},
-                         .doc = "the end, in the link's frame"}};
+                         .doc = "position of the end in the link's frame"}};
   TextParameter frame_{this,
                        {.name = "frame",
                         .value = "world",
                         .choices = {"world", "base"},
-                        .doc = "in which places are given"}};
+                        .doc = "frame of the commands"}};
   RealParameter orientation_weight_{this,
                                     {.name = "orientation_weight",
                                      .unit = "m/rad",
                                      .min = 0.0,
                                      .max = 1e3,
-                                     .doc = "of the error of orientation; 0: the place alone"}};
-  RealParameter damping_{this,
-                         {.name = "damping",
-                          .unit = "m",
-                          .value = 0.02,
-                          .min = 1e-4,
-                          .max = 10.0,
-                          .doc = "of the least squares: levers below it move little"}};
+                                     .doc = "weight of the orientation error; 0: position only"}};
+  RealParameter damping_{
+      this,
+      {.name = "damping",
+       .unit = "m",
+       .value = 0.02,
+       .min = 1e-4,
+       .max = 10.0,
+       .doc = "damping of the least squares: lever arms shorter than this move little"}};
   RealParameter max_rate_{this,
                           {.name = "max_rate",
                            .unit = "rad/s or m/s",
                            .value = 3.0,
                            .min = 1e-6,
                            .max = 1e6,
-                           .doc = "at which positions that it gives change at most"}};
+                           .doc = "largest rate of the output positions"}};
   RealsParameter place_min_{this,
                             {.name = "place_min",
                              .unit = "m",
                              .values = {-1.0, -1.0, -1.0},
-                             .doc = "place that action -1 means"}};
+                             .doc = "position for action -1"}};
   RealsParameter place_max_{this,
                             {.name = "place_max",
                              .unit = "m",
                              .values = {1.0, 1.0, 1.0},
-                             .doc = "place that action +1 means"}};
+                             .doc = "position for action +1"}};
 
   std::vector<Segment> segments_;
   Frame<double> end_{};  ///< in the last body's frame
@@ -245,4 +246,4 @@ class Arm : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Arm, "arm", "1.0.0",
-               "The pose of an arm's end; gives its joints' positions.");
+               "Converts the pose of an arm's end to joint positions.");

@@ -69,13 +69,13 @@ class Attitude : public Controller {
                             .unit = "rad/s",
                             .values = {10.0, 10.0, 5.0},
                             .min = 1e-6,
-                            .doc = "limits of the rates that it asks for"}};
+                            .doc = "limits of the commanded rates"}};
   RealParameter max_thrust_{this,
                             {.name = "max_thrust",
                              .unit = "N",
                              .value = 0.0,
                              .min = 0.0,
-                             .doc = "thrust that action +1 means; 0: all rotors' full thrust"}};
+                             .doc = "thrust for action +1; 0: all rotors' full thrust"}};
   TextParameter error_word_{this,
                             {.name = "error",
                              .value = "quaternion",
@@ -84,7 +84,7 @@ class Attitude : public Controller {
   BooleanParameter feed_forward_{this,
                                  {.name = "feed_forward",
                                   .value = false,
-                                  .doc = "take the desired attitude's rates, too, and add them"}};
+                                  .doc = "also read the desired attitude's rates, and add them"}};
 
   control::LimitReport report_;
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
@@ -97,4 +97,4 @@ class Attitude : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Attitude, "attitude", "1.0.0",
-               "Collective thrust [N] and attitude; gives ctbr.");
+               "Controls collective thrust [N] and attitude; output: ctbr.");

@@ -29,15 +29,15 @@ class AllocationChoice {
       : form_(owner, {.name = "allocation",
                       .value = "priority",
                       .choices = {"priority", "pseudo_inverse", "qp"},
-                      .doc = "what gives way where rotors are at their limits: yaw, then thrust, "
-                             "then roll and pitch; each rotor by itself; or by weights"}),
+                      .doc = "method at the rotors' limits: reduce yaw, then thrust, then roll and "
+                             "pitch; clamp each rotor; or weighted least squares"}),
         weights_(owner, {.name = "allocation_weights",
                          .values = {10.0, 100.0, 100.0, 1.0},
                          .count = 4,
                          .min = 1e-3,
                          .max = 1e6,
-                         .doc = "qp: of errors of thrust, roll, pitch, yaw as shares of their "
-                                "largest values"}) {}
+                         .doc = "qp: weights of the errors of thrust, roll, pitch, yaw, relative "
+                                "to their largest values"}) {}
 
   /// Whether the method differs from the default.
   bool is_chosen() const { return form() != "priority" || weights_.is_given(); }

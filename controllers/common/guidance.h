@@ -44,19 +44,18 @@ class AccelerationLimits {
                       .unit = "m/s^2",
                       .value = defaults.side,
                       .min = 1e-3,
-                      .doc = "limit of the horizontal acceleration asked for"}),
+                      .doc = "limit of the desired horizontal acceleration"}),
         up_(owner, {.name = "max_acceleration_up",
                     .unit = "m/s^2",
                     .value = defaults.up,
                     .min = 1e-3,
-                    .doc = "limit of the upward acceleration asked for"}),
-        down_(owner,
-              {.name = "max_acceleration_down",
-               .unit = "m/s^2",
-               .value = defaults.down,
-               .min = 1e-3,
-               .doc = "limit of the downward acceleration asked for; at most 0.9 g, to which the "
-                      "default is lowered"}),
+                    .doc = "limit of the desired upward acceleration"}),
+        down_(owner, {.name = "max_acceleration_down",
+                      .unit = "m/s^2",
+                      .value = defaults.down,
+                      .min = 1e-3,
+                      .doc = "limit of the desired downward acceleration; at most 0.9 g, to which "
+                             "the default is lowered"}),
         by_thrust_(defaults.by_thrust) {}
 
   /// @throws std::runtime_error if the downward limit leaves no thrust for steering
@@ -146,7 +145,7 @@ class Integral {
                       .unit = "m/s^2",
                       .value = 2.0,
                       .min = 1e-3,
-                      .doc = "limit of the integral's part, each axis"}) {}
+                      .doc = "limit of the integral term, each axis"}) {}
 
   void configure(const Setup& setup) {
     const Vec3<double> k = ki_.vec3();

@@ -66,22 +66,23 @@ class PathCheck {
       owner_,
       {.name = "check",
        .value = true,
-       .doc = "refuse a path that the robot cannot fly, by its nominal constants in still air"}};
-  RealParameter max_tilt_{owner_,
-                          {.name = "max_tilt",
-                           .unit = "rad",
-                           .value = kPi,
-                           .min = 1e-3,
-                           .max = kPi,
-                           .doc = "of the check: largest angle of the base's z to the vertical"}};
+       .doc = "reject a path that the robot cannot fly, by its nominal constants in still air"}};
+  RealParameter max_tilt_{
+      owner_,
+      {.name = "max_tilt",
+       .unit = "rad",
+       .value = kPi,
+       .min = 1e-3,
+       .max = kPi,
+       .doc = "check: largest angle between the base's z axis and the vertical"}};
   RealParameter max_rate_{owner_,
                           {.name = "max_rate",
                            .unit = "rad/s",
                            .value = 35.0,
                            .min = 1e-3,
                            .max = 1e4,
-                           .doc = "of the check: largest body rate about each axis; the default "
-                                  "is what common gyroscopes measure, 2000 degrees/s"}};
+                           .doc = "check: largest body rate about each axis; default: range of "
+                                  "common gyroscopes, 2000 degrees/s"}};
 };
 
 }  // namespace skybody::control

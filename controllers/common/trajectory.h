@@ -34,7 +34,7 @@ class DragFeedforward {
   explicit DragFeedforward(Plugin* owner)
       : on_(owner, {.name = "drag",
                     .value = true,
-                    .doc = "feed the rotors' nominal drag at the reference's velocity forward"}) {}
+                    .doc = "feed forward the rotors' nominal drag at the reference's velocity"}) {}
 
   void configure(const Setup& setup, int robot) {
     if (!on_.value()) return;
@@ -74,15 +74,15 @@ class TrajectoryInput {
                         .value = 1,
                         .min = 1,
                         .max = 1000,
-                        .doc = "points of the trajectory that is taken; the first one counts"}),
+                        .doc = "points of the trajectory; only the first one is used"}),
         low_(owner, {.name = "position_min",
                      .unit = "m",
                      .values = {-5.0, -5.0, 0.5},
-                     .doc = "position that action -1 means (W)"}),
+                     .doc = "position for action -1 (W)"}),
         high_(owner, {.name = "position_max",
                       .unit = "m",
                       .values = {5.0, 5.0, 3.0},
-                      .doc = "position that action +1 means (W)"}) {}
+                      .doc = "position for action +1 (W)"}) {}
 
   /// @throws std::runtime_error if the box's minimum is not below its maximum
   void configure(const Setup& setup) const {

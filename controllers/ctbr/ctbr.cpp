@@ -88,11 +88,12 @@ class Ctbr : public Controller {
     output.set(3, torque);
   }
 
-  TextParameter apply_{this,
-                       {.name = "apply",
-                        .value = "rotors",
-                        .choices = {"rotors", "body"},
-                        .doc = "rotors: by allocation; body: as a lagged wrench (eq. 1 and 2)"}};
+  TextParameter apply_{
+      this,
+      {.name = "apply",
+       .value = "rotors",
+       .choices = {"rotors", "body"},
+       .doc = "rotors: by allocation; body: lagged wrench on the body (eq. 1 and 2)"}};
   BooleanParameter pd_{this,
                        {.name = "pd",
                         .value = true,
@@ -102,49 +103,52 @@ class Ctbr : public Controller {
                       .unit = "1/s",
                       .values = {20.0, 20.0, 8.0},
                       .min = 0.0,
-                      .doc = "proportional gains; N m s/rad where inertia_scaled is false",
+                      .doc = "proportional gains; N m s/rad if inertia_scaled is false",
                       .randomizable = true}};
   RealsParameter kd_{this,
                      {.name = "kd",
                       .values = {0.1, 0.1, 0.1},
                       .min = 0.0,
-                      .doc = "derivative gains; N m s^2/rad where inertia_scaled is false",
+                      .doc = "derivative gains; N m s^2/rad if inertia_scaled is false",
                       .randomizable = true}};
   BooleanParameter scaled_{this,
                            {.name = "inertia_scaled",
                             .value = true,
                             .doc = "multiply the gains by the base's nominal inertia"}};
-  RealParameter derivative_time_{this,
-                                 {.name = "derivative_time",
-                                  .unit = "s",
-                                  .value = 0.005,
-                                  .min = 0.0,
-                                  .doc = "time constant of the filter behind kd; 0: none"}};
+  RealParameter derivative_time_{
+      this,
+      {.name = "derivative_time",
+       .unit = "s",
+       .value = 0.005,
+       .min = 0.0,
+       .doc = "time constant of the filter of the derivative; 0: no filter"}};
   RealsParameter max_rate_{this,
                            {.name = "max_rate",
                             .unit = "rad/s",
                             .values = {10.0, 10.0, 5.0},
                             .min = 1e-6,
                             .max = 1000.0,
-                            .doc = "rates that action +1 means; commands are held to them"}};
-  RealParameter time_up_{this,
-                         {.name = "time_constant_up",
-                          .unit = "s",
-                          .value = -1.0,
-                          .min = -1.0,
-                          .doc = "body: lag while a channel grows; below 0: the rotors' mean"}};
-  RealParameter time_down_{this,
-                           {.name = "time_constant_down",
-                            .unit = "s",
-                            .value = -1.0,
-                            .min = -1.0,
-                            .doc = "body: lag while a channel shrinks; below 0: the rotors' mean"}};
+                            .doc = "rates for action +1; commands are clamped to them"}};
+  RealParameter time_up_{
+      this,
+      {.name = "time_constant_up",
+       .unit = "s",
+       .value = -1.0,
+       .min = -1.0,
+       .doc = "body: time constant of the lag while a channel grows; below 0: the rotors' mean"}};
+  RealParameter time_down_{
+      this,
+      {.name = "time_constant_down",
+       .unit = "s",
+       .value = -1.0,
+       .min = -1.0,
+       .doc = "body: time constant of the lag while a channel shrinks; below 0: the rotors' mean"}};
   RealParameter max_thrust_{this,
                             {.name = "max_thrust",
                              .unit = "N",
                              .value = 0.0,
                              .min = 0.0,
-                             .doc = "thrust that action +1 means; 0: all rotors' full thrust"}};
+                             .doc = "thrust for action +1; 0: all rotors' full thrust"}};
   control::AllocationChoice allocation_{this};
 
   control::ThrustTorque actuators_;
@@ -158,4 +162,5 @@ class Ctbr : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Ctbr, "ctbr", "1.0.0", "Collective thrust [N] and body rates [rad/s].");
+SKYBODY_PLUGIN(skybody::Ctbr, "ctbr", "1.0.0",
+               "Controls collective thrust [N] and body rates [rad/s].");

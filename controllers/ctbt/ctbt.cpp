@@ -36,35 +36,38 @@ class Ctbt : public Controller {
   }
 
  private:
-  TextParameter apply_{this,
-                       {.name = "apply",
-                        .value = "rotors",
-                        .choices = {"rotors", "body"},
-                        .doc = "rotors: by allocation; body: as a lagged wrench (eq. 1 and 2)"}};
-  RealParameter time_up_{this,
-                         {.name = "time_constant_up",
-                          .unit = "s",
-                          .value = -1.0,
-                          .min = -1.0,
-                          .doc = "body: lag while a channel grows; below 0: the rotors' mean"}};
-  RealParameter time_down_{this,
-                           {.name = "time_constant_down",
-                            .unit = "s",
-                            .value = -1.0,
-                            .min = -1.0,
-                            .doc = "body: lag while a channel shrinks; below 0: the rotors' mean"}};
+  TextParameter apply_{
+      this,
+      {.name = "apply",
+       .value = "rotors",
+       .choices = {"rotors", "body"},
+       .doc = "rotors: by allocation; body: lagged wrench on the body (eq. 1 and 2)"}};
+  RealParameter time_up_{
+      this,
+      {.name = "time_constant_up",
+       .unit = "s",
+       .value = -1.0,
+       .min = -1.0,
+       .doc = "body: time constant of the lag while a channel grows; below 0: the rotors' mean"}};
+  RealParameter time_down_{
+      this,
+      {.name = "time_constant_down",
+       .unit = "s",
+       .value = -1.0,
+       .min = -1.0,
+       .doc = "body: time constant of the lag while a channel shrinks; below 0: the rotors' mean"}};
   RealParameter max_thrust_{this,
                             {.name = "max_thrust",
                              .unit = "N",
                              .value = 0.0,
                              .min = 0.0,
-                             .doc = "thrust that action +1 means; 0: all rotors' full thrust"}};
+                             .doc = "thrust for action +1; 0: all rotors' full thrust"}};
   RealsParameter max_torque_{this,
                              {.name = "max_torque",
                               .unit = "N m",
                               .values = {0.0, 0.0, 0.0},
                               .min = 0.0,
-                              .doc = "torques that action +1 means; 0: what the rotors can do"}};
+                              .doc = "torques for action +1; 0: the rotors' largest torques"}};
   control::AllocationChoice allocation_{this};
 
   control::ThrustTorque actuators_;
@@ -73,4 +76,5 @@ class Ctbt : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Ctbt, "ctbt", "1.0.0", "Collective thrust [N] and body torque [N m].");
+SKYBODY_PLUGIN(skybody::Ctbt, "ctbt", "1.0.0",
+               "Applies collective thrust [N] and body torque [N m].");

@@ -168,14 +168,14 @@ class Delay : public Controller {
   TextParameter signal_{this,
                         {.name = "signal",
                          .choices = signal_words(),
-                         .doc = "that it takes and gives",
+                         .doc = "input and output signal",
                          .required = true}};
   IntegerParameter values_{this,
                            {.name = "values",
                             .value = 0,
                             .min = 0,
                             .max = 1000,
-                            .doc = "of the signal; 0: as many as the signal has"}};
+                            .doc = "number of the signal's values; 0: the signal's own number"}};
   RealParameter latency_{this,
                          {.name = "latency",
                           .unit = "s",
@@ -190,12 +190,12 @@ class Delay : public Controller {
        .value = 0.0,
        .min = 0.0,
        .max = 100.0,
-       .doc = "the latency is drawn between latency - jitter and latency + jitter"}};
+       .doc = "half width of the random latency: latency - jitter to latency + jitter"}};
   TextParameter draw_{this,
                       {.name = "draw",
                        .value = "episode",
                        .choices = {"episode", "action"},
-                       .doc = "how long a drawn latency holds"}};
+                       .doc = "lifetime of a random latency"}};
 
   double per_second_ = 0.0;        ///< physics steps per second
   double seconds_per_step_ = 0.0;  ///< the physics step [s]
@@ -208,4 +208,4 @@ class Delay : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Delay, "delay", "1.0.0",
-               "Passes a command on behind a latency [s], drawn or fixed.");
+               "Delays a command by a fixed or random latency [s].");

@@ -65,7 +65,7 @@ class FlatnessLaw : public Controller {
                         {.name = "output",
                          .value = "attitude",
                          .choices = {"attitude", "ctbr", "force", "acceleration"},
-                         .doc = "what it gives; an attitude comes with its rates"}};
+                         .doc = "output; an attitude includes its rates"}};
   control::Guidance guidance_{this, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, control::kTrajectoryLimits};
   control::DragFeedforward drag_{this};
   control::TrajectoryInput trajectory_{this};
@@ -78,6 +78,6 @@ class FlatnessLaw : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(
-    skybody::FlatnessLaw, "flatness", "1.0.0",
-    "What a trajectory takes, by flatness; gives attitude, ctbr, force or acceleration.");
+SKYBODY_PLUGIN(skybody::FlatnessLaw, "flatness", "1.0.0",
+               "Follows a trajectory by differential flatness; output: attitude, ctbr, force or "
+               "acceleration.");

@@ -60,23 +60,24 @@ class Force : public Controller {
       this,
       {.name = "adds_weight",
        .value = false,
-       .doc = "true: the command is what comes on top of the robot's nominal weight"}};
+       .doc = "true: the command is added to the robot's nominal weight"}};
   BooleanParameter takes_yaw_parameter_{
-      this, {.name = "takes_yaw", .value = true, .doc = "take a heading as the fourth value"}};
+      this,
+      {.name = "takes_yaw", .value = true, .doc = "the fourth value of the input is a heading"}};
   RealParameter yaw_{this,
                      {.name = "yaw",
                       .unit = "rad",
                       .value = 0.0,
                       .min = -kPi,
                       .max = kPi,
-                      .doc = "heading where none is taken"}};
+                      .doc = "heading with `takes_yaw: false`"}};
   RealsParameter max_force_{
       this,
       {.name = "max_force",
        .unit = "N",
        .values = {0.0, 0.0, 0.0},
        .min = 0.0,
-       .doc = "forces that action +1 means; 0: the weight, upwards twice the weight in all"}};
+       .doc = "forces for action +1; 0: the weight, upwards twice the weight in total"}};
 
   bool takes_yaw_ = true;
   int base_ = 0;
@@ -87,4 +88,4 @@ class Force : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Force, "force", "1.0.0",
-               "Force of the rotors in world axes [N], and yaw; gives attitude.");
+               "Controls the rotors' force in world axes [N] and yaw [rad]; output: attitude.");

@@ -103,23 +103,23 @@ class FullPose : public Controller {
                             .unit = "m",
                             .value = 1.0,
                             .min = 1e-6,
-                            .doc = "position error that is made good at once, at most"}};
+                            .doc = "limit of the position error in the feedback"}};
   RealParameter max_turn_{this,
                           {.name = "max_turn",
                            .unit = "rad",
                            .value = 0.5,
                            .min = 1e-6,
-                           .doc = "turn that is made good at once about each axis, at most"}};
+                           .doc = "limit of the attitude error in the feedback, about each axis"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
                                 .values = {-5.0, -5.0, 0.5},
-                                .doc = "position that action -1 means (W)"}};
+                                .doc = "position for action -1 (W)"}};
   RealsParameter position_max_{this,
                                {.name = "position_max",
                                 .unit = "m",
                                 .values = {5.0, 5.0, 3.0},
-                                .doc = "position that action +1 means (W)"}};
+                                .doc = "position for action +1 (W)"}};
 
   int base_ = 0;
   double mass_ = 0.0, gravity_ = 0.0;
@@ -131,4 +131,4 @@ class FullPose : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::FullPose, "full_pose", "1.0.0",
-               "Position [m] and attitude at once; gives the robot's wrench.");
+               "Controls position [m] and attitude independently; output: the robot's wrench.");

@@ -71,7 +71,7 @@ class Geometric : public Controller {
                         {.name = "output",
                          .value = "ctbt",
                          .choices = {"ctbt", "ctbr"},
-                         .doc = "what it gives: torques, or rates for `ctbr` to follow"}};
+                         .doc = "output: torques, or rates for `ctbr`"}};
   control::Guidance guidance_{this, {6.0, 6.0, 9.0}, {4.0, 4.0, 5.4}, control::kTrajectoryLimits};
   RealsParameter attitude_gain_{this,
                                 {.name = "attitude_gain",
@@ -107,4 +107,4 @@ class Geometric : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Geometric, "geometric", "1.0.0",
-               "Follows a trajectory on SE(3); gives ctbt or ctbr.");
+               "Follows a trajectory on SE(3); output: ctbt or ctbr.");

@@ -280,33 +280,35 @@ class Indi : public Controller {
                         {.name = "signal",
                          .value = "trajectory",
                          .choices = {"trajectory", "attitude", "ctbr"},
-                         .doc = "what it takes"}};
+                         .doc = "input signal"}};
   BooleanParameter feed_forward_{this,
                                  {.name = "feed_forward",
                                   .value = false,
-                                  .doc = "attitude: take the desired attitude's rates, too"}};
+                                  .doc = "attitude: also read the desired attitude's rates"}};
   IntegerParameter period_{this,
                            {.name = "period",
                             .unit = "physics steps",
                             .value = 0,
                             .min = 0,
                             .max = 1000,
-                            .doc = "between two evaluations; 0: as many as fit into 2 ms"}};
-  RealParameter cutoff_{this,
-                        {.name = "cutoff",
-                         .unit = "Hz",
-                         .value = 30.0,
-                         .min = 1e-3,
-                         .doc = "of the filter on measured accelerations and rotors alike"}};
+                            .doc = "interval of evaluations; 0: as many as fit into 2 ms"}};
+  RealParameter cutoff_{
+      this,
+      {.name = "cutoff",
+       .unit = "Hz",
+       .value = 30.0,
+       .min = 1e-3,
+       .doc = "cutoff of the filter on measured accelerations and rotor effects"}};
   TextParameter measured_{this,
                           {.name = "measured",
                            .value = "state",
                            .choices = {"state", "imu"},
-                           .doc = "where rates and accelerations come from"}};
-  TextParameter imu_{this,
-                     {.name = "imu",
-                      .value = "imu",
-                      .doc = "measured: imu: the sensor's name; it sits at the base's frame"}};
+                           .doc = "source of rates and accelerations"}};
+  TextParameter imu_{
+      this,
+      {.name = "imu",
+       .value = "imu",
+       .doc = "measured: imu: name of the sensor, which must be at the base's frame"}};
   RealsParameter rate_gain_{this,
                             {.name = "rate_gain",
                              .unit = "1/s",
@@ -335,20 +337,20 @@ class Indi : public Controller {
                       .min = 0.0,
                       .doc = "trajectory: acceleration per velocity error, W axes",
                       .randomizable = true}};
-  RealParameter max_error_{this,
-                           {.name = "max_error",
-                            .unit = "m",
-                            .value = 1.0,
-                            .min = 1e-3,
-                            .doc = "trajectory: position error that is made good at once, at most, "
-                                   "each axis"}};
+  RealParameter max_error_{
+      this,
+      {.name = "max_error",
+       .unit = "m",
+       .value = 1.0,
+       .min = 1e-3,
+       .doc = "trajectory: limit of the position error in the feedback, each axis"}};
   RealsParameter max_rate_{this,
                            {.name = "max_rate",
                             .unit = "rad/s",
                             .values = {10.0, 10.0, 5.0},
                             .min = 1e-6,
                             .max = 1000.0,
-                            .doc = "limits of rates asked for, without those fed forward"}};
+                            .doc = "limits of the commanded rates, without feed-forward"}};
   TextParameter error_word_{this,
                             {.name = "error",
                              .value = "quaternion",
@@ -377,4 +379,5 @@ class Indi : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Indi, "indi", "1.0.0",
-               "Follows a trajectory, attitude or rates by measured accelerations.");
+               "Follows a trajectory, attitude or rates by incremental dynamic inversion of "
+               "measured accelerations.");

@@ -81,25 +81,25 @@ class Joint : public Controller {
                       {.name = "mode",
                        .value = "effort",
                        .choices = {"position", "velocity", "effort"},
-                       .doc = "what a command means"}};
+                       .doc = "meaning of a command"}};
   RealParameter stiffness_{this,
                            {.name = "stiffness",
                             .unit = "N m/rad or N/m",
                             .min = 0.0,
                             .max = 1e6,
-                            .doc = "of a position drive"}};
+                            .doc = "stiffness of a position drive"}};
   RealParameter damping_{this,
                          {.name = "damping",
                           .unit = "N m s/rad or N s/m",
                           .min = 0.0,
                           .max = 1e6,
-                          .doc = "of a position or velocity drive"}};
+                          .doc = "damping of a position or velocity drive"}};
   RealParameter effort_limit_{this,
                               {.name = "effort_limit",
                                .unit = "N m or N",
                                .min = 0.0,
                                .max = 1e6,
-                               .doc = "most that a drive gives; 0: no limit"}};
+                               .doc = "largest effort of a drive; 0: no limit"}};
   RealParameter tau_{this,
                      {.name = "tau",
                       .unit = "s",
@@ -111,10 +111,9 @@ class Joint : public Controller {
       {.name = "low",
        .min = -1e6,
        .max = 1e6,
-       .doc = "command that action -1 means; low = high: the joint's limits, or "
-              "the effort limit"}};
+       .doc = "command for action -1; low = high: the joint's limits, or the effort limit"}};
   RealParameter high_bound_{
-      this, {.name = "high", .min = -1e6, .max = 1e6, .doc = "command that action +1 means"}};
+      this, {.name = "high", .min = -1e6, .max = 1e6, .doc = "command for action +1"}};
 
   int count_ = 0;  ///< number of joints; their drives clamp commands to the bounds
 };
@@ -122,4 +121,4 @@ class Joint : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Joint, "joint", "1.0.0", "Position, velocity or effort of joints.");
+SKYBODY_PLUGIN(skybody::Joint, "joint", "1.0.0", "Drives joints by position, velocity or effort.");

@@ -151,40 +151,39 @@ class JointPd : public Controller {
                              .count = -1,
                              .min = 1e-3,
                              .max = 1e5,
-                             .doc = "of the loop: one for all joints, or one for each"}};
+                             .doc = "bandwidth of the loop: one for all joints, or one per joint"}};
   RealParameter damping_{this,
                          {.name = "damping_ratio",
                           .value = 1.0,
                           .min = 0.0,
                           .max = 100.0,
-                          .doc = "of the loop; 1: no overshoot"}};
+                          .doc = "damping ratio of the loop; 1: no overshoot"}};
   BooleanParameter bears_weight_{
-      this,
-      {.name = "gravity", .value = true, .doc = "add what bears the weight beyond the joint"}};
+      this, {.name = "gravity", .value = true, .doc = "compensate the weight beyond the joint"}};
   TextParameter constants_{this,
                            {.name = "constants",
                             .value = "nominal",
                             .choices = {"nominal", "own"},
-                            .doc = "masses and gravity that gains follow: the scenario's, or "
-                                   "those that each environment has drawn"}};
+                            .doc = "masses and gravity used for gains: the scenario's, or each "
+                                   "environment's randomized ones"}};
   RealParameter effort_limit_{this,
                               {.name = "effort_limit",
                                .unit = "N m or N",
                                .min = 0.0,
                                .max = 1e6,
-                               .doc = "most that a drive gives; 0: no limit"}};
+                               .doc = "largest effort of a drive; 0: no limit"}};
   RealParameter low_{this,
                      {.name = "low",
                       .unit = "rad or m",
                       .min = -1e6,
                       .max = 1e6,
-                      .doc = "position that action -1 means; low = high: the joint's limits"}};
+                      .doc = "position for action -1; low = high: the joint's limits"}};
   RealParameter high_{this,
                       {.name = "high",
                        .unit = "rad or m",
                        .min = -1e6,
                        .max = 1e6,
-                       .doc = "position that action +1 means"}};
+                       .doc = "position for action +1"}};
 
   std::vector<Driven> driven_;
   bool own_ = false;
@@ -196,4 +195,4 @@ class JointPd : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::JointPd, "joint_pd", "1.0.0",
-               "Positions of joints to efforts, by the inertia that they move.");
+               "Converts joint positions to efforts by a PD scaled with the moved inertia.");

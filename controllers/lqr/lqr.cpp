@@ -139,24 +139,24 @@ class Lqr : public Controller {
                         {.name = "output",
                          .value = "ctbt",
                          .choices = {"ctbt", "ctbr"},
-                         .doc = "what it gives: torques, or rates for `ctbr` to follow"}};
-  RealsParameter position_weight_{
-      this, weight("position_weight", "1/m^2", {40.0, 40.0, 60.0}, "of position errors, W axes")};
-  RealsParameter velocity_weight_{
-      this, weight("velocity_weight", "s^2/m^2", {10.0, 10.0, 10.0}, "of velocity errors, W axes")};
-  RealsParameter attitude_weight_{
-      this, weight("attitude_weight", "1/rad^2", {80.0, 80.0, 10.0}, "of attitude errors, B axes")};
+                         .doc = "output: torques, or rates for `ctbr`"}};
+  RealsParameter position_weight_{this, weight("position_weight", "1/m^2", {40.0, 40.0, 60.0},
+                                               "weight of position errors, W axes")};
+  RealsParameter velocity_weight_{this, weight("velocity_weight", "s^2/m^2", {10.0, 10.0, 10.0},
+                                               "weight of velocity errors, W axes")};
+  RealsParameter attitude_weight_{this, weight("attitude_weight", "1/rad^2", {80.0, 80.0, 10.0},
+                                               "weight of attitude errors, B axes")};
   RealsParameter rate_weight_{
       this, weight("rate_weight", "s^2/rad^2", {1.0, 1.0, 0.5},
-                   "of rate errors, B axes; ctbr: of the rates that it asks for")};
+                   "weight of rate errors, B axes; ctbr: of the commanded rates")};
   RealParameter thrust_weight_{this,
                                {.name = "thrust_weight",
                                 .unit = "s^4/m^2",
                                 .value = 0.7,
                                 .min = 1e-9,
-                                .doc = "of thrust per mass"}};
+                                .doc = "weight of thrust per mass"}};
   RealsParameter torque_weight_{this, weight("torque_weight", "s^4/rad^2", {0.005, 0.005, 0.01},
-                                             "ctbt: of angular acceleration, B axes")};
+                                             "ctbt: weight of angular acceleration, B axes")};
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
   control::LimitReport report_;
   TextParameter error_word_{this,
@@ -179,4 +179,4 @@ class Lqr : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Lqr, "lqr", "1.0.0",
-               "Follows a trajectory by a linear-quadratic regulator; gives ctbt or ctbr.");
+               "Follows a trajectory by a linear-quadratic regulator; output: ctbt or ctbr.");

@@ -203,39 +203,40 @@ class Mixer : public Controller {
                         {.name = "signal",
                          .value = "ctbt",
                          .choices = {"ctbt", "wrench"},
-                         .doc = "what it takes: thrust along z and torque, 4 values, or force and "
-                                "moment, 6, axes of the base"}};
+                         .doc = "input: thrust along z and torque (4 values), or force and moment "
+                                "(6 values), axes of the base"}};
   RealsParameter matrix_{this,
                          {.name = "rotors",
                           .count = -1,
                           .doc = "matrix: thrust of each rotor [N] per value of the input, row by "
                                  "row; none, for `wrench` alone: the pseudo-inverse"}};
   TextsParameter joints_{this, {.name = "joints", .doc = "revolute and prismatic joints to drive"}};
-  RealsParameter servo_matrix_{this,
-                               {.name = "servos",
-                                .count = -1,
-                                .doc = "matrix: place of each joint [rad] or [m] per value of the "
-                                       "input, row by row"}};
+  RealsParameter servo_matrix_{
+      this,
+      {.name = "servos",
+       .count = -1,
+       .doc = "matrix: position of each joint [rad] or [m] per value of the input, row by row"}};
   RealsParameter neutral_{this,
                           {.name = "neutral",
                            .unit = "rad or m",
                            .count = -1,
-                           .doc = "place of each joint at an input of 0; none: 0"}};
+                           .doc = "position of each joint for an input of 0; none: 0"}};
   control::Servo servo_{this};
-  RealParameter max_thrust_{this,
-                            {.name = "max_thrust",
-                             .unit = "N",
-                             .value = 0.0,
-                             .min = 0.0,
-                             .doc = "thrust, or force, that action +1 means; 0: twice the robot's "
-                                    "weight"}};
-  RealsParameter max_torque_{this,
-                             {.name = "max_torque",
-                              .unit = "N m",
-                              .values = {0.0, 0.0, 0.0},
-                              .min = 0.0,
-                              .doc = "torques that action +1 means; 0: what takes a rotor or a "
-                                     "joint to its limit"}};
+  RealParameter max_thrust_{
+      this,
+      {.name = "max_thrust",
+       .unit = "N",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "thrust, or force, for action +1; 0: twice the robot's weight"}};
+  RealsParameter max_torque_{
+      this,
+      {.name = "max_torque",
+       .unit = "N m",
+       .values = {0.0, 0.0, 0.0},
+       .min = 0.0,
+       .doc =
+           "torques for action +1; 0: the torque at which a rotor or a joint reaches its limit"}};
 
   std::vector<Rotor> rotors_;
   std::vector<ServoRow> servos_;
@@ -247,4 +248,4 @@ class Mixer : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Mixer, "mixer", "1.0.0",
-               "Thrust and torque, or a wrench, to rotors and servos by a matrix.");
+               "Maps thrust and torque, or a wrench, to rotors and servos by a matrix.");

@@ -219,7 +219,7 @@ class Nmpc : public Controller {
                              .value = 20,
                              .min = 2,
                              .max = kMostNodes,
-                             .doc = "steps that it looks ahead; times rotors at most 160"}};
+                             .doc = "number of predicted steps; times rotors at most 160"}};
   RealParameter node_step_{this,
                            {.name = "node_step",
                             .unit = "s",
@@ -233,27 +233,27 @@ class Nmpc : public Controller {
                             .value = 10,
                             .min = 1,
                             .max = 1000,
-                            .doc = "between two iterations; at most node_step"}};
+                            .doc = "interval of iterations; at most node_step"}};
   BooleanParameter preview_{
       this,
       {.name = "preview",
        .value = false,
-       .doc = "true: it takes horizon + 1 points, one a node_step, the first of now; false: one "
-              "point, and what lies ahead follows from its derivatives"}};
+       .doc = "true: the input has horizon + 1 points, one per node_step, the first for now; "
+              "false: one point, extrapolated by its derivatives"}};
   RealsParameter position_weight_{this,
                                   {.name = "position_weight",
                                    .unit = "1/m^2",
                                    .values = {200.0, 200.0, 200.0},
                                    .min = 1e-9,
                                    .max = 1e9,
-                                   .doc = "of squared position errors, W axes"}};
+                                   .doc = "weight of squared position errors, W axes"}};
   RealsParameter velocity_weight_{this,
                                   {.name = "velocity_weight",
                                    .unit = "s^2/m^2",
                                    .values = {10.0, 10.0, 10.0},
                                    .min = 1e-9,
                                    .max = 1e9,
-                                   .doc = "of squared velocity errors, W axes"}};
+                                   .doc = "weight of squared velocity errors, W axes"}};
   RealsParameter attitude_weight_{
       this,
       {.name = "attitude_weight",
@@ -261,87 +261,88 @@ class Nmpc : public Controller {
        .values = {10.0, 10.0, 10.0},
        .min = 1e-9,
        .max = 1e9,
-       .doc = "of squared turns from the reference's attitude, B axes"}};
+       .doc = "weight of squared rotations from the reference's attitude, B axes"}};
   RealsParameter rate_weight_{this,
                               {.name = "rate_weight",
                                .unit = "s^2/rad^2",
                                .values = {0.5, 0.5, 0.5},
                                .min = 1e-9,
                                .max = 1e9,
-                               .doc = "of squared errors of the rates, B axes"}};
+                               .doc = "weight of squared rate errors, B axes"}};
   RealParameter input_weight_{this,
                               {.name = "input_weight",
                                .value = 5.0,
                                .min = 1e-9,
                                .max = 1e9,
-                               .doc = "of squared shares of a rotor's full thrust, from those that "
-                                      "the reference takes"}};
+                               .doc = "weight of squared shares of a rotor's full thrust, relative "
+                                      "to those of the reference"}};
   RealParameter terminal_{this,
                           {.name = "terminal_factor",
                            .value = 5.0,
                            .min = 1e-9,
                            .max = 1e9,
-                           .doc = "on the weights of the last node's errors"}};
+                           .doc = "factor on the weights of the last node's errors"}};
   RealParameter least_share_{this,
                              {.name = "min_share",
                               .value = 0.0,
                               .min = 0.0,
                               .max = 0.9,
-                              .doc = "of its full thrust that each rotor keeps"}};
+                              .doc = "least share of each rotor's full thrust"}};
   RealParameter position_error_{this,
                                 {.name = "max_position_error",
                                  .unit = "m",
                                  .value = 2.0,
                                  .min = 1e-3,
                                  .max = 1e3,
-                                 .doc = "a reference further away is brought as near as that"}};
-  IntegerParameter iterations_{this,
-                               {.name = "max_iterations",
-                                .value = 500,
-                                .min = 1,
-                                .max = 10000,
-                                .doc = "changes of the active set of rotors' limits; where they do "
-                                       "not do, the last inputs are kept"}};
+                                 .doc = "a more distant reference is moved to this distance"}};
+  IntegerParameter iterations_{
+      this,
+      {.name = "max_iterations",
+       .value = 500,
+       .min = 1,
+       .max = 10000,
+       .doc = "limit of changes of the active set; beyond it, the last inputs are kept"}};
   RealParameter disturbance_time_{this,
                                   {.name = "disturbance_time",
                                    .unit = "s",
                                    .value = 0.1,
                                    .min = 1e-3,
                                    .max = 1e6,
-                                   .doc = "time constant of the estimate of what disturbs"}};
+                                   .doc = "time constant of the disturbance estimate"}};
   RealParameter max_acceleration_{this,
                                   {.name = "max_disturbance",
                                    .unit = "m/s^2",
                                    .value = 5.0,
                                    .min = 0.0,
                                    .max = 100.0,
-                                   .doc = "that the estimate reaches; 0: none"}};
+                                   .doc = "limit of the estimated acceleration; 0: no estimate"}};
   RealParameter max_angular_{this,
                              {.name = "max_angular_disturbance",
                               .unit = "rad/s^2",
                               .value = 20.0,
                               .min = 0.0,
                               .max = 1e4,
-                              .doc = "likewise, of angular accelerations"}};
+                              .doc = "limit of the estimated angular acceleration"}};
   TextParameter measured_{this,
                           {.name = "measured",
                            .value = "state",
                            .choices = {"state", "imu"},
-                           .doc = "where rates and accelerations come from"}};
-  TextParameter imu_{this,
-                     {.name = "imu",
-                      .value = "imu",
-                      .doc = "measured: imu: the sensor's name; it sits at the base's frame"}};
+                           .doc = "source of rates and accelerations"}};
+  TextParameter imu_{
+      this,
+      {.name = "imu",
+       .value = "imu",
+       .doc = "measured: imu: name of the sensor, which must be at the base's frame"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
                                 .values = {-5.0, -5.0, 0.5},
-                                .doc = "position that action -1 means (W)"}};
+                                .doc = "position for action -1 (W)"}};
   RealsParameter position_max_{this,
                                {.name = "position_max",
                                 .unit = "m",
                                 .values = {5.0, 5.0, 3.0},
-                                .doc = "position that action +1 means (W)"}};
+                                .doc = "position for action +1 (W)"}};
 
   nmpc::NmpcProblem guide_;
   std::vector<RotorScale> rotors_;
@@ -354,6 +355,6 @@ class Nmpc : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(
-    skybody::Nmpc, "nmpc", "1.0.0",
-    "Model-predictive: rotor thrusts [N] along a trajectory, within the rotors' limits.");
+SKYBODY_PLUGIN(skybody::Nmpc, "nmpc", "1.0.0",
+               "Nonlinear model-predictive control of rotor thrusts [N] along a trajectory, within "
+               "the rotors' limits.");

@@ -75,26 +75,26 @@ class Position : public Controller {
                         {.name = "signal",
                          .value = "position",
                          .choices = {"position", "trajectory"},
-                         .doc = "what it takes; a trajectory's acceleration and jerk are fed "
-                                "forward"}};
+                         .doc = "input; a trajectory's acceleration and jerk are fed forward"}};
   control::Guidance guidance_{this, {4.0, 4.0, 9.0}, {3.2, 3.2, 5.4}, {}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
                                 .values = {-5.0, -5.0, 0.5},
-                                .doc = "position that action -1 means (W)"}};
+                                .doc = "position for action -1 (W)"}};
   RealsParameter position_max_{this,
                                {.name = "position_max",
                                 .unit = "m",
                                 .values = {5.0, 5.0, 3.0},
-                                .doc = "position that action +1 means (W)"}};
+                                .doc = "position for action +1 (W)"}};
 
-  IntegerParameter points_{this,
-                           {.name = "points",
-                            .value = 1,
-                            .min = 1,
-                            .max = 1000,
-                            .doc = "trajectory: points that it has; the first one counts"}};
+  IntegerParameter points_{
+      this,
+      {.name = "points",
+       .value = 1,
+       .min = 1,
+       .max = 1000,
+       .doc = "trajectory: points of the trajectory; only the first one is used"}};
 
   Vec3<double> low_{}, high_{};
   bool follows_ = false;
@@ -106,4 +106,4 @@ class Position : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Position, "position", "1.0.0",
-               "Position [m] and yaw [rad], or a trajectory; gives attitude.");
+               "Controls position [m] and yaw [rad], or follows a trajectory; output: attitude.");

@@ -135,22 +135,22 @@ class Rail : public Controller {
                          .unit = "s",
                          .count = -1,
                          .min = 0.0,
-                         .doc = "when the base is at each station; the first is 0, the reset",
+                         .doc = "time of each station; the first is 0, the reset",
                          .required = true}};
   RealsParameter positions_{
       this,
       {.name = "positions",
        .unit = "m",
        .count = -1,
-       .doc = "x, y, z of each station from where the base is at the reset, axes of W",
+       .doc = "x, y, z of each station relative to the base's position at the reset, axes of W",
        .required = true}};
   RealsParameter rpy_{this,
                       {.name = "rpy",
                        .unit = "rad",
                        .count = -1,
-                       .doc = "roll, pitch, yaw of each station about W's axes, against the reset; "
-                              "none: it does not turn"}};
-  BooleanParameter repeat_{this, {.name = "repeat", .doc = "begin again after the last station"}};
+                       .doc = "roll, pitch, yaw of each station about W's axes, relative to the "
+                              "reset; none: no rotation"}};
+  BooleanParameter repeat_{this, {.name = "repeat", .doc = "start again after the last station"}};
 
   int base_ = 0;
   double dt_ = 0.0;
@@ -160,5 +160,4 @@ class Rail : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Rail, "rail", "1.0.0",
-               "Moves the base along a path over time; takes no command.");
+SKYBODY_PLUGIN(skybody::Rail, "rail", "1.0.0", "Moves the base along a path over time; no input.");

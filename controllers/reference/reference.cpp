@@ -112,20 +112,21 @@ class Reference : public Controller {
       {.name = "gives",
        .value = "trajectory",
        .choices = {"trajectory", "position", "velocity_tracking", "acceleration"},
-       .doc = "level of the command that it gives"}};
-  IntegerParameter points_{this,
-                           {.name = "points",
-                            .value = 1,
-                            .min = 1,
-                            .max = 256,
-                            .doc = "of a trajectory: moments ahead, the first is now"}};
+       .doc = "output signal"}};
+  IntegerParameter points_{
+      this,
+      {.name = "points",
+       .value = 1,
+       .min = 1,
+       .max = 256,
+       .doc = "number of points of a trajectory ahead in time, the first for now"}};
   RealParameter spacing_{this,
                          {.name = "spacing",
                           .unit = "s",
                           .value = 0.05,
                           .min = 1e-6,
                           .max = 1e3,
-                          .doc = "from one of the points to the next"}};
+                          .doc = "time between two points"}};
 
   control::PathCheck check_{this};
   reference::Path path_;
@@ -139,4 +140,4 @@ class Reference : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Reference, "reference", "1.0.0",
-               "Where a robot should be over time: figures, waypoints, tables; takes no command.");
+               "Generates a reference motion over time: figure, waypoints or table; no input.");

@@ -42,14 +42,14 @@ class RotorSpeed : public Controller {
                            {.name = "min_speed",
                             .unit = "rad/s",
                             .value = 0.0,
-                            .doc = "speed that action -1 means; not given: each rotor's own least "
-                                   "speed, 0 of those that turn one way"}};
+                            .doc = "speed for action -1; not given: each rotor's own least speed, "
+                                   "which is 0 unless reversible"}};
   RealParameter max_speed_{this,
                            {.name = "max_speed",
                             .unit = "rad/s",
                             .value = 0.0,
                             .min = 0.0,
-                            .doc = "speed that action +1 means; 0: each rotor's own maximum"}};
+                            .doc = "speed for action +1; 0: each rotor's own maximum"}};
 
   std::vector<Limit> limit_;  ///< one per rotor
 };
@@ -58,4 +58,4 @@ class RotorSpeed : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::RotorSpeed, "rotor_speed", "1.0.0",
-               "Speed reference per rotor [rad/s] (the paper's RPM mode).");
+               "Sets a speed reference per rotor [rad/s] (the paper's RPM mode).");

@@ -76,7 +76,7 @@ class SlidingMode : public Controller {
                             .unit = names.boundary_unit,
                             .values = std::move(boundary),
                             .min = 1e-6,
-                            .doc = "half of the boundary layer's thickness"}) {}
+                            .doc = "half the boundary layer's thickness"}) {}
 
     /// @param share  factor on default rates (lag_share)
     void configure(double share) {
@@ -135,4 +135,4 @@ class SlidingMode : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::SlidingMode, "sliding_mode", "1.0.0",
-               "Follows a trajectory in sliding mode; gives ctbt.");
+               "Follows a trajectory in sliding mode; output: ctbt.");

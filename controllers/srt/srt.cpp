@@ -41,18 +41,19 @@ class Srt : public Controller {
     double per_constant;  ///< 1 / kf
   };
 
-  RealParameter min_thrust_{this,
-                            {.name = "min_thrust",
-                             .unit = "N",
-                             .value = 0.0,
-                             .doc = "thrust that action -1 means; not given: 0, or what a "
-                                    "reversible rotor has at its min_speed"}};
+  RealParameter min_thrust_{
+      this,
+      {.name = "min_thrust",
+       .unit = "N",
+       .value = 0.0,
+       .doc =
+           "thrust for action -1; not given: 0, or a reversible rotor's thrust at its min_speed"}};
   RealParameter max_thrust_{this,
                             {.name = "max_thrust",
                              .unit = "N",
                              .value = 0.0,
                              .min = 0.0,
-                             .doc = "thrust that action +1 means; 0: each rotor's full thrust"}};
+                             .doc = "thrust for action +1; 0: each rotor's full thrust"}};
 
   std::vector<Rotor> rotors_;
 };
@@ -60,4 +61,4 @@ class Srt : public Controller {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Srt, "srt", "1.0.0", "Thrust per rotor [N] along its axis.");
+SKYBODY_PLUGIN(skybody::Srt, "srt", "1.0.0", "Sets a thrust per rotor [N] along its axis.");

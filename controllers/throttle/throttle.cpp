@@ -37,13 +37,13 @@ class Throttle : public Controller {
                       .value = 0.0,
                       .min = 0.0,
                       .max = 1.0,
-                      .doc = "throttle that action -1 means"}};
+                      .doc = "throttle for action -1"}};
   RealParameter max_{this,
                      {.name = "max_throttle",
                       .value = 1.0,
                       .min = 0.0,
                       .max = 1.0,
-                      .doc = "throttle that action +1 means"}};
+                      .doc = "throttle for action +1"}};
 
   std::vector<int> max_speed_;  ///< EnvParams, one per rotor
 };
@@ -52,4 +52,4 @@ class Throttle : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Throttle, "throttle", "1.0.0",
-               "Speed reference per rotor as a share of its own largest speed.");
+               "Sets a speed reference per rotor as a share of its own largest speed.");

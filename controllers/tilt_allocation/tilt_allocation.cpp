@@ -66,12 +66,13 @@ class TiltAllocation : public Controller {
   }
 
   control::Servo servo_{this};
-  RealParameter least_share_{this,
-                             {.name = "least_share",
-                              .value = 0.005,
-                              .min = 0.0,
-                              .max = 0.5,
-                              .doc = "of an arm's full thrust, below which it keeps its angle"}};
+  RealParameter least_share_{
+      this,
+      {.name = "least_share",
+       .value = 0.005,
+       .min = 0.0,
+       .max = 0.5,
+       .doc = "share of an arm's full thrust below which its angle is held"}};
 
   TiltArms arms_;
   TiltInverse inverse_;
@@ -82,4 +83,4 @@ class TiltAllocation : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::TiltAllocation, "tilt_allocation", "1.0.0",
-               "A wrench to rotors on tilting joints: speeds and angles.");
+               "Allocates a wrench to rotors on tilting joints: rotor speeds and joint angles.");

@@ -55,20 +55,19 @@ class Velocity : public Controller {
                       {.name = "form",
                        .value = "velocity",
                        .choices = {"velocity", "position"},
-                       .doc = "velocity: v and w in base axes; position: place and yaw, level"}};
-  RealsParameter max_velocity_{
-      this,
-      {.name = "max_velocity",
-       .unit = "m/s",
-       .values = {2.0, 2.0, 2.0},
-       .min = 1e-6,
-       .doc = "velocities that action +1 means; commands are held to them"}};
+                       .doc = "velocity: v and w in base axes; position: position and yaw, level"}};
+  RealsParameter max_velocity_{this,
+                               {.name = "max_velocity",
+                                .unit = "m/s",
+                                .values = {2.0, 2.0, 2.0},
+                                .min = 1e-6,
+                                .doc = "velocities for action +1; commands are clamped to them"}};
   RealsParameter max_rate_{this,
                            {.name = "max_rate",
                             .unit = "rad/s",
                             .values = {3.0, 3.0, 3.0},
                             .min = 1e-6,
-                            .doc = "rates that action +1 means; commands are held to them"}};
+                            .doc = "rates for action +1; commands are clamped to them"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
@@ -88,4 +87,4 @@ class Velocity : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Velocity, "velocity", "1.0.0",
-               "Kinematic velocity of the base [m/s, rad/s], or its position and yaw.");
+               "Sets the base's velocity [m/s, rad/s], or its position and yaw, kinematically.");

@@ -74,26 +74,25 @@ class VelocityTracking : public Controller {
                               "acceleration per integral of velocity error, W axes; 0: none"};
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
   control::LimitReport report_;
-  RealsParameter max_velocity_{
-      this,
-      {.name = "max_velocity",
-       .unit = "m/s",
-       .values = {5.0, 5.0, 3.0},
-       .min = 1e-6,
-       .doc = "velocities that action +1 means; commands are held to them"}};
+  RealsParameter max_velocity_{this,
+                               {.name = "max_velocity",
+                                .unit = "m/s",
+                                .values = {5.0, 5.0, 3.0},
+                                .min = 1e-6,
+                                .doc = "velocities for action +1; commands are clamped to them"}};
   RealParameter max_yaw_rate_{this,
                               {.name = "max_yaw_rate",
                                .unit = "rad/s",
                                .value = 2.0,
                                .min = 1e-6,
-                               .doc = "yaw rate that action +1 means; commands are held to it"}};
+                               .doc = "yaw rate for action +1; commands are clamped to it"}};
   RealParameter max_lead_{this,
                           {.name = "max_yaw_lead",
                            .unit = "rad",
                            .value = 0.5,
                            .min = 1e-3,
                            .max = 3.0,
-                           .doc = "how far the heading asked for runs ahead of the body's"}};
+                           .doc = "largest lead of the desired heading over the body's"}};
 
   int base_ = 0;
   double dt_ = 0.0, share_ = 1.0;
@@ -103,4 +102,4 @@ class VelocityTracking : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::VelocityTracking, "velocity_tracking", "1.0.0",
-               "Velocity in world axes [m/s] and yaw rate [rad/s]; gives acceleration.");
+               "Controls velocity in world axes [m/s] and yaw rate [rad/s]; output: acceleration.");

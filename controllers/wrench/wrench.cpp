@@ -80,19 +80,20 @@ class Wrench : public Controller {
   }
 
   TextsParameter links_{
-      this, {.name = "links", .doc = "links at whose centres of mass it acts; none: the base"}};
+      this,
+      {.name = "links", .doc = "links with a wrench at their centres of mass; none: the base"}};
   RealsParameter max_force_{this,
                             {.name = "max_force",
                              .unit = "N",
                              .values = {0.0, 0.0, 0.0},
                              .min = 0.0,
-                             .doc = "forces that action +1 means; 0: twice the robot's weight"}};
+                             .doc = "forces for action +1; 0: twice the robot's weight"}};
   RealsParameter max_moment_{this,
                              {.name = "max_moment",
                               .unit = "N m",
                               .values = {0.0, 0.0, 0.0},
                               .min = 0.0,
-                              .doc = "moments that action +1 means; 0: what the rotors could do"}};
+                              .doc = "moments for action +1; 0: the rotors' largest moments"}};
 
   Vec3<double> force_{}, moment_{};
   int sites_ = 0;
@@ -102,4 +103,4 @@ class Wrench : public Controller {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Wrench, "wrench", "1.0.0",
-               "Force [N] and moment [N m] in world axes at named links.");
+               "Applies a force [N] and a moment [N m] in world axes at named links.");

@@ -174,9 +174,10 @@ class Battery : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "who carries a pack, one each; empty: all with rotors"}};
-  IntegerParameter cells_{this,
-                          {.name = "cells", .value = 4, .min = 1, .max = 1000, .doc = "in series"}};
+      this, {.name = "robots", .doc = "robots with a pack, one each; empty: all with rotors"}};
+  IntegerParameter cells_{
+      this,
+      {.name = "cells", .value = 4, .min = 1, .max = 1000, .doc = "number of cells in series"}};
   RealsParameter open_circuit_{
       this,
       {.name = "open_circuit",
@@ -185,14 +186,14 @@ class Battery : public Effect {
        .count = -1,
        .min = 0.1,
        .max = 100.0,
-       .doc = "of a cell without current, at equally spaced charges from empty to full"}};
+       .doc = "voltage of a cell without current, at equally spaced charges from empty to full"}};
   RealParameter capacity_{this,
                           {.name = "capacity",
                            .unit = "A h",
                            .value = 3.0,
                            .min = 1e-6,
                            .max = 1e6,
-                           .doc = "of the pack, from full to empty",
+                           .doc = "capacity of the pack, from full to empty",
                            .randomizable = true}};
   RealParameter internal_resistance_{this,
                                      {.name = "internal_resistance",
@@ -200,14 +201,14 @@ class Battery : public Effect {
                                       .value = 0.02,
                                       .min = 0.0,
                                       .max = 1000.0,
-                                      .doc = "of the pack",
+                                      .doc = "internal resistance of the pack",
                                       .randomizable = true}};
   RealParameter initial_charge_{this,
                                 {.name = "initial_charge",
                                  .value = 1.0,
                                  .min = 0.0,
                                  .max = 1.0,
-                                 .doc = "when an episode begins; 1: full",
+                                 .doc = "charge at the beginning of an episode; 1: full",
                                  .randomizable = true}};
   RealParameter efficiency_{
       this,
@@ -215,7 +216,7 @@ class Battery : public Effect {
        .value = 0.7,
        .min = 0.01,
        .max = 1.0,
-       .doc = "power that the air takes from the rotors, by power that these take from the pack",
+       .doc = "aerodynamic power of the rotors over their power from the pack",
        .randomizable = true}};
   RealParameter hotel_power_{this,
                              {.name = "hotel_power",
@@ -223,7 +224,7 @@ class Battery : public Effect {
                               .value = 0.0,
                               .min = 0.0,
                               .max = 1e6,
-                              .doc = "of everything but the rotors",
+                              .doc = "power of all consumers except the rotors",
                               .randomizable = true}};
   RealParameter speed_per_volt_{
       this,
@@ -232,7 +233,7 @@ class Battery : public Effect {
        .value = 0.0,
        .min = 0.0,
        .max = 1e5,
-       .doc = "largest speed of a rotor by voltage; 0: `max_speed` by the voltage of a full pack"}};
+       .doc = "largest speed of a rotor per volt; 0: `max_speed` over the voltage of a full pack"}};
 
   double dt_ = 0.0;
   double full_ = 0.0;              ///< open-circuit voltage of the full pack [V]
@@ -244,5 +245,6 @@ class Battery : public Effect {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Battery, "battery", "1.0.0",
-               "A pack a robot [V, A, A h]: sags, runs empty, limits the rotors' speed.");
+SKYBODY_PLUGIN(
+    skybody::Battery, "battery", "1.0.0",
+    "One battery pack per robot [V, A, A h]: voltage sag, discharge, limit of the rotors' speed.");

@@ -31,29 +31,27 @@ class BladeFlapping : public Effect {
 
  private:
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "whose rotors; empty: those of all robots that have some"}};
+      this, {.name = "robots", .doc = "robots whose rotors are affected; empty: all with rotors"}};
   RealParameter axial_drag_{this,
                             {.name = "axial_drag",
                              .unit = "N s^2/(m rad)",
                              .min = 0.0,
                              .max = 1.0,
-                             .doc = "of a rotor that moves through the air along its axis, over "
-                                    "speed of the rotor and of the hub",
+                             .doc = "axial drag force per rotor speed and axial hub velocity",
                              .randomizable = true}};
   RealParameter flapping_{this,
                           {.name = "flapping",
                            .unit = "N s^2/rad",
                            .min = 0.0,
                            .max = 1.0,
-                           .doc = "moment of a rotor that moves through the air across its axis, "
-                                  "over speed of the rotor and of the hub",
+                           .doc = "moment per rotor speed and hub velocity across the axis",
                            .randomizable = true}};
   RealParameter lift_{this,
                       {.name = "translational_lift",
                        .unit = "N s^2/m^2",
                        .min = 0.0,
                        .max = 1000.0,
-                       .doc = "thrust that air across the axis adds, over its speed squared",
+                       .doc = "added thrust per squared air speed across the axis",
                        .randomizable = true}};
 
   std::vector<int> rotors_;
@@ -62,5 +60,6 @@ class BladeFlapping : public Effect {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::BladeFlapping, "blade_flapping", "1.0.0",
-               "Axial drag, flapping moment and translational lift of rotors in the air.");
+SKYBODY_PLUGIN(
+    skybody::BladeFlapping, "blade_flapping", "1.0.0",
+    "Axial drag, flapping moment and translational lift of rotors that move through the air.");

@@ -29,26 +29,26 @@ class BodyDrag : public Effect {
   }
 
  private:
-  TextsParameter robots_{this, {.name = "robots", .doc = "whom it acts on; empty: all"}};
+  TextsParameter robots_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
   TextParameter link_{
-      this, {.name = "link", .doc = "whose body is held back, of each robot; empty: the base"}};
+      this, {.name = "link", .doc = "link of the affected body, of each robot; empty: the base"}};
   RealsParameter linear_{this,
                          {.name = "linear",
                           .unit = "N s/m",
                           .values = {0.0, 0.0, 0.0},
                           .min = 0.0,
                           .max = 1e6,
-                          .doc = "coefficients along the body's x, y and z axis",
+                          .doc = "linear coefficients along the body's x, y and z axis",
                           .randomizable = true}};
-  RealsParameter quadratic_{this,
-                            {.name = "quadratic",
-                             .unit = "N s^2/m^2",
-                             .values = {0.0, 0.0, 0.0},
-                             .min = 0.0,
-                             .max = 1e6,
-                             .doc = "coefficients along these axes, of the whole speed times the "
-                                    "velocity along the axis",
-                             .randomizable = true}};
+  RealsParameter quadratic_{
+      this,
+      {.name = "quadratic",
+       .unit = "N s^2/m^2",
+       .values = {0.0, 0.0, 0.0},
+       .min = 0.0,
+       .max = 1e6,
+       .doc = "coefficients along these axes, of the speed times the velocity along the axis",
+       .randomizable = true}};
 
   std::vector<int> bodies_;
 };
@@ -57,4 +57,4 @@ class BodyDrag : public Effect {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::BodyDrag, "body_drag", "1.0.0",
-               "Linear and quadratic drag of bodies, along each body axis.");
+               "Linear and quadratic drag of bodies along each body axis.");

@@ -89,7 +89,7 @@ class CeilingEffect : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "whose rotors; empty: those of all robots that have some"}};
+      this, {.name = "robots", .doc = "robots whose rotors are affected; empty: all with rotors"}};
   RealParameter height_{this,
                         {.name = "height",
                          .unit = "m",
@@ -102,13 +102,13 @@ class CeilingEffect : public Effect {
                       {.name = "form",
                        .value = "constant_power",
                        .choices = {"constant_power", "fitted"},
-                       .doc = "which equation"}};
+                       .doc = "equation of the gain"}};
   RealParameter radius_{this,
                         {.name = "radius",
                          .unit = "m",
                          .min = 0.0001,
                          .max = 100.0,
-                         .doc = "of each rotor",
+                         .doc = "radius of each rotor",
                          .randomizable = true,
                          .required = true}};
   RealParameter least_distance_ratio_{
@@ -117,20 +117,20 @@ class CeilingEffect : public Effect {
        .value = 0.2,
        .min = 0.01,
        .max = 10.0,
-       .doc = "distance over radius below which the gain grows no more",
+       .doc = "distance over radius below which the gain is constant",
        .randomizable = true}};
   RealParameter a1_{this,
                     {.name = "a1",
                      .min = 0.0,
                      .max = 1e6,
-                     .doc = "of the fit; above 0 with form fitted",
+                     .doc = "coefficient of the fit; above 0 with form fitted",
                      .randomizable = true}};
   RealParameter a2_{this,
                     {.name = "a2",
                      .unit = "m",
                      .min = 0.0,
                      .max = 100.0,
-                     .doc = "of the fit, added to the distance",
+                     .doc = "coefficient of the fit, added to the distance",
                      .randomizable = true}};
 
   std::vector<effect::Carrier> carriers_;

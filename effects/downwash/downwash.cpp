@@ -196,36 +196,35 @@ class Downwash : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "whose rotors blow; empty: those of all robots with rotors"}};
+      this, {.name = "robots", .doc = "robots whose rotors blow; empty: all with rotors"}};
   TextsParameter own_links_{
       this,
       {.name = "own_links",
-       .doc = "links, as ROBOT.LINK, that jets of their own robot push as well: a payload"}};
+       .doc = "links, as ROBOT.LINK, pushed by jets of their own robot as well: payloads"}};
   TextParameter form_{this,
                       {.name = "form",
                        .value = "gym_pybullet_drones",
                        .choices = {"gym_pybullet_drones", "gzdrl"},
-                       .doc = "which equation"}};
-  BooleanParameter by_thrust_{
-      this,
-      {.name = "by_thrust",
-       .value = true,
-       .doc =
-           "the force grows with the upper robot's thrust over its weight; false: it is constant"}};
+                       .doc = "equation of the force"}};
+  BooleanParameter by_thrust_{this,
+                              {.name = "by_thrust",
+                               .value = true,
+                               .doc = "the force is proportional to the upper robot's thrust over "
+                                      "its weight; false: it is constant"}};
   RealParameter reach_{this,
                        {.name = "reach",
                         .unit = "m",
                         .value = 10.0,
                         .min = 0.01,
                         .max = 1000.0,
-                        .doc = "distance down the jet behind which it is gone",
+                        .doc = "length of the jet",
                         .randomizable = true}};
   RealParameter radius_{this,
                         {.name = "radius",
                          .unit = "m",
                          .min = 0.0,
                          .max = 100.0,
-                         .doc = "R, of a rotor; above 0 with form gym_pybullet_drones",
+                         .doc = "radius R of a rotor; above 0 with form gym_pybullet_drones",
                          .randomizable = true}};
   RealParameter k1_{this,
                     {.name = "k1",
@@ -233,14 +232,14 @@ class Downwash : public Effect {
                      .value = 2267.18,
                      .min = 0.0,
                      .max = 1e9,
-                     .doc = "of form gym_pybullet_drones: force at the distance R/4",
+                     .doc = "gym_pybullet_drones: force at the distance R/4",
                      .randomizable = true}};
   RealParameter k2_{this,
                     {.name = "k2",
                      .value = 0.16,
                      .min = -100.0,
                      .max = 100.0,
-                     .doc = "of that form: growth of the width over the distance",
+                     .doc = "gym_pybullet_drones: growth of the width per distance",
                      .randomizable = true}};
   RealParameter k3_{this,
                     {.name = "k3",
@@ -248,38 +247,37 @@ class Downwash : public Effect {
                      .value = -0.11,
                      .min = -100.0,
                      .max = 100.0,
-                     .doc = "of that form: width at distance 0",
+                     .doc = "gym_pybullet_drones: width at distance 0",
                      .randomizable = true}};
-  RealParameter least_distance_{this,
-                                {.name = "least_distance",
-                                 .unit = "m",
-                                 .value = 0.5,
-                                 .min = 0.001,
-                                 .max = 1000.0,
-                                 .doc = "of that form: nearer, the force in the middle grows no "
-                                        "more",
-                                 .randomizable = true}};
+  RealParameter least_distance_{
+      this,
+      {.name = "least_distance",
+       .unit = "m",
+       .value = 0.5,
+       .min = 0.001,
+       .max = 1000.0,
+       .doc = "gym_pybullet_drones: distance below which the central force is constant",
+       .randomizable = true}};
   RealParameter force_{this,
                        {.name = "force",
                         .unit = "N",
                         .min = 0.0,
                         .max = 1e6,
-                        .doc = "of form gzdrl: in the middle of the jet; above 0 with it",
+                        .doc = "gzdrl: force at the jet's axis; must be above 0",
                         .randomizable = true}};
-  RealParameter spread_{
-      this,
-      {.name = "spread",
-       .unit = "m",
-       .min = 0.0,
-       .max = 1e6,
-       .doc = "of form gzdrl: growth of the jet's squared radius over the distance",
-       .randomizable = true}};
+  RealParameter spread_{this,
+                        {.name = "spread",
+                         .unit = "m",
+                         .min = 0.0,
+                         .max = 1e6,
+                         .doc = "gzdrl: growth of the jet's squared radius per distance",
+                         .randomizable = true}};
   RealParameter start_{this,
                        {.name = "start",
                         .unit = "m^2",
                         .min = 0.0,
                         .max = 1e6,
-                        .doc = "of form gzdrl: the jet's squared radius at distance 0",
+                        .doc = "gzdrl: the jet's squared radius at distance 0",
                         .randomizable = true}};
 
   std::vector<Jet> jets_;

@@ -303,15 +303,15 @@ class Dryden : public Effect {
     return kRoot3 * x[0] + (1.0 - kRoot3) * x[1];
   }
 
-  TextsParameter names_{this, {.name = "robots", .doc = "whom it blows at; empty: all"}};
+  TextsParameter names_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
   RealParameter wind_at_20_feet_{this,
                                  {.name = "wind_at_20_feet",
                                   .unit = "m/s",
                                   .value = 7.72,
                                   .min = 0.0,
                                   .max = 100.0,
-                                  .doc = "mean wind 6.1 m above ground, of which turbulence below "
-                                         "2000 ft is made; 15 knots are light",
+                                  .doc = "mean wind 6.1 m above ground, which determines "
+                                         "turbulence below 2000 ft; 15 knots are light",
                                   .randomizable = true}};
   RealParameter sigma_{this,
                        {.name = "sigma",
@@ -326,7 +326,7 @@ class Dryden : public Effect {
                           .unit = "rad",
                           .min = -100.0,
                           .max = 100.0,
-                          .doc = "where the mean wind blows to, from x of W towards y",
+                          .doc = "direction to which the mean wind blows, from x of W towards y",
                           .randomizable = true}};
   RealParameter airspeed_{this,
                           {.name = "airspeed",
@@ -334,27 +334,26 @@ class Dryden : public Effect {
                            .value = 5.0,
                            .min = 0.01,
                            .max = 1000.0,
-                           .doc = "with which the frozen turbulence passes the robot",
+                           .doc = "speed at which the frozen turbulence passes the robot",
                            .randomizable = true}};
-  BooleanParameter follows_{
+  BooleanParameter follows_{this,
+                            {.name = "follows",
+                             .doc = "the turbulence passes at the speed of the robot's base, but "
+                                    "no slower than `airspeed`"}};
+  RealParameter height_{
       this,
-      {.name = "follows",
-       .doc = "the turbulence passes with the speed of the robot's base, but no slower than "
-              "`airspeed`"}};
-  RealParameter height_{this,
-                        {.name = "height",
-                         .unit = "m",
-                         .min = 0.0,
-                         .max = 100000.0,
-                         .doc = "above ground, of which scales and intensities are; 0: z of the "
-                                "robot's base in W"}};
+      {.name = "height",
+       .unit = "m",
+       .min = 0.0,
+       .max = 100000.0,
+       .doc = "height above ground for scales and intensities; 0: z of the robot's base in W"}};
   IntegerParameter period_{this,
                            {.name = "period",
                             .unit = "physics steps",
                             .value = 10,
                             .min = 1,
                             .max = 1000000,
-                            .doc = "between two values of the turbulence"}};
+                            .doc = "interval of new turbulence values"}};
 
   std::vector<Robot> robots_;
   Scale<double> fixed_scale_{};

@@ -67,25 +67,25 @@ class GroundEffect : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "whose rotors; empty: those of all robots that have some"}};
+      this, {.name = "robots", .doc = "robots whose rotors are affected; empty: all with rotors"}};
   TextParameter form_{this,
                       {.name = "form",
                        .value = "cheeseman_bennett",
                        .choices = {"cheeseman_bennett", "gzdrl"},
-                       .doc = "which equation"}};
+                       .doc = "equation of the gain"}};
   RealParameter radius_{this,
                         {.name = "radius",
                          .unit = "m",
                          .min = 0.0,
                          .max = 100.0,
-                         .doc = "of each rotor; above 0 with form cheeseman_bennett",
+                         .doc = "radius of each rotor; above 0 with form cheeseman_bennett",
                          .randomizable = true}};
   RealParameter least_height_ratio_{this,
                                     {.name = "least_height_ratio",
                                      .value = 0.5,
                                      .min = 0.3,
                                      .max = 10.0,
-                                     .doc = "height over radius below which the gain grows no more",
+                                     .doc = "height over radius below which the gain is constant",
                                      .randomizable = true}};
   RealParameter ground_constant_{
       this,

@@ -142,21 +142,22 @@ class Motor : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "whose rotors have these motors; empty: everybody's"}};
-  RealParameter torque_constant_{this,
-                                 {.name = "torque_constant",
-                                  .unit = "N m/A",
-                                  .min = 1e-6,
-                                  .max = 1000.0,
-                                  .doc = "k; the back voltage by speed in V s/rad is the same",
-                                  .randomizable = true,
-                                  .required = true}};
+      this, {.name = "robots", .doc = "robots with these motors; empty: all with rotors"}};
+  RealParameter torque_constant_{
+      this,
+      {.name = "torque_constant",
+       .unit = "N m/A",
+       .min = 1e-6,
+       .max = 1000.0,
+       .doc = "torque constant k; the back EMF per speed in V s/rad has the same value",
+       .randomizable = true,
+       .required = true}};
   RealParameter resistance_{this,
                             {.name = "resistance",
                              .unit = "ohm",
                              .min = 1e-6,
                              .max = 1e6,
-                             .doc = "R of the winding and its controller",
+                             .doc = "resistance R of the winding and its controller",
                              .randomizable = true,
                              .required = true}};
   RealParameter max_current_{this,
@@ -164,7 +165,7 @@ class Motor : public Effect {
                               .unit = "A",
                               .min = 1e-6,
                               .max = 1e6,
-                              .doc = "that the controller allows, forward and while it brakes",
+                              .doc = "current limit of the controller, forward and braking",
                               .randomizable = true,
                               .required = true}};
   RealParameter voltage_{this,
@@ -172,7 +173,7 @@ class Motor : public Effect {
                           .unit = "V",
                           .min = 1e-3,
                           .max = 1e6,
-                          .doc = "of the supply, the largest at the motor",
+                          .doc = "voltage of the supply, the largest at the motor",
                           .randomizable = true,
                           .required = true}};
   RealParameter friction_{this,
@@ -181,10 +182,11 @@ class Motor : public Effect {
                            .value = 0.0,
                            .min = 0.0,
                            .max = 1000.0,
-                           .doc = "torque of bearings and iron, against the turning",
+                           .doc = "torque of bearings and iron losses, against the rotation",
                            .randomizable = true}};
   BooleanParameter brake_{
-      this, {.name = "brake", .value = true, .doc = "current may flow backwards and slow it down"}};
+      this,
+      {.name = "brake", .value = true, .doc = "the current may be negative and brake the motor"}};
 
   double dt_ = 0.0;
   std::vector<Rotor> rotors_;
@@ -194,4 +196,4 @@ class Motor : public Effect {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Motor, "motor", "1.0.0",
-               "Direct-current motors with limits of current and voltage [A, V].");
+               "Direct-current motors with current and voltage limits [A, V].");

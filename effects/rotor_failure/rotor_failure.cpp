@@ -124,49 +124,51 @@ class RotorFailure : public Effect {
                              ", or 0 to " + std::to_string(all.size() - 1) + " by their places");
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "whose rotors; empty: the only one's"}};
+  TextParameter robot_{this,
+                       {.name = "robot", .doc = "robot with the rotors; empty: the only one"}};
   TextsParameter rotor_names_{
-      this, {.name = "rotors", .doc = "that fail together, by name or place; empty: one is drawn"}};
+      this,
+      {.name = "rotors",
+       .doc = "rotors that fail together, by name or index; empty: a random one"}};
   TextParameter kind_{this,
                       {.name = "kind",
                        .value = "off",
                        .choices = {"off", "stuck", "partial"},
-                       .doc = "runs down, keeps its speed, or loses thrust and moment"}};
+                       .doc = "slows down to rest, keeps its speed, or loses thrust and moment"}};
   RealParameter earliest_{this,
                           {.name = "earliest",
                            .unit = "s",
                            .value = 1.0,
                            .min = 0.0,
                            .max = 1e6,
-                           .doc = "time in the episode from which it may fail"}};
-  RealParameter latest_{
-      this,
-      {.name = "latest",
-       .unit = "s",
-       .value = 1.0,
-       .min = 0.0,
-       .max = 1e6,
-       .doc = "time by which it has failed; between both every time is as likely"}};
+                           .doc = "earliest time of the failure in the episode"}};
+  RealParameter latest_{this,
+                        {.name = "latest",
+                         .unit = "s",
+                         .value = 1.0,
+                         .min = 0.0,
+                         .max = 1e6,
+                         .doc = "latest time of the failure; uniform between both"}};
   RealParameter probability_{this,
                              {.name = "probability",
                               .value = 1.0,
                               .min = 0.0,
                               .max = 1.0,
-                              .doc = "that an episode has a failure",
+                              .doc = "probability of a failure in an episode",
                               .randomizable = true}};
   RealParameter thrust_gain_{this,
                              {.name = "thrust_gain",
                               .value = 0.5,
                               .min = 0.0,
                               .max = 10.0,
-                              .doc = "factor on the thrust, of kind partial",
+                              .doc = "kind partial: factor on the thrust",
                               .randomizable = true}};
   RealParameter moment_gain_{this,
                              {.name = "moment_gain",
                               .value = 0.5,
                               .min = 0.0,
                               .max = 10.0,
-                              .doc = "factor on the reaction moment, of kind partial",
+                              .doc = "kind partial: factor on the reaction moment",
                               .randomizable = true}};
 
   bool is_partial_ = false, is_stuck_ = false;
@@ -179,4 +181,4 @@ class RotorFailure : public Effect {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::RotorFailure, "rotor_failure", "1.0.0",
-               "Rotors that fail at a drawn time: off, stuck, or weaker.");
+               "Rotors that fail at a random time: off, stuck, or weaker.");

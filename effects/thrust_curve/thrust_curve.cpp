@@ -156,20 +156,23 @@ class ThrustCurve : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "whose rotors, all of them alike; empty: everybody's"}};
+      this,
+      {.name = "robots", .doc = "robots with these rotors, all alike; empty: all with rotors"}};
   RealsParameter thrust_{
       this,
       {.name = "thrust",
        .unit = "N (s/rad)^k",
        .values = {},
        .count = -1,
-       .doc = "coefficients k = 0, 1, ... of the thrust by the speed; empty: k_f w^2"}};
-  RealsParameter moment_{this,
-                         {.name = "moment",
-                          .unit = "N m (s/rad)^k",
-                          .values = {},
-                          .count = -1,
-                          .doc = "likewise of the reaction moment; empty: k_m w^2"}};
+       .doc =
+           "coefficients k = 0, 1, ... of the thrust's polynomial in the speed; empty: k_f w^2"}};
+  RealsParameter moment_{
+      this,
+      {.name = "moment",
+       .unit = "N m (s/rad)^k",
+       .values = {},
+       .count = -1,
+       .doc = "coefficients of the reaction moment's polynomial in the speed; empty: k_m w^2"}};
   RealsParameter thrust_by_advance_{
       this,
       {.name = "thrust_by_advance",
@@ -180,33 +183,35 @@ class ThrustCurve : public Effect {
                                     {.name = "moment_by_advance",
                                      .values = {},
                                      .count = -1,
-                                     .doc = "likewise of C_Q(J) / C_Q(0)"}};
+                                     .doc = "the same for C_Q(J) / C_Q(0)"}};
   RealParameter diameter_{this,
                           {.name = "diameter",
                            .unit = "m",
                            .value = 0.0,
                            .min = 0.0,
                            .max = 100.0,
-                           .doc = "D of the rotors; needed with the advance ratio"}};
-  RealParameter least_advance_{this,
-                               {.name = "least_advance",
-                                .value = 0.0,
-                                .min = -100.0,
-                                .max = 100.0,
-                                .doc = "where the ratio's polynomials begin; below, J is this"}};
-  RealParameter greatest_advance_{this,
-                                  {.name = "greatest_advance",
-                                   .value = 1.0,
-                                   .min = -100.0,
-                                   .max = 100.0,
-                                   .doc = "where they end; above, J is this"}};
+                           .doc = "diameter D of the rotors; needed with the advance ratio"}};
+  RealParameter least_advance_{
+      this,
+      {.name = "least_advance",
+       .value = 0.0,
+       .min = -100.0,
+       .max = 100.0,
+       .doc = "lower limit of the advance ratio's polynomials; J is clamped to it"}};
+  RealParameter greatest_advance_{
+      this,
+      {.name = "greatest_advance",
+       .value = 1.0,
+       .min = -100.0,
+       .max = 100.0,
+       .doc = "upper limit of the advance ratio's polynomials; J is clamped to it"}};
   RealParameter least_share_{
       this,
       {.name = "least_share",
        .value = 0.05,
        .min = 1e-3,
        .max = 1.0,
-       .doc = "of `max_speed`: a rotor that is slower has the factors of this speed"}};
+       .doc = "share of `max_speed`: slower rotors have the factors of this speed"}};
 
   bool advances_ = false;
   std::vector<Rotor> rotors_;

@@ -121,21 +121,21 @@ class Wind : public Effect {
     return velocity;
   }
 
-  TextsParameter robots_{this, {.name = "robots", .doc = "whom it blows at; empty: all"}};
+  TextsParameter robots_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
   RealsParameter velocity_{this,
                            {.name = "velocity",
                             .unit = "m/s",
                             .values = {0.0, 0.0, 0.0},
                             .min = -100.0,
                             .max = 100.0,
-                            .doc = "of the steady wind, W axes",
+                            .doc = "velocity of the steady wind, W axes",
                             .randomizable = true}};
   RealParameter gust_speed_{this,
                             {.name = "gust_speed",
                              .unit = "m/s",
                              .min = 0.0,
                              .max = 100.0,
-                             .doc = "of a gust at its peak; 0: no gusts",
+                             .doc = "speed of a gust at its peak; 0: no gusts",
                              .randomizable = true}};
   RealParameter gust_duration_{this,
                                {.name = "gust_duration",
@@ -143,7 +143,7 @@ class Wind : public Effect {
                                 .value = 1.0,
                                 .min = 0.001,
                                 .max = 1000.0,
-                                .doc = "of a gust, from still air to still air",
+                                .doc = "duration of a gust, from still air to still air",
                                 .randomizable = true}};
   RealParameter gust_interval_{this,
                                {.name = "gust_interval",
@@ -152,36 +152,36 @@ class Wind : public Effect {
                                 .min = 0.001,
                                 .max = 1e6,
                                 .doc = "mean time from the end of a gust to the next one"}};
-  RealsParameter gust_direction_{
-      this,
-      {.name = "gust_direction", .count = -1, .doc = "of all gusts, W axes; empty: drawn, level"}};
-  TextParameter profile_name_{
-      this,
-      {.name = "profile",
-       .value = "uniform",
-       .choices = {"uniform", "power", "logarithmic"},
-       .doc = "how wind and gusts grow with a body's height z in W; power: by exponent, "
-              "logarithmic: by roughness"}};
+  RealsParameter gust_direction_{this,
+                                 {.name = "gust_direction",
+                                  .count = -1,
+                                  .doc = "direction of all gusts, W axes; empty: random, level"}};
+  TextParameter profile_name_{this,
+                              {.name = "profile",
+                               .value = "uniform",
+                               .choices = {"uniform", "power", "logarithmic"},
+                               .doc = "growth of wind and gusts with a body's height z in W; "
+                                      "power: by exponent, logarithmic: by roughness"}};
   RealParameter reference_height_{this,
                                   {.name = "reference_height",
                                    .unit = "m",
                                    .value = 10.0,
                                    .min = 0.01,
                                    .max = 10000.0,
-                                   .doc = "at which `velocity` and `gust_speed` are meant"}};
+                                   .doc = "height of `velocity` and `gust_speed`"}};
   RealParameter least_height_{this,
                               {.name = "least_height",
                                .unit = "m",
                                .value = 0.1,
                                .min = 0.001,
                                .max = 1000.0,
-                               .doc = "below it the wind is as there"}};
+                               .doc = "height below which the wind is constant"}};
   RealParameter exponent_{this,
                           {.name = "exponent",
                            .value = 1.0 / 7.0,
                            .min = 0.0,
                            .max = 1.0,
-                           .doc = "of the power profile",
+                           .doc = "exponent of the power profile",
                            .randomizable = true}};
   RealParameter roughness_{this,
                            {.name = "roughness",
@@ -189,7 +189,7 @@ class Wind : public Effect {
                             .value = 0.04572,
                             .min = 1e-6,
                             .max = kRoughest,
-                            .doc = "of the logarithmic profile, at which height it has no wind",
+                            .doc = "logarithmic profile: height of zero wind",
                             .randomizable = true}};
   IntegerParameter period_{this,
                            {.name = "period",
@@ -197,7 +197,7 @@ class Wind : public Effect {
                             .value = 1,
                             .min = 1,
                             .max = 1000000,
-                            .doc = "between two values of the wind"}};
+                            .doc = "interval of new wind values"}};
 
   double dt_ = 0.0;
   Profile profile_ = Profile::kUniform;

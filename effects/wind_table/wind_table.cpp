@@ -97,15 +97,15 @@ class WindTable : public Effect {
                        .doc = "CSV with the columns t [s] and x, y, z [m/s], W axes",
                        .required = true,
                        .is_file = true}};
-  TextsParameter robots_{this, {.name = "robots", .doc = "whom it blows at; empty: all"}};
-  BooleanParameter loop_{
-      this, {.name = "loop", .doc = "the table begins anew at its end; else the last row holds"}};
+  TextsParameter robots_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
+  BooleanParameter loop_{this,
+                         {.name = "loop", .doc = "repeat the table; false: the last row holds"}};
   RealParameter start_{this,
                        {.name = "start",
                         .unit = "s",
                         .min = -1e6,
                         .max = 1e6,
-                        .doc = "time of the table at which an episode begins",
+                        .doc = "table time at the beginning of an episode",
                         .randomizable = true}};
   IntegerParameter period_{this,
                            {.name = "period",
@@ -113,7 +113,7 @@ class WindTable : public Effect {
                             .value = 1,
                             .min = 1,
                             .max = 1000000,
-                            .doc = "between two values of the wind"}};
+                            .doc = "interval of new wind values"}};
 
   double dt_ = 0.0, begin_ = 0.0, length_ = 0.0;
   double steps_per_second_ = 0.0;  ///< 0: unequal steps

@@ -89,26 +89,26 @@ class PathParameters {
   TextParameter name_{owner_,
                       {.name = "kind",
                        .choices = {kKindNames.begin(), kKindNames.end()},
-                       .doc = "form of the path",
+                       .doc = "kind of path",
                        .required = true}};
   RealsParameter centre_{owner_,
                          {.name = "centre",
                           .unit = "m",
                           .values = {0.0, 0.0, 0.0},
-                          .doc = "middle of the figure, or what is added to a path (W)",
+                          .doc = "centre of the figure, or offset of a path (W)",
                           .randomizable = true}};
   RealsParameter amplitude_{owner_,
                             {.name = "amplitude",
                              .unit = "m",
                              .values = {1.5, 1.5, 0.0},
-                             .doc = "swing of each axis from the middle; of a step: its size (W)",
+                             .doc = "amplitude of each axis; of a step: its size (W)",
                              .randomizable = true}};
   RealsParameter cycles_{owner_,
                          {.name = "cycles",
                           .values = {1.0, 2.0, 1.0},
                           .min = 0.0,
                           .max = 16.0,
-                          .doc = "lissajous: swings of each axis in a period",
+                          .doc = "lissajous: oscillations of each axis per period",
                           .randomizable = true}};
   RealsParameter phase_{owner_,
                         {.name = "phase",
@@ -116,43 +116,45 @@ class PathParameters {
                          .values = {kHalfPi, 0.0, 0.0},
                          .min = -1e3,
                          .max = 1e3,
-                         .doc = "lissajous: where in its swing each axis begins; 0: in the middle",
+                         .doc = "lissajous: initial phase of each axis; 0: at the centre",
                          .randomizable = true}};
   RealParameter climb_{
       owner_,
-      {.name = "climb", .unit = "m", .doc = "helix: rise in a period", .randomizable = true}};
+      {.name = "climb", .unit = "m", .doc = "helix: rise per period", .randomizable = true}};
   RealParameter period_{owner_,
                         {.name = "period",
                          .unit = "s",
                          .value = 8.0,
                          .min = 1e-3,
                          .max = 1e6,
-                         .doc = "of a figure; `peak_speed` goes before it",
+                         .doc = "period of a figure; `peak_speed` takes precedence",
                          .randomizable = true}};
-  RealParameter peak_speed_{owner_,
-                            {.name = "peak_speed",
-                             .unit = "m/s",
-                             .min = 0.0,
-                             .max = 1e3,
-                             .doc = "greatest speed on a figure, found at the reset; 0: the period "
-                                    "says. Of waypoints without times: what times are made for",
-                             .randomizable = true}};
+  RealParameter peak_speed_{
+      owner_,
+      {.name = "peak_speed",
+       .unit = "m/s",
+       .min = 0.0,
+       .max = 1e3,
+       .doc = "largest speed on a figure, computed at the reset; 0: `period` determines it. "
+              "Waypoints without times: the times are chosen for it",
+       .randomizable = true}};
   RealsParameter waypoints_{owner_,
                             {.name = "waypoints",
                              .unit = "m",
                              .count = -1,
                              .doc = "x, y, z of each waypoint, one after the other (W)"}};
-  RealsParameter times_{owner_,
-                        {.name = "times",
-                         .unit = "s",
-                         .count = -1,
-                         .min = 0.0,
-                         .doc = "when each waypoint is passed; the first is 0. Without them: by "
-                                "distance, for `peak_speed`"}};
+  RealsParameter times_{
+      owner_,
+      {.name = "times",
+       .unit = "s",
+       .count = -1,
+       .min = 0.0,
+       .doc =
+           "time of each waypoint; the first is 0. Without times: by distance, for `peak_speed`"}};
   TextParameter file_{
       owner_,
       {.name = "file",
-       .doc = "csv: table with the columns t [s], x, y, z [m] and perhaps yaw [rad] (W)",
+       .doc = "csv: table with the columns t [s], x, y, z [m] and optionally yaw [rad] (W)",
        .is_file = true}};
   RealParameter step_time_{owner_,
                            {.name = "step_time",
@@ -167,7 +169,7 @@ class PathParameters {
                              .value = 1.0,
                              .min = 1e-3,
                              .max = 1e3,
-                             .doc = "path time that passes in a second: 2 flies twice as fast",
+                             .doc = "path time per second: 2 is twice as fast",
                              .randomizable = true}};
   RealParameter ramp_{owner_,
                       {.name = "ramp",
@@ -175,36 +177,35 @@ class PathParameters {
                        .value = 2.0,
                        .min = 0.0,
                        .max = 1e4,
-                       .doc = "in which the pace rises from 0, so that a vehicle at rest can "
-                              "follow; of waypoints and tables only where it is given"}};
+                       .doc = "time in which the pace rises from 0, for a vehicle at rest; for "
+                              "waypoints and tables only if given"}};
   RealParameter approach_{
       owner_,
       {.name = "approach",
        .unit = "s",
        .min = 0.0,
        .max = 1e4,
-       .doc = "in which the reference comes from where the base is at the reset "
-              "to the path's beginning, before path time runs; 0: it begins there"}};
+       .doc = "time in which the reference moves from the base's initial position to the path's "
+              "beginning, before path time runs; 0: it begins there"}};
   TextParameter yaw_{
       owner_,
       {.name = "yaw",
        .value = "fixed",
        .choices = {"fixed", "tangent", "drawn", "table"},
-       .doc = "what the heading is: `heading`, along the path, either by `along`, or the "
-              "table's own"}};
+       .doc = "heading: `heading`, along the path, one of both by `along`, or the table's"}};
   RealParameter heading_{owner_,
                          {.name = "heading",
                           .unit = "rad",
                           .min = -1e3,
                           .max = 1e3,
-                          .doc = "added to the yaw",
+                          .doc = "heading added to the yaw",
                           .randomizable = true}};
   RealParameter along_{owner_,
                        {.name = "along",
                         .value = 1.0,
                         .min = 0.0,
                         .max = 1.0,
-                        .doc = "with `yaw: drawn`: 0.5 and more is along the path, less is fixed",
+                        .doc = "with `yaw: drawn`: 0.5 and more: along the path, less: fixed",
                         .randomizable = true}};
 };
 

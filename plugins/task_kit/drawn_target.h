@@ -22,7 +22,7 @@ class DrawnTarget {
     std::vector<double> target;  ///< x, y, z, W [m]; only shown in tables, never used in an episode
     std::vector<double> low;     ///< `target_min`, the lower corner of the box [m]
     std::vector<double> high;    ///< `target_max`, the upper corner of the box [m]
-    const char* doc = "x, y, z (W); where the scenario gives none, one is drawn for each episode";
+    const char* doc = "x, y, z (W); drawn for each episode if the scenario gives none";
     const char* low_doc = "lower corner of the box of drawn targets (W)";
     const char* high_doc = "upper corner of the box of drawn targets (W)";
   };

@@ -79,7 +79,7 @@ class FlightLimits {
   /// Declares the infos of the failures: failed.tilt, failed.heading, failed.bound.
   void configure(const Setup& setup, InfoParts& infos) {
     tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
-    tilt_failure_ = declare_failure(setup, infos, "tilt", "tilted beyond `tilt_max`");
+    tilt_failure_ = declare_failure(setup, infos, "tilt", "tilt beyond `tilt_max`");
     heading_failure_ = declare_failure(setup, infos, "heading", "heading beyond `yaw_max`");
     bound_failure_ = declare_failure(setup, infos, "bound", "a coordinate beyond `bound`");
   }
@@ -126,13 +126,13 @@ class FlightLimits {
                           .value = defaults_.yaw_max,
                           .min = 0.0,
                           .max = 4.0,
-                          .doc = "or beyond this heading, either way"}};
+                          .doc = "a robot fails beyond this heading, in magnitude"}};
   RealParameter bound_{owner_,
                        {.name = "bound",
                         .unit = "m",
                         .value = defaults_.bound,
                         .min = 1e-3,
-                        .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+                        .doc = "a robot fails if a coordinate's magnitude exceeds this (W)"}};
 
   double tilt_cosine_ = -2.0;
   Part tilt_failure_, heading_failure_, bound_failure_;

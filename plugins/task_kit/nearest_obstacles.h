@@ -39,11 +39,11 @@ class NearestObstacles {
     for (int k = 0; k < seen_; ++k) {
       const std::string of = prefix + "obstacle_" + std::to_string(k + 1) + ".";
       parts.offsets.push_back(observation.add(
-          setup,
-          {of + "offset", "m", 3, "nearest point of an obstacle - p, W; cut at `obstacle_sight`",
-           -sight, sight, robot}));
-      parts.distances.push_back(
-          observation.add(setup, {of + "distance", "m", 1, "its length", 0.0, sight, robot}));
+          setup, {of + "offset", "m", 3,
+                  "nearest point of an obstacle - position, W; shortened to `obstacle_sight`",
+                  -sight, sight, robot}));
+      parts.distances.push_back(observation.add(
+          setup, {of + "distance", "m", 1, "length of the offset", 0.0, sight, robot}));
     }
     return parts;
   }
@@ -72,13 +72,13 @@ class NearestObstacles {
        .value = 3,
        .min = 0,
        .max = Obstacles::kMostSeen,
-       .doc = "so many of the nearest obstacles are observed, or all where there are fewer"}};
+       .doc = "number of observed obstacles, the nearest ones; all if there are fewer"}};
   RealParameter sight_{owner_,
                        {.name = "obstacle_sight",
                         .unit = "m",
                         .value = 4.0,
                         .min = 0.01,
-                        .doc = "longer ways to obstacles are observed as this long"}};
+                        .doc = "longer vectors to obstacles are shortened to this length"}};
   Obstacles obstacles_;
   int seen_ = 0;
 };

@@ -300,7 +300,7 @@ void bind_recording(Class& c) {
       "Writes everything that happens from now on to a file, for `skybody replay`: what is sent,\n"
       "and what comes back with a trajectory hash. Replaces a file that is there. Rows are\n"
       "written in bursts of about 4 MiB, by stop_recording() and by close().\n\n"
-      "states: all state words as well, so that a replay which parts can name those that differ\n\n"
+      "states: all state words as well, so that a replay that differs can name them\n\n"
       "Raises Error while some are in flight or the pool is recorded already, or if the file\n"
       "cannot be written. Where writing fails later, send() or recv() raises it and the recording\n"
       "is over.");

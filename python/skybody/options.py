@@ -33,34 +33,34 @@ class Option:
 
 
 # Options that several TypedDicts share.
-_SEED = "key of all random numbers until a reset under another; environment i draws from (seed, i)."
+_SEED = (
+    "key of all random numbers until a reset with another seed; environment i draws from (seed, i)."
+)
 Seed = Annotated[int, Option(0, _SEED)]
 SeedOrNone = Annotated[
     int | None,
     Option(
         None,
-        _SEED + " None: as Gymnasium does, a reset without a seed begins with one that the system "
-        "draws.",
+        _SEED + " None: a reset without a seed uses one from the system, as in Gymnasium.",
     ),
 ]
 EnvId = Annotated[
-    int, Option(0, "draws as environment `env_id` of many: second half of the key (seed, env_id).")
+    int, Option(0, "number of the environment, the second half of the key (seed, env_id).")
 ]
 DictObservations = Annotated[
     bool,
     Option(
         False,
-        "observations are dictionaries with an array for each column, by name; with images they "
-        "always are.",
+        "observations are dictionaries of arrays, by column name; always so with images.",
     ),
 ]
 AutoresetOption = Annotated[
     Autoreset | Enum,
     Option(
         "next_step",
-        "what happens where an episode has ended, as a word or as Gymnasium's AutoresetMode. "
+        "behaviour at the end of an episode, as a word or as Gymnasium's AutoresetMode. "
         '"next_step": the next action is ignored and the environment reset; "same_step": reset at '
-        "once, the ended episode's last observation is in the infos as `final_obs`; "
+        "once, and the infos contain the last observation of the ended episode as `final_obs`; "
         '"disabled": the caller resets.',
     ),
 ]
@@ -74,7 +74,7 @@ class ScenarioOptions(TypedDict, total=False):
     ]
     plugin_path: Annotated[
         Iterable[str | os.PathLike[str]],
-        Option((), "folders that are searched for plugins before the default ones."),
+        Option((), "folders to search for plugins before the default ones."),
     ]
 
 
@@ -98,10 +98,10 @@ class ThreadedOptions(ScenarioOptions, total=False):
 
     seed: Seed
     num_threads: Annotated[
-        int, Option(0, "threads that step, the caller's counted; 0: one per processor.")
+        int, Option(0, "number of threads, including the caller's; 0: one per processor.")
     ]
     pin_threads: Annotated[
-        bool, Option(False, "each worker on a processor of its own, where the system allows it.")
+        bool, Option(False, "pin each worker to a separate processor, if the system allows it.")
     ]
 
 
@@ -122,7 +122,7 @@ class PooledOptions(ThreadedOptions, total=False):
 
     dict_observations: DictObservations
     keep_hash: Annotated[
-        bool, Option(False, "chain a trajectory hash per environment, for `hash`.")
+        bool, Option(False, "compute a trajectory hash of each environment, for `hash`.")
     ]
 
 
@@ -134,7 +134,7 @@ class BatchOptions(PooledOptions, total=False):
         bool,
         Option(
             True,
-            "whether infos hold info values (the task's, then what other plugins report); without, "
+            "whether infos contain info values (the task's, then those of other plugins); if not, "
             "tasks need not compute them.",
         ),
     ]
@@ -142,8 +142,8 @@ class BatchOptions(PooledOptions, total=False):
         bool,
         Option(
             False,
-            "raise BufferError where memory that is still held would be recycled, and fill what is "
-            "recycled with NaN.",
+            "raise BufferError instead of recycling memory that is still referenced, and fill "
+            "recycled memory with NaN.",
         ),
     ]
 
@@ -155,12 +155,12 @@ class PoolOptions(BatchOptions, total=False):
         Order,
         Option(
             "arrival",
-            '"arrival": first finished, first served; "fixed": by id, cyclically, so that partial '
-            "batches come out the same in every run.",
+            '"arrival": in order of completion; "fixed": by id, cyclically, so that partial '
+            "batches are the same in every run.",
         ),
     ]
     batch_size: Annotated[
-        int, Option(0, "rows that one `recv` waits for, at most num_envs; 0: num_envs.")
+        int, Option(0, "number of rows of one `recv`, at most num_envs; 0: num_envs.")
     ]
 
 
@@ -171,8 +171,8 @@ class VectorOptions(BatchOptions, total=False):
         bool,
         Option(
             False,
-            "robots that are alike: observations and actions are (num_envs, agents, width), views "
-            "of the same memory, with the team's reward; a single robot is a team of one.",
+            "for teams of equal robots: observations and actions are (num_envs, agents, width), "
+            "views of the same memory, with the team's reward; a single robot is a team of one.",
         ),
     ]
 

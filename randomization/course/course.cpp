@@ -157,16 +157,17 @@ class Course : public Randomizer {
   }
 
   TextsParameter robots_of_{
-      this, {.name = "robots", .doc = "who is placed; empty: all whose base is free"}};
-  BooleanParameter moves_gates_{this,
-                                {.name = "gates",
-                                 .value = false,
-                                 .doc = "true: gates are drawn, too, on a ring about W's z axis"}};
+      this, {.name = "robots", .doc = "robots to place; empty: all with a free base"}};
+  BooleanParameter moves_gates_{
+      this,
+      {.name = "gates",
+       .value = false,
+       .doc = "true: gates are drawn as well, on a ring about W's z axis"}};
   BooleanParameter starts_anywhere_{
       this,
       {.name = "anywhere",
        .value = true,
-       .doc = "true: any gate may be the first; false: the scenario's first one is"}};
+       .doc = "true: any gate may be the first; false: the scenario's first one"}};
   RealsParameter radius_{this,
                          {.name = "radius",
                           .unit = "m",
@@ -174,49 +175,50 @@ class Course : public Randomizer {
                           .count = 2,
                           .min = 0.1,
                           .max = 1e4,
-                          .doc = "least and greatest distance of a drawn gate from the z axis"}};
-  RealsParameter height_{this,
-                         {.name = "height",
-                          .unit = "m",
-                          .values = {1.2, 2.0},
-                          .count = 2,
-                          .min = -1e4,
-                          .max = 1e4,
-                          .doc = "likewise of its middle over z = 0"}};
+                          .doc = "smallest and largest distance of a drawn gate from the z axis"}};
+  RealsParameter height_{
+      this,
+      {.name = "height",
+       .unit = "m",
+       .values = {1.2, 2.0},
+       .count = 2,
+       .min = -1e4,
+       .max = 1e4,
+       .doc = "smallest and largest height of a drawn gate's centre over z = 0"}};
   RealParameter sector_share_{this,
                               {.name = "sector_share",
                                .value = 0.3,
                                .min = 0.0,
                                .max = 1.0,
-                               .doc = "of its sector of the ring, in which a gate may lie"}};
+                               .doc = "share of a gate's sector of the ring in which it may be"}};
   RealParameter turn_{this,
                       {.name = "turn",
                        .unit = "rad",
                        .value = 0.3,
                        .min = 0.0,
                        .max = kPi,
-                       .doc = "largest angle of a drawn gate to the ring, either way"}};
+                       .doc = "largest angle of a drawn gate to the ring, in magnitude"}};
   RealsParameter share_{this,
                         {.name = "share",
                          .values = {0.3, 0.7},
                          .count = 2,
                          .min = 0.0,
                          .max = 1.0,
-                         .doc = "of the way between two gates, where racers begin"}};
+                         .doc = "share of the line between two gates at which racers start"}};
   RealParameter spread_{this,
                         {.name = "spread",
                          .unit = "m",
                          .value = 0.2,
                          .min = 0.0,
                          .max = 1e3,
-                         .doc = "largest distance of each coordinate from there"}};
+                         .doc = "largest deviation of the start from that point, each coordinate"}};
   RealParameter speed_{this,
                        {.name = "speed",
                         .unit = "m/s",
                         .value = 1.0,
                         .min = 0.0,
                         .max = 100.0,
-                        .doc = "greatest one at the start, along the way"}};
+                        .doc = "largest initial speed, along the line between the gates"}};
 
   std::vector<Gate> gates_;
   std::vector<Robot> robots_;
@@ -227,4 +229,4 @@ class Course : public Randomizer {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Course, "course", "1.0.0",
-               "Draws gates, the first of them, and where racers begin.");
+               "Draws gates, the first gate, and the racers' start positions.");

@@ -215,40 +215,46 @@ class Draw : public Randomizer {
   TextsParameter what_{
       this,
       {.name = "what",
-       .doc = "paths of what is drawn; `[*]` means all elements, `*` any part of a name or nothing",
+       .doc =
+           "paths of the drawn values; `[*]` means all elements, `*` any part of a name or nothing",
        .required = true}};
   TextParameter distribution_name_{this,
                                    {.name = "distribution",
                                     .value = "uniform",
                                     .choices = {"uniform", "log_uniform", "normal", "choice"},
-                                    .doc = "what it is drawn from"}};
+                                    .doc = "distribution of the values"}};
   RealsParameter range_{
       this,
-      {.name = "range", .count = -1, .doc = "[low, high]; where a normal distribution is cut off"}};
-  RealParameter mean_{this, {.name = "mean", .doc = "of a normal distribution"}};
+      {.name = "range", .count = -1, .doc = "[low, high]; truncation of a normal distribution"}};
+  RealParameter mean_{this, {.name = "mean", .doc = "mean of a normal distribution"}};
   RealParameter deviation_{
-      this, {.name = "deviation", .value = 1.0, .doc = "of a normal one, before it is cut off"}};
-  RealsParameter values_{this, {.name = "values", .count = -1, .doc = "what a choice is among"}};
-  RealsParameter weights_{
-      this, {.name = "weights", .count = -1, .doc = "of these, adding up to 1; empty: all alike"}};
-  TextParameter form_{
       this,
-      {.name = "form",
-       .value = "value",
-       .choices = {"value", "scale", "shift"},
-       .doc = "what is drawn is the value itself, a factor on the nominal value, or "
-              "is added to it"}};
-  BooleanParameter shared_{this,
-                           {.name = "shared", .doc = "one draw for all of them, not one for each"}};
+      {.name = "deviation",
+       .value = 1.0,
+       .doc = "standard deviation of a normal distribution, before truncation"}};
+  RealsParameter values_{this, {.name = "values", .count = -1, .doc = "candidates of a choice"}};
+  RealsParameter weights_{this,
+                          {.name = "weights",
+                           .count = -1,
+                           .doc = "probabilities of the candidates, adding up to 1; empty: equal"}};
+  TextParameter form_{this,
+                      {.name = "form",
+                       .value = "value",
+                       .choices = {"value", "scale", "shift"},
+                       .doc = "the drawn number is the value itself, a factor on the nominal "
+                              "value, or is added to it"}};
+  BooleanParameter shared_{
+      this, {.name = "shared", .doc = "one draw for all values, instead of one each"}};
   TextParameter correlated_{
       this,
       {.name = "correlated",
-       .doc = "draws of one name take the same numbers, so that they rise and fall together"}};
+       .doc =
+           "draws with the same name use the same random numbers, so they rise and fall together"}};
   TextParameter when_{this,
                       {.name = "when",
                        .value = "reset",
                        .choices = {"reset", "request", "time"},
-                       .doc = "at every n-th reset; when a caller asks alone; or in the episode"}};
+                       .doc = "at every n-th reset; only on request; or during the episode"}};
   IntegerParameter every_{this, randomization::every_spec()};
   RealsParameter time_{
       this,
@@ -256,7 +262,7 @@ class Draw : public Randomizer {
        .unit = "s",
        .count = -1,
        .min = 0.0,
-       .doc = "[earliest, latest]: drawn in each episode; values are nominal until then"}};
+       .doc = "[earliest, latest] time, drawn in each episode; values are nominal until then"}};
 
   Distribution distribution_;
   std::vector<Target> targets_;
@@ -269,5 +275,6 @@ class Draw : public Randomizer {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Draw, "draw", "1.0.0",
-               "Draws any randomizable values, named by path: from what, when, how often.");
+SKYBODY_PLUGIN(
+    skybody::Draw, "draw", "1.0.0",
+    "Draws any randomizable values, selected by path, with a choice of distribution and time.");

@@ -124,18 +124,18 @@ class LissajousFamily : public Randomizer {
                              to_text(range.value(1)) + ": swap them");
   }
 
-  TextParameter reference_{this,
-                           {.name = "reference",
-                            .value = "robot.controllers.reference",
-                            .doc = "path of the controller `reference`, or `task`, of kind "
-                                   "lissajous with `yaw: drawn`"}};
+  TextParameter reference_{
+      this,
+      {.name = "reference",
+       .value = "robot.controllers.reference",
+       .doc = "path of a controller `reference`, or `task`, of kind lissajous with `yaw: drawn`"}};
   RealsParameter side_{this,
                        {.name = "amplitude_side",
                         .unit = "m",
                         .values = {1.35, 1.75},
                         .count = 2,
                         .min = 0.0,
-                        .doc = "least and greatest swing along x, and along y"}};
+                        .doc = "smallest and largest amplitude along x, and along y"}};
   RealsParameter height_swing_{this,
                                {.name = "amplitude_height",
                                 .unit = "m",
@@ -148,7 +148,7 @@ class LissajousFamily : public Randomizer {
                           .unit = "m",
                           .values = {0.7, 1.0},
                           .count = 2,
-                          .doc = "of the figure's middle"}};
+                          .doc = "smallest and largest height of the figure's centre"}};
   RealsParameter phases_{this,
                          {.name = "phase",
                           .unit = "rad",
@@ -156,7 +156,7 @@ class LissajousFamily : public Randomizer {
                           .count = 2,
                           .min = -1e3,
                           .max = 1e3,
-                          .doc = "of x before y"}};
+                          .doc = "smallest and largest phase lead of x over y"}};
   RealsParameter speeds_{this,
                          {.name = "peak_speed",
                           .unit = "m/s",
@@ -164,31 +164,33 @@ class LissajousFamily : public Randomizer {
                           .count = 2,
                           .min = 1e-3,
                           .max = 1e3,
-                          .doc = "greatest speed on the figure"}};
+                          .doc = "smallest and largest peak speed on the figure"}};
   RealsParameter ratios_{this,
                          {.name = "ratios",
                           .values = {1, 1, 1, 2, 2, 1, 1, 1, 2, 2, 1, 1, 1, 2, 1},
                           .count = -1,
                           .min = 0.0,
                           .max = 16.0,
-                          .doc = "cycles of x, y, z, three for each figure; all are as likely"}};
-  RealParameter along_share_{this,
-                             {.name = "along",
-                              .value = 0.5,
-                              .min = 0.0,
-                              .max = 1.0,
-                              .doc = "share of the episodes in which the vehicle looks along the "
-                                     "path; else its heading is fixed"}};
+                          .doc = "cycles of x, y, z, three for each figure; equally likely"}};
+  RealParameter along_share_{
+      this,
+      {.name = "along",
+       .value = 0.5,
+       .min = 0.0,
+       .max = 1.0,
+       .doc = "share of the episodes with the heading along the path; else it is fixed"}};
   IntegerParameter every_{this, randomization::every_spec()};
   TextParameter robot_{
       this,
-      {.name = "robot", .doc = "who begins near the figure's beginning; empty: nobody is moved"}};
-  RealsParameter start_within_{this,
-                               {.name = "start_within",
-                                .unit = "m",
-                                .values = {0.5, 0.5, 0.25},
-                                .min = 0.0,
-                                .doc = "of `robot`: how far from there, along each axis of W"}};
+      {.name = "robot",
+       .doc = "robot that starts near the figure's beginning; empty: none is moved"}};
+  RealsParameter start_within_{
+      this,
+      {.name = "start_within",
+       .unit = "m",
+       .values = {0.5, 0.5, 0.25},
+       .min = 0.0,
+       .doc = "largest distance of `robot` from the figure's beginning, along each axis of W"}};
 
   int amplitude_ = 0, centre_ = 0, cycles_ = 0, phase_ = 0, speed_ = 0, along_ = 0;
   int middle_ = 0;  ///< centre[0]
@@ -199,4 +201,4 @@ class LissajousFamily : public Randomizer {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::LissajousFamily, "lissajous", "1.0.0",
-               "The paper's family of Lissajous references: size, form, speed and heading.");
+               "Draws the paper's family of Lissajous references: size, shape, speed and heading.");

@@ -191,16 +191,17 @@ class RandomStart : public Randomizer {
     }
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "which robot; empty: every floating one"}};
-  BooleanParameter relative_{
-      this,
-      {.name = "relative",
-       .value = false,
-       .doc = "position, yaw and tilt add to the scenario's pose, else replace it"}};
+  TextParameter robot_{
+      this, {.name = "robot", .doc = "name of the robot; empty: every robot with a free base"}};
+  BooleanParameter relative_{this,
+                             {.name = "relative",
+                              .value = false,
+                              .doc = "true: position, yaw and tilt are added to the scenario's "
+                                     "pose; false: they replace it"}};
   BooleanParameter together_{this,
                              {.name = "together",
                               .value = false,
-                              .doc = "every robot gets the same draw, else each its own"}};
+                              .doc = "true: every robot gets the same draw; false: each its own"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
@@ -216,11 +217,10 @@ class RandomStart : public Randomizer {
                             {.name = "min_height",
                              .unit = "m",
                              .value = 0.0,
-                             .doc = "the base starts no lower than this (W z)"}};
-  RealParameter yaw_min_{
-      this, {.name = "yaw_min", .unit = "rad", .doc = "smallest heading that is drawn"}};
-  RealParameter yaw_max_{
-      this, {.name = "yaw_max", .unit = "rad", .doc = "largest heading that is drawn"}};
+                             .doc = "least initial height of the base (W z)"}};
+  RealParameter yaw_min_{this,
+                         {.name = "yaw_min", .unit = "rad", .doc = "smallest random heading"}};
+  RealParameter yaw_max_{this, {.name = "yaw_max", .unit = "rad", .doc = "largest random heading"}};
   RealParameter tilt_max_{this,
                           {.name = "tilt_max",
                            .unit = "rad",
@@ -237,11 +237,12 @@ class RandomStart : public Randomizer {
                            .unit = "rad/s",
                            .min = 0.0,
                            .doc = "largest angular velocity, about any axis"}};
-  TextParameter hover_{this,
-                       {.name = "rotor_speed",
-                        .value = "keep",
-                        .choices = {"keep", "hover"},
-                        .doc = "keep: the scenario's; hover: what carries the drawn weight"}};
+  TextParameter hover_{
+      this,
+      {.name = "rotor_speed",
+       .value = "keep",
+       .choices = {"keep", "hover"},
+       .doc = "keep: the scenario's; hover: the speed that carries the random weight"}};
 
   std::vector<Target> robots_;
   Vec3<double> low_{0.0, 0.0, 0.0}, high_{0.0, 0.0, 0.0};  ///< box of positions [m]

@@ -276,33 +276,33 @@ class Vehicle : public Randomizer {
   }
 
   TextParameter robot_{
-      this, {.name = "robot", .doc = "which one; empty: every robot, each its own vehicle"}};
+      this,
+      {.name = "robot", .doc = "name of the robot; empty: every robot, each its own vehicle"}};
   TextParameter preset_{this,
                         {.name = "preset",
                          .value = "scaling",
                          .choices = {"scaling", "l2f", "raptor"},
-                         .doc = "the ranges of what is not given"}};
+                         .doc = "ranges of the quantities not given"}};
   TextParameter mass_by_{this,
                          {.name = "mass_by",
                           .value = "preset",
                           .choices = {"preset", "logarithm", "size"},
-                          .doc = "in what the mass is uniform: its logarithm (preset scaling), or "
-                                 "its cube root (the others)"}};
+                          .doc = "the mass is uniform in its logarithm (preset scaling) or in its "
+                                 "cube root (the others)"}};
   TextParameter tau_by_{this,
                         {.name = "tau_by",
                          .value = "preset",
                          .choices = {"preset", "mass", "itself"},
-                         .doc = "mass: time constants grow with its sixth root (preset scaling); "
-                                "itself: they do not (the others)"}};
+                         .doc = "mass: time constants grow with the mass's sixth root (preset "
+                                "scaling); itself: they do not (the others)"}};
   IntegerParameter every_{this, every_spec()};
-  IntegerParameter fleet_{
-      this,
-      {.name = "fleet",
-       .value = 0,
-       .min = 0,
-       .max = 1000000000,
-       .doc = "how many vehicles there are, the same for all environments of a seed, one of which "
-              "is drawn; 0: each draw is another vehicle"}};
+  IntegerParameter fleet_{this,
+                          {.name = "fleet",
+                           .value = 0,
+                           .min = 0,
+                           .max = 1000000000,
+                           .doc = "number of vehicles, the same for all environments of a seed, "
+                                  "one of which is drawn; 0: each draw is another vehicle"}};
   std::array<std::unique_ptr<RealsParameter>, kVehicleQuantityCount> given_;
 
   std::array<Distribution, kVehicleQuantityCount> laws_;

@@ -145,22 +145,23 @@ class VehicleConstants : public Randomizer {
     return {.name = name, .values = {1.0, 1.0}, .count = 2, .min = 0.01, .max = 100.0, .doc = doc};
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "whose constants; empty: every robot's"}};
-  TextsParameter links_{this, {.name = "links", .doc = "which bodies; none: all of the robot"}};
+  TextParameter robot_{this, {.name = "robot", .doc = "name of the robot; empty: every robot"}};
+  TextsParameter links_{
+      this, {.name = "links", .doc = "links of the scaled bodies; none: all of the robot"}};
   IntegerParameter every_{this, randomization::every_spec()};
   RealsParameter mass_{this, scale("mass", "range of the scale of each body's mass")};
   RealsParameter inertia_{this, scale("inertia", "range of the scale of each body's inertia")};
   BooleanParameter couple_{this,
                            {.name = "couple_inertia",
                             .value = true,
-                            .doc = "a body's inertia is scaled with its mass as well"}};
-  RealsParameter thrust_{this, scale("thrust_constant", "scale range, each rotor for itself")};
-  RealsParameter moment_{this, scale("moment_constant", "scale range, each rotor for itself")};
-  RealsParameter drag_{this, scale("drag", "scale range, each rotor for itself")};
-  RealsParameter rolling_{this, scale("rolling_moment", "scale range, each rotor for itself")};
-  RealsParameter rotor_inertia_{this, scale("rotor_inertia", "scale range, each rotor for itself")};
-  RealsParameter tau_up_{this, scale("tau_up", "scale range, each rotor for itself")};
-  RealsParameter tau_down_{this, scale("tau_down", "scale range, each rotor for itself")};
+                            .doc = "also scale a body's inertia with its mass"}};
+  RealsParameter thrust_{this, scale("thrust_constant", "scale range, each rotor separately")};
+  RealsParameter moment_{this, scale("moment_constant", "scale range, each rotor separately")};
+  RealsParameter drag_{this, scale("drag", "scale range, each rotor separately")};
+  RealsParameter rolling_{this, scale("rolling_moment", "scale range, each rotor separately")};
+  RealsParameter rotor_inertia_{this, scale("rotor_inertia", "scale range, each rotor separately")};
+  RealsParameter tau_up_{this, scale("tau_up", "scale range, each rotor separately")};
+  RealsParameter tau_down_{this, scale("tau_down", "scale range, each rotor separately")};
 
   Range mass_range_{1.0, 1.0}, inertia_range_{1.0, 1.0};
   Range rotor_range_[kRotorConstants] = {};

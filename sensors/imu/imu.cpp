@@ -176,28 +176,28 @@ class Imu : public Sensor {
     buffer.set(kSize * (places_ - 1) + 3, state.rate);
   }
 
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "whose link; may be left out for a single robot"}};
-  TextParameter link_{this, {.name = "link", .doc = "where it is mounted; empty: the base"}};
+  TextParameter robot_{
+      this, {.name = "robot", .doc = "robot with the link; optional for a single robot"}};
+  TextParameter link_{this, {.name = "link", .doc = "link of the sensor; empty: the base"}};
   IntegerParameter period_{this,
                            {.name = "period",
                             .unit = "physics steps",
                             .value = 1,
                             .min = 1,
                             .max = 1000000,
-                            .doc = "between two samples"}};
+                            .doc = "interval of samples"}};
   IntegerParameter latency_{this,
                             {.name = "latency",
                              .unit = "physics steps",
                              .value = 0,
                              .min = 0,
                              .max = 1000,
-                             .doc = "from a sample to its appearance in the output"}};
+                             .doc = "delay from a sample to the output"}};
   RealsParameter position_{this,
                            {.name = "position",
                             .unit = "m",
                             .values = {0.0, 0.0, 0.0},
-                            .doc = "of the sensor in the link's frame"}};
+                            .doc = "position of the sensor in the link's frame"}};
   RealsParameter orientation_{this,
                               {.name = "orientation",
                                .unit = "rad",
@@ -252,4 +252,5 @@ class Imu : public Sensor {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Imu, "imu", "1.0.0", "Specific force [m/s^2] and angular rate [rad/s].");
+SKYBODY_PLUGIN(skybody::Imu, "imu", "1.0.0",
+               "Inertial measurement unit: specific force [m/s^2] and angular rate [rad/s].");

@@ -113,39 +113,39 @@ class RangeFinder : public Sensor {
     }
   }
 
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "whose link; may be left out for a single robot"}};
-  TextParameter link_{this, {.name = "link", .doc = "where it is mounted; empty: the base"}};
+  TextParameter robot_{
+      this, {.name = "robot", .doc = "robot with the link; optional for a single robot"}};
+  TextParameter link_{this, {.name = "link", .doc = "link of the sensor; empty: the base"}};
   RealsParameter position_{this,
                            {.name = "position",
                             .unit = "m",
                             .values = {0.0, 0.0, 0.0},
-                            .doc = "of the sensor in the link's frame"}};
+                            .doc = "position of the sensor in the link's frame"}};
   RealsParameter orientation_{
       this,
       {.name = "orientation",
        .unit = "rad",
        .values = {0.0, 0.0, 0.0},
-       .doc = "roll, pitch, yaw of the sensor's axes in the link's frame; x is ahead"}};
-  BooleanParameter level_{this,
-                          {.name = "level",
-                           .value = false,
-                           .doc = "rays are held level, as on a gimbal, and turn with the "
-                                  "heading alone"}};
+       .doc = "roll, pitch, yaw of the sensor's axes in the link's frame; x is forward"}};
+  BooleanParameter level_{
+      this,
+      {.name = "level",
+       .value = false,
+       .doc = "rays are level, as on a gimbal, and turn only with the heading"}};
   IntegerParameter count_{this,
                           {.name = "rays",
                            .value = 16,
                            .min = 1,
                            .max = 360,
-                           .doc = "side by side in each ring, counter-clockwise"}};
+                           .doc = "number of rays per ring, counter-clockwise"}};
   RealParameter field_of_view_{this,
                                {.name = "field_of_view",
                                 .unit = "rad",
                                 .value = kTwoPi,
                                 .min = 0.0,
                                 .max = kTwoPi,
-                                .doc = "from the first ray of a ring to the last, ahead in the "
-                                       "middle; 2 pi: all round, from ahead on"}};
+                                .doc = "angle from the first ray of a ring to the last, forward in "
+                                       "the middle; 2 pi: all round, starting forward"}};
   RealsParameter elevations_{this,
                              {.name = "elevations",
                               .unit = "rad",
@@ -153,14 +153,14 @@ class RangeFinder : public Sensor {
                               .count = -1,
                               .min = -0.5 * kPi,
                               .max = 0.5 * kPi,
-                              .doc = "of the rings above the sensor's horizontal plane, one each"}};
+                              .doc = "elevation of each ring above the sensor's horizontal plane"}};
   RealParameter max_range_{this,
                            {.name = "max_range",
                             .unit = "m",
                             .value = 5.0,
                             .min = 1e-3,
                             .max = 1e6,
-                            .doc = "what a ray says that meets nothing nearer"}};
+                            .doc = "reading of a ray without a hit"}};
   RealParameter noise_{this,
                        {.name = "noise",
                         .unit = "m",
@@ -169,14 +169,14 @@ class RangeFinder : public Sensor {
                         .doc = "standard deviation of each reading",
                         .randomizable = true}};
   BooleanParameter ground_{
-      this, {.name = "ground", .value = true, .doc = "whether rays end at the plane z = 0 of W"}};
+      this, {.name = "ground", .value = true, .doc = "rays end at the plane z = 0 of W"}};
   IntegerParameter period_{this,
                            {.name = "period",
                             .unit = "physics steps",
                             .value = 1,
                             .min = 1,
                             .max = 1000000,
-                            .doc = "between two readings"}};
+                            .doc = "interval of readings"}};
 
   std::vector<Obstacle> obstacles_;
   std::vector<Vec3<double>> rays_;  ///< unit vectors, sensor axes
@@ -189,4 +189,4 @@ class RangeFinder : public Sensor {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::RangeFinder, "range_finder", "1.0.0",
-               "Ranges of rays to obstacles and ground, with noise and rate.");
+               "Distances along rays to obstacles and ground, with noise and a sample rate.");

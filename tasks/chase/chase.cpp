@@ -27,15 +27,16 @@ class Chase : public Task {
     for (int i = 0; i < agents(); ++i) declare_observation(setup, i);
     for (int i = 0; i < agents(); ++i) setup.goal(at(i).index, at(i).body);
     setup.robot_rewards();
-    evader_info_ = infos_.add(setup, "evader_distance", "m", "of the nearest pursuer");
-    nearest_info_ = infos_.add(setup, "pursuers_distance", "m", "of any two pursuers");
+    evader_info_ = infos_.add(setup, "evader_distance", "m", "distance of the nearest pursuer");
+    nearest_info_ =
+        infos_.add(setup, "pursuers_distance", "m", "smallest distance between two pursuers");
     limits_.configure(setup, infos_);
     ground_failure_ = declare_failure(setup, infos_, "ground", "a pursuer below `height_min`");
     separation_failure_ =
         declare_failure(setup, infos_, "separation", "two pursuers nearer than `separation_min`");
     if (evades_) {
-      evader_failure_ = declare_failure(
-          setup, infos_, "evader", "the evader beyond a limit of flight, or below `height_min`");
+      evader_failure_ = declare_failure(setup, infos_, "evader",
+                                        "the evader beyond a flight limit, or below `height_min`");
     }
     success_ = declare_success(setup, infos_,
                                "a pursuer within `capture_radius` of the evader, which ends the "
@@ -272,24 +273,27 @@ class Chase : public Task {
       return observation_.add(setup,
                               {robot.name + "." + name, unit, count, doc, low, high, robot.index});
     };
-    robot.place = part("position", "m", 3, "p, W");
-    robot.velocity = part("velocity", "m/s", 3, "of the base's frame, W");
+    robot.place = part("position", "m", 3, "position of the base's frame, W");
+    robot.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, W");
     robot.attitude =
         part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", -1.0, 1.0);
-    robot.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
+    robot.angular_velocity =
+        part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
     if (evades_) {
       robot.evades =
-          part("evades", "", 1, "1: the evader, 0: a pursuer; where both are agents", 0.0, 1.0);
+          part("evades", "", 1, "1: the evader, 0: a pursuer; only if both are agents", 0.0, 1.0);
     }
     for (int k = 0; k < count() - 1; ++k) {
       const std::string of = at(other_of(i, k)).name + ".";
-      robot.others.push_back({part(of + "offset", "m", 3, "p of the other - p, W"),
-                              part(of + "velocity", "m/s", 3, "of the other - own, W")});
+      robot.others.push_back(
+          {part(of + "offset", "m", 3, "position of the other - own position, W"),
+           part(of + "velocity", "m/s", 3, "velocity of the other - own velocity, W")});
     }
   }
 
   TextParameter evader_{
-      this, {.name = "evader", .value = "evader", .doc = "which robot is pursued, by all others"}};
+      this,
+      {.name = "evader", .value = "evader", .doc = "name of the robot that all others pursue"}};
   RealParameter capture_radius_{this,
                                 {.name = "capture_radius",
                                  .unit = "m",
@@ -302,53 +306,61 @@ class Chase : public Task {
                                  .value = 0.4,
                                  .min = 0.0,
                                  .doc = "two pursuers fail nearer than this"}};
-  RealParameter height_min_{
-      this,
-      {.name = "height_min", .unit = "m", .value = 0.2, .doc = "a robot fails below this (W z)"}};
+  RealParameter height_min_{this,
+                            {.name = "height_min",
+                             .unit = "m",
+                             .value = 0.2,
+                             .doc = "a robot fails below this height (W z)"}};
   FlightLimits limits_{this};
   RealParameter progress_reward_{this,
                                  {.name = "progress_reward",
                                   .unit = "1/m",
                                   .value = 1.0,
                                   .min = 0.0,
-                                  .doc = "for each metre by which the evader has come nearer"}};
+                                  .doc = "reward per metre of approach to the evader"}};
   RealParameter capture_reward_{this,
                                 {.name = "capture_reward",
                                  .value = 5.0,
                                  .min = 0.0,
-                                 .doc = "for each pursuer when one has caught the evader"}};
+                                 .doc = "reward of each pursuer when one has caught the evader"}};
   RealParameter time_cost_{
-      this, {.name = "time_cost", .value = 0.02, .min = 0.0, .doc = "of a step in which it flies"}};
+      this, {.name = "time_cost", .value = 0.02, .min = 0.0, .doc = "cost per step"}};
   RealParameter safe_distance_{this,
                                {.name = "safe_distance",
                                 .unit = "m",
                                 .value = 0.8,
                                 .min = 1e-3,
-                                .doc = "pursuers nearer to one another than this pay"}};
+                                .doc = "pursuers nearer to one another than this pay a cost"}};
   RealParameter crowd_cost_{
-      this, {.name = "crowd_cost", .value = 0.2, .min = 0.0, .doc = "of that, at 0 m; quadratic"}};
+      this,
+      {.name = "crowd_cost",
+       .value = 0.2,
+       .min = 0.0,
+       .doc = "cost at 0 m from another pursuer; quadratic up to `safe_distance`"}};
   RealParameter rate_cost_{this,
                            {.name = "rate_cost",
                             .unit = "s^2/rad^2",
                             .value = 0.001,
                             .min = 0.0,
-                            .doc = "times the squared angular velocity, taken off"}};
-  RealParameter failure_reward_{
+                            .doc = "cost per squared angular velocity"}};
+  RealParameter failure_reward_{this,
+                                {.name = "failure_reward",
+                                 .value = -5.0,
+                                 .max = 0.0,
+                                 .doc = "reward of the robots that fail"}};
+  RealParameter ring_{
       this,
-      {.name = "failure_reward", .value = -5.0, .max = 0.0, .doc = "for the robots that fail"}};
-  RealParameter ring_{this,
-                      {.name = "ring",
-                       .unit = "m",
-                       .value = 1.0,
-                       .min = 0.0,
-                       .doc = "how far from the evader the baseline's goals of all pursuers but "
-                              "the first are"}};
+      {.name = "ring",
+       .unit = "m",
+       .value = 1.0,
+       .min = 0.0,
+       .doc = "distance from the evader of the baseline's goals, except for the first pursuer"}};
   RealParameter pen_{this,
                      {.name = "pen",
                       .unit = "m",
                       .value = 3.0,
                       .min = 0.0,
-                      .doc = "an evader that the baseline flies keeps x and y within this (W)"}};
+                      .doc = "the baseline's evader keeps x and y within this (W)"}};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -90,32 +90,33 @@ class CarriedLimits {
                            .value = 1.4,
                            .min = 0.0,
                            .max = kPi,
-                           .doc = "the team fails where a robot tilts more; pi: never"}};
+                           .doc = "the team fails if a robot tilts more; pi: never"}};
   RealParameter load_tilt_max_{owner_,
                                {.name = "load_tilt_max",
                                 .unit = "rad",
                                 .value = 1.0,
                                 .min = 0.0,
                                 .max = kPi,
-                                .doc = "or where the load does; pi: never"}};
-  RealParameter bound_max_{
-      owner_,
-      {.name = "bound",
-       .unit = "m",
-       .value = 10.0,
-       .min = 1e-3,
-       .doc = "or where a coordinate of a robot or of the load is larger either way (W)"}};
+                                .doc = "the team fails if the load tilts more; pi: never"}};
+  RealParameter bound_max_{owner_,
+                           {.name = "bound",
+                            .unit = "m",
+                            .value = 10.0,
+                            .min = 1e-3,
+                            .doc = "the team fails if a coordinate of a robot or of the load "
+                                   "exceeds this in magnitude (W)"}};
   RealParameter separation_min_{owner_,
                                 {.name = "separation_min",
                                  .unit = "m",
                                  .value = 0.5,
                                  .min = 0.0,
-                                 .doc = "or where two robots are closer; 0: never"}};
-  RealParameter height_min_{owner_,
-                            {.name = "height_min",
-                             .unit = "m",
-                             .value = 0.3,
-                             .doc = "or where the load is lower (W z): it was dropped"}};
+                                 .doc = "the team fails if two robots are closer; 0: never"}};
+  RealParameter height_min_{
+      owner_,
+      {.name = "height_min",
+       .unit = "m",
+       .value = 0.3,
+       .doc = "the team fails if the load is lower (W z), because it was dropped"}};
 
   double tilt_cosine_ = -2.0, load_tilt_cosine_ = -2.0;
   task_kit::Part tilt_, load_tilt_, bound_, separation_, dropped_;

@@ -25,9 +25,12 @@ class CooperativePayload : public Task {
     for (const Carrier& carrier : carriers_) setup.goal(carrier.index, carrier.body);
     setup.robot_rewards();
     error_info_ = infos_.add(setup, "payload_error", "m", "distance of the load from its target");
-    yaw_info_ = infos_.add(setup, "payload_yaw_error", "rad", "magnitude, 0 .. pi");
-    place_info_ = infos_.add(setup, "place_error", "m", "the greatest of a robot from its place");
-    nearest_info_ = infos_.add(setup, "nearest_distance", "m", "of any two robots");
+    yaw_info_ =
+        infos_.add(setup, "payload_yaw_error", "rad", "magnitude of the yaw error, 0 .. pi");
+    place_info_ =
+        infos_.add(setup, "place_error", "m", "largest distance of a robot from its place");
+    nearest_info_ =
+        infos_.add(setup, "nearest_distance", "m", "smallest distance between two robots");
     limits_.configure(setup, infos_);
     success_ = declare_success(
         setup, infos_, "the load within `success_distance` and `success_yaw` of its target");
@@ -188,23 +191,29 @@ class CooperativePayload : public Task {
       return observation_.add(
           setup, {carrier.name + "." + name, unit, count, doc, -bound, bound, carrier.index});
     };
-    carrier.place_error = part("place_error", "m", 3, "its place about the load's target - p, W");
-    carrier.velocity = part("velocity", "m/s", 3, "of the base's frame, W");
+    carrier.place_error =
+        part("place_error", "m", 3, "own place about the load's target - position, W");
+    carrier.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, W");
     carrier.attitude = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
-    carrier.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
-    carrier.load_error = part("load_position_error", "m", 3, "target - p of the load, W");
+    carrier.angular_velocity =
+        part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    carrier.load_error = part("load_position_error", "m", 3, "target - position of the load, W");
     carrier.load_yaw_error =
         part("load_yaw_error", "rad", 1, "target yaw - yaw of the load, wrapped", kPi);
-    carrier.load_velocity = part("load_velocity", "m/s", 3, "W");
-    carrier.load_attitude = part("load_attitude", "", 4, "as above", 1.0);
-    carrier.load_angular_velocity = part("load_angular_velocity", "rad/s", 3, "the load's axes");
-    carrier.attachment_offset =
-        part("attachment", "m", 3, "its point of the load (`attachments`) - p, W");
+    carrier.load_velocity = part("load_velocity", "m/s", 3, "velocity of the load, W");
+    carrier.load_attitude =
+        part("load_attitude", "", 4, "quaternion w x y z of the load, W from its axes, with w >= 0",
+             1.0);
+    carrier.load_angular_velocity =
+        part("load_angular_velocity", "rad/s", 3, "angular velocity of the load, in its axes");
+    carrier.attachment_offset = part(
+        "attachment", "m", 3, "own attachment point on the load (`attachments`) - position, W");
     for (const Carrier& other : carriers_) {
       if (other.index == carrier.index) continue;
-      carrier.others.push_back({other.body,
-                                part(other.name + ".offset", "m", 3, "p of the other - p, W"),
-                                part(other.name + ".velocity", "m/s", 3, "of the other, W")});
+      carrier.others.push_back(
+          {other.body,
+           part(other.name + ".offset", "m", 3, "position of the other - own position, W"),
+           part(other.name + ".velocity", "m/s", 3, "velocity of the other, W")});
     }
   }
 
@@ -282,21 +291,23 @@ class CooperativePayload : public Task {
   }
 
   TextParameter load_{
-      this, {.name = "load", .doc = "which robot; empty: the only one without rotors and actions"}};
-  DrawnPose target_{this,
-                    {.target = {0.0, 0.0, 1.4, 0.0},
-                     .low = {-1.0, -1.0, 0.9},
-                     .high = {1.0, 1.0, 1.9},
-                     .doc = "x, y, z (W), yaw of the load; where the scenario gives none, one is "
-                            "drawn for each episode"},
-                    0.4,
-                    "largest magnitude of a drawn heading of the load"};
+      this,
+      {.name = "load",
+       .doc = "name of the load; empty: the only robot without rotors and actions"}};
+  DrawnPose target_{
+      this,
+      {.target = {0.0, 0.0, 1.4, 0.0},
+       .low = {-1.0, -1.0, 0.9},
+       .high = {1.0, 1.0, 1.9},
+       .doc = "x, y, z (W), yaw of the load; drawn for each episode if the scenario gives none"},
+      0.4,
+      "largest magnitude of a drawn heading of the load"};
   RealsParameter places_{this,
                          {.name = "places",
                           .unit = "m",
                           .count = -1,
-                          .doc = "x, y, z of each robot from the load in its target, in axes that "
-                                 "turn with the target's yaw; none: as the scenario places them"}};
+                          .doc = "x, y, z of each robot relative to the load at its target, in "
+                                 "axes that turn with the target's yaw; none: as in the scenario"}};
   RealsParameter attachments_{
       this,
       {.name = "attachments",
@@ -304,34 +315,34 @@ class CooperativePayload : public Task {
        .count = -1,
        .doc = "x, y, z of each robot's point on the load, in the load's frame; none: its origin"}};
   CarriedLimits limits_{this};
-  RealParameter load_precision_reward_{
-      this,
-      {.name = "load_precision_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of 1 / (1 + |e| / 0.2 m) of the load in every reward: a slope up to the "
-              "target"}};
+  RealParameter load_precision_reward_{this,
+                                       {.name = "load_precision_reward",
+                                        .value = 0.0,
+                                        .min = 0.0,
+                                        .doc = "weight of 1 / (1 + |e| / 0.2 m) of the load in "
+                                               "every reward: a gradient close to the target"}};
   GoalShaping shaping_{this};
   RealParameter failure_reward_{
       this,
       {.name = "failure_reward",
        .value = 0.0,
        .max = 0.0,
-       .doc = "added where an episode terminates, of a robot that has failed or whose load has"}};
+       .doc = "added if an episode terminates, for a robot that has failed or whose load has"}};
   RealParameter success_distance_{
       this,
       {.name = "success_distance",
        .unit = "m",
        .value = 0.15,
        .min = 0.0,
-       .doc = "closer than this to its target the load has arrived (info `success`)"}};
-  RealParameter success_yaw_{this,
-                             {.name = "success_yaw",
-                              .unit = "rad",
-                              .value = 0.2,
-                              .min = 0.0,
-                              .max = 4.0,
-                              .doc = "and turned less than this from its heading"}};
+       .doc = "the load has arrived if closer than this to its target (info `success`)"}};
+  RealParameter success_yaw_{
+      this,
+      {.name = "success_yaw",
+       .unit = "rad",
+       .value = 0.2,
+       .min = 0.0,
+       .max = 4.0,
+       .doc = "the load has arrived if its heading error is less than this, too"}};
 
   ObservationParts observation_;
   InfoParts infos_;

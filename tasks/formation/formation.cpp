@@ -32,7 +32,8 @@ class Formation : public Task {
                    "Hausdorff distance of the robots from the places about their centroid");
     centroid_info_ =
         infos_.add(setup, "centroid_error", "m", "distance of the centroid from the target");
-    nearest_info_ = infos_.add(setup, "nearest_distance", "m", "of any two robots");
+    nearest_info_ =
+        infos_.add(setup, "nearest_distance", "m", "smallest distance between two robots");
     tilt_failure_ = declare_failure(setup, infos_, "tilt", "a robot beyond `tilt_max`");
     distance_failure_ = declare_failure(setup, infos_, "distance", "a robot beyond `distance_max`");
     separation_failure_ =
@@ -182,21 +183,23 @@ class Formation : public Task {
       return observation_.add(setup,
                               {robot.name + "." + name, unit, count, doc, low, high, robot.index});
     };
-    robot.target_error = part("target_error", "m", 3, "target - p, W");
-    robot.velocity = part("velocity", "m/s", 3, "of the base's frame, W");
+    robot.target_error = part("target_error", "m", 3, "target - position, W");
+    robot.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, W");
     robot.rotation = part("rotation", "", 9, "matrix W from B, row by row", -1.0, 1.0);
-    robot.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
+    robot.angular_velocity =
+        part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
     robot.others = Part(observation_.size(), kSight * (count() - 1), "others");
     for (const Robot& other : robots_) {
       if (other.index == robot.index) continue;
       const std::string of = other.name + ".";
-      part(of + "offset", "m", 3, "p of the other - p, W");
-      part(of + "distance", "m", 1, "its length", 0.0);
-      part(of + "velocity", "m/s", 3, "of the other, W");
-      part(of + "rotation", "", 9, "of the other, as above", -1.0, 1.0);
+      part(of + "offset", "m", 3, "position of the other - own position, W");
+      part(of + "distance", "m", 1, "length of the offset", 0.0);
+      part(of + "velocity", "m/s", 3, "velocity of the other, W");
+      part(of + "rotation", "", 9, "rotation of the other: matrix W from its axes, row by row",
+           -1.0, 1.0);
     }
     if (sees_place_.value()) {
-      robot.place_error = part("place_error", "m", 3, "target + its place - p, W");
+      robot.place_error = part("place_error", "m", 3, "target + own place - position, W");
     }
     robot.obstacles = obstacles_.declare(setup, observation_, robot.name + ".", robot.index);
   }
@@ -330,49 +333,50 @@ class Formation : public Task {
                          .unit = "m",
                          .value = 1.0,
                          .min = 0.01,
-                         .doc = "of the polygon on whose corners the robots belong"}};
-  DrawnTarget target_{
-      this,
-      {.target = {0.0, 0.0, 1.5},
-       .low = {-2.0, -2.0, -2.0},
-       .high = {2.0, 2.0, -0.5},
-       .low_doc = "lower corner of the box of drawn targets, counted as `relative` says",
-       .high_doc = "upper corner of that box"}};
+                         .doc = "radius of the polygon with the robots' places at its corners"}};
+  DrawnTarget target_{this,
+                      {.target = {0.0, 0.0, 1.5},
+                       .low = {-2.0, -2.0, -2.0},
+                       .high = {2.0, 2.0, -0.5},
+                       .low_doc = "lower corner of the box of random targets, see `relative`",
+                       .high_doc = "upper corner of the box of random targets, see `relative`"}};
   BooleanParameter relative_{
       this,
       {.name = "relative",
        .value = true,
-       .doc = "the box of drawn targets counts from where the first robot starts; false: from W"}};
+       .doc = "the box of random targets is relative to the first robot's start; false: to W"}};
   RealParameter min_height_{this,
                             {.name = "min_height",
                              .unit = "m",
                              .value = 1.0,
-                             .doc = "a drawn target lies no lower than this (W z)"}};
-  RealParameter separation_min_{this,
-                                {.name = "separation_min",
-                                 .unit = "m",
-                                 .value = 0.0,
-                                 .min = 0.0,
-                                 .doc = "an episode terminates when two robots are closer than "
-                                        "this; 0: never"}};
-  RealParameter tilt_max_{this,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = kPi,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "or a robot tilts more than this; pi: never"}};
-  RealParameter distance_max_{this,
-                              {.name = "distance_max",
-                               .unit = "m",
-                               .value = 0.0,
-                               .min = 0.0,
-                               .doc = "or is farther than this from the target; 0: never"}};
+                             .doc = "least height of a random target (W z)"}};
+  RealParameter separation_min_{
+      this,
+      {.name = "separation_min",
+       .unit = "m",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "an episode terminates if two robots are closer than this; 0: never"}};
+  RealParameter tilt_max_{
+      this,
+      {.name = "tilt_max",
+       .unit = "rad",
+       .value = kPi,
+       .min = 0.0,
+       .max = kPi,
+       .doc = "an episode terminates if a robot tilts more than this; pi: never"}};
+  RealParameter distance_max_{
+      this,
+      {.name = "distance_max",
+       .unit = "m",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "an episode terminates if a robot is farther than this from the target; 0: never"}};
   BooleanParameter sees_place_{this,
                                {.name = "sees_place",
                                 .value = false,
-                                .doc = "each robot observes the way to its own place: with one "
-                                       "policy for all, nothing else says which one is its"}};
+                                .doc = "each robot observes the vector to its own place; with one "
+                                       "policy for all, no other column identifies it"}};
   NearestObstacles obstacles_{this};
   GoalShaping shaping_{this};
   RealParameter failure_reward_{
@@ -380,7 +384,7 @@ class Formation : public Task {
       {.name = "failure_reward",
        .value = 0.0,
        .max = 0.0,
-       .doc = "added where an episode terminates, of a robot that has failed"}};
+       .doc = "added if an episode terminates, for a robot that has failed"}};
 
   RealParameter success_error_{
       this,
@@ -388,7 +392,7 @@ class Formation : public Task {
        .unit = "m",
        .value = 0.3,
        .min = 0.0,
-       .doc = "below this `formation_error` the formation stands (info `success`)"}};
+       .doc = "the formation is complete below this `formation_error` (info `success`)"}};
 
   ObservationParts observation_;
   InfoParts infos_;
@@ -403,4 +407,4 @@ class Formation : public Task {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Formation, "formation", "1.0.0",
-               "Several robots stand on a polygon about a target.");
+               "Several robots hover on a polygon about a target.");

@@ -32,7 +32,7 @@ class Hover : public Task {
     if (team) setup.robot_rewards();
     limits_.configure(setup, infos_);
     success_ =
-        declare_success(setup, infos_, "every robot is within `success_distance` of its place");
+        declare_success(setup, infos_, "every robot within `success_distance` of its position");
     setup.buffer(memory_.size());
   }
 
@@ -140,22 +140,26 @@ class Hover : public Task {
                 info.first_body,
                 info.first_action,
                 {info.position[0], info.position[1], info.position[2]}};
-    robot.position_error = part("position_error", "m", 3, kInfinity, "target - p, W");
-    robot.yaw_error = part("yaw_error", "rad", 1, kPi, "target yaw - yaw, wrapped to [-pi, pi]");
-    robot.velocity = part("velocity", "m/s", 3, kInfinity, "of the base's frame, W");
+    robot.position_error = part("position_error", "m", 3, kInfinity, "target - position, W");
+    robot.yaw_error =
+        part("yaw_error", "rad", 1, kPi, "target yaw - own yaw, wrapped to [-pi, pi]");
+    robot.velocity = part("velocity", "m/s", 3, kInfinity, "velocity of the base's frame, W");
     robot.attitude = part("attitude", "", 4, 1.0, "quaternion w x y z, W from B, with w >= 0");
-    robot.angular_velocity = part("angular_velocity", "rad/s", 3, kInfinity, "B");
+    robot.angular_velocity =
+        part("angular_velocity", "rad/s", 3, kInfinity, "angular velocity of the base, B");
     if (past_actions_.value()) {
-      robot.actions = part("actions", "", 2 * actions, 1.0,
-                           "this step's action, then the one before, in [-1, 1]; -1 at a reset");
+      robot.actions =
+          part("actions", "", 2 * actions, 1.0,
+               "action of this step, then of the step before, in [-1, 1]; -1 at a reset");
       robot.past_actions = History(memory_, 2, actions);
     }
     robot.distance_info =
         infos_.add(setup, prefix + "position_error", "m", "distance from the target");
-    robot.yaw_info = infos_.add(setup, prefix + "yaw_error", "rad", "magnitude, 0 .. pi");
+    robot.yaw_info =
+        infos_.add(setup, prefix + "yaw_error", "rad", "magnitude of the yaw error, 0 .. pi");
     robot.tilt_info = infos_.add(setup, prefix + "tilt", "rad",
                                  "angle between the body's z axis and the world's, 0 .. pi");
-    robot.speed_info = infos_.add(setup, prefix + "speed", "m/s", "of the base's frame");
+    robot.speed_info = infos_.add(setup, prefix + "speed", "m/s", "speed of the base's frame");
     robots_.push_back(robot);
     setup.goal(index, info.first_body);
   }
@@ -195,43 +199,41 @@ class Hover : public Task {
                             [&](int k) { return env.action(robot.first_action + k); });
   }
 
-  TextParameter robot_{
-      this,
-      {.name = "robot",
-       .doc = "who hovers; empty: all robots but loads (neither rotors nor actions), as a team"}};
-  DrawnPose target_{
-      this,
-      {.target = {0.0, 0.0, 1.75, 0.0},
-       .low = {-5.0, -5.0, 0.5},
-       .high = {5.0, 5.0, 3.0},
-       .doc = "x, y, z (W), yaw; where the scenario gives none, one is drawn for each "
-              "episode"},
-      0.72};
+  TextParameter robot_{this,
+                       {.name = "robot",
+                        .doc = "name of the robot; empty: all robots except loads (neither rotors "
+                               "nor actions), as a team"}};
+  DrawnPose target_{this,
+                    {.target = {0.0, 0.0, 1.75, 0.0},
+                     .low = {-5.0, -5.0, 0.5},
+                     .high = {5.0, 5.0, 3.0},
+                     .doc = "x, y, z (W), yaw; drawn for each episode if the scenario gives none"},
+                    0.72};
   RealsParameter formation_{this,
                             {.name = "formation",
                              .unit = "m",
                              .count = -1,
-                             .doc = "x, y, z of each robot from the target; none: as the scenario "
-                                    "places them about their mean"}};
+                             .doc = "x, y, z of each robot relative to the target; none: the "
+                                    "scenario's positions relative to their mean"}};
   BooleanParameter past_actions_{
       this,
       {.name = "past_actions",
        .value = true,
-       .doc = "observe the last two actions; false: a policy that needs them must remember"}};
+       .doc = "observe the last two actions; false: a policy that needs them must have memory"}};
   FlightLimits limits_{this};
   GoalShaping shaping_{this};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = 0.0,
                                  .max = 0.0,
-                                 .doc = "added where an episode terminates"}};
+                                 .doc = "added if an episode terminates"}};
   RealParameter success_distance_{
       this,
       {.name = "success_distance",
        .unit = "m",
        .value = 0.1,
        .min = 0.0,
-       .doc = "closer than this to its place a robot counts as arrived (info `success`)"}};
+       .doc = "a robot has arrived if closer than this to its position (info `success`)"}};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -186,59 +186,59 @@ class Landing : public Task {
                           double bound = kInfinity) {
       return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
     };
-    position_error_ = part("position_error", "m", 3,
-                           "x, y: middle of the deck - p; z: its face - the robot's lowest point; "
-                           "deck axes");
-    velocity_ = part("velocity", "m/s", 3, "against the deck, deck axes");
-    yaw_error_ = part("yaw_error", "rad", 1, "the deck's yaw - own", kPi);
+    position_error_ = part(
+        "position_error", "m", 3,
+        "x, y: deck's centre - position; z: its top face - the robot's lowest point; deck axes");
+    velocity_ = part("velocity", "m/s", 3, "velocity relative to the deck, deck axes");
+    yaw_error_ = part("yaw_error", "rad", 1, "the deck's yaw - own yaw", kPi);
     attitude_ = part("attitude", "", 4, "quaternion w x y z, deck from B, with w >= 0", 1.0);
-    angular_velocity_ = part("angular_velocity", "rad/s", 3, "B");
-    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", 1.0);
+    angular_velocity_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    action_ = part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
     distance_info_ = infos_.add(setup, "position_error", "m",
-                                "distance of the robot's lowest point from the deck's middle");
-    speed_info_ = infos_.add(setup, "speed", "m/s", "against the deck");
-    tilt_info_ = infos_.add(setup, "tilt", "rad", "against the deck, 0 .. pi");
+                                "distance of the robot's lowest point from the deck's centre");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "speed relative to the deck");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "tilt relative to the deck, 0 .. pi");
     limits_.configure(setup, infos_);
     crash_failure_ = declare_failure(setup, infos_, "crash",
-                                     "touches faster than `crash_speed` or beyond `crash_tilt`");
+                                     "touchdown faster than `crash_speed` or beyond `crash_tilt`");
     outside_failure_ = declare_failure(setup, infos_, "outside",
-                                       "below the deck's face, or beyond `distance_max`");
-    time_failure_ = declare_failure(setup, infos_, "time", "not down after `time_max`");
+                                       "below the deck's top face, or beyond `distance_max`");
+    time_failure_ = declare_failure(setup, infos_, "time", "not landed after `time_max`");
     success_ = declare_success(setup, infos_,
                                "on the deck, slow, level, within its edges; ends the episode");
   }
 
   TextParameter robot_{
-      this, {.name = "robot", .doc = "who lands; may be left out where only one takes actions"}};
+      this, {.name = "robot", .doc = "name of the robot; optional if only one takes actions"}};
   TextParameter pad_{
-      this, {.name = "pad", .value = "pad", .doc = "the robot whose base is a box to land on"}};
-  RealParameter touch_height_{this,
-                              {.name = "touch_height",
-                               .unit = "m",
-                               .value = 0.005,
-                               .min = 0.0,
-                               .max = 1.0,
-                               .doc = "with its lowest point below this over the deck it touches"}};
-  RealParameter rest_speed_{
+      this, {.name = "pad", .value = "pad", .doc = "robot whose base is the box to land on"}};
+  RealParameter touch_height_{
       this,
-      {.name = "rest_speed",
-       .unit = "m/s",
-       .value = 0.2,
+      {.name = "touch_height",
+       .unit = "m",
+       .value = 0.005,
        .min = 0.0,
-       .doc = "on the deck and no faster than this against it, it has landed"}};
+       .max = 1.0,
+       .doc = "the robot touches the deck if its lowest point is less than this above it"}};
+  RealParameter rest_speed_{this,
+                            {.name = "rest_speed",
+                             .unit = "m/s",
+                             .value = 0.2,
+                             .min = 0.0,
+                             .doc = "landed: largest speed relative to the deck"}};
   RealParameter rest_tilt_{this,
                            {.name = "rest_tilt",
                             .unit = "rad",
                             .value = 0.2,
                             .min = 0.0,
                             .max = kPi,
-                            .doc = "and tilted no more than this against it"}};
+                            .doc = "landed: largest tilt relative to the deck"}};
   RealParameter inset_{this,
                        {.name = "inset",
                         .unit = "m",
                         .value = 0.1,
                         .min = 0.0,
-                        .doc = "and with its base so far within the deck's edges"}};
+                        .doc = "landed: least distance of the base from the deck's edges"}};
   RealParameter crash_speed_{this,
                              {.name = "crash_speed",
                               .unit = "m/s",
@@ -251,56 +251,58 @@ class Landing : public Task {
                              .value = 0.5,
                              .min = 0.0,
                              .max = kPi,
-                             .doc = "or one tilted more than this against the deck"}};
+                             .doc = "a touch with a larger tilt relative to the deck is a crash"}};
   RealParameter distance_max_{this,
                               {.name = "distance_max",
                                .unit = "m",
                                .value = 5.0,
                                .min = 0.0,
-                               .doc = "a robot fails farther than this from the deck's middle"}};
+                               .doc = "a robot fails farther than this from the deck's centre"}};
   RealParameter time_max_{this,
                           {.name = "time_max",
                            .unit = "s",
                            .value = 0.0,
                            .min = 0.0,
-                           .doc = "or where it has not landed after this time; 0: never"}};
+                           .doc = "a robot fails if it has not landed after this time; 0: never"}};
   FlightLimits limits_{this};
   RealParameter progress_reward_{this,
                                  {.name = "progress_reward",
                                   .unit = "1/m",
                                   .value = 5.0,
                                   .min = 0.0,
-                                  .doc = "for each metre that it has come nearer"}};
-  RealParameter approach_rate_{this,
-                               {.name = "approach_rate",
-                                .unit = "1/s",
-                                .value = 1.0,
-                                .min = 0.0,
-                                .doc = "`rest_speed` and this times the distance is a speed that "
-                                       "costs nothing"}};
-  RealParameter speed_cost_{this,
-                            {.name = "speed_cost",
-                             .unit = "s/m",
-                             .value = 0.05,
-                             .min = 0.0,
-                             .doc = "for what is faster, in each step"}};
+                                  .doc = "reward per metre of approach"}};
+  RealParameter approach_rate_{
+      this,
+      {.name = "approach_rate",
+       .unit = "1/s",
+       .value = 1.0,
+       .min = 0.0,
+       .doc = "the speed `rest_speed` + `approach_rate` * distance costs nothing"}};
+  RealParameter speed_cost_{
+      this,
+      {.name = "speed_cost",
+       .unit = "s/m",
+       .value = 0.05,
+       .min = 0.0,
+       .doc = "cost per step of the speed above `rest_speed` + `approach_rate` * distance"}};
   RealParameter rate_cost_{this,
                            {.name = "rate_cost",
                             .unit = "s^2/rad^2",
                             .value = 0.001,
                             .min = 0.0,
-                            .doc = "times the squared angular velocity, taken off"}};
+                            .doc = "cost per squared angular velocity"}};
   RealParameter landing_reward_{
-      this, {.name = "landing_reward", .value = 20.0, .min = 0.0, .doc = "for having landed"}};
+      this, {.name = "landing_reward", .value = 20.0, .min = 0.0, .doc = "reward of a landing"}};
   RealParameter failure_reward_{
-      this, {.name = "failure_reward", .value = -10.0, .max = 0.0, .doc = "for a failure"}};
-  RealParameter descent_{this,
-                         {.name = "descent",
-                          .unit = "m/s",
-                          .value = 0.4,
-                          .min = 0.01,
-                          .max = 100.0,
-                          .doc = "at which the goal sinks to the deck, for the baseline `hold`"}};
+      this, {.name = "failure_reward", .value = -10.0, .max = 0.0, .doc = "reward of a failure"}};
+  RealParameter descent_{
+      this,
+      {.name = "descent",
+       .unit = "m/s",
+       .value = 0.4,
+       .min = 0.01,
+       .max = 100.0,
+       .doc = "speed at which the goal sinks to the deck, for the baseline `hold`"}};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -37,8 +37,9 @@ class Obstacles : public Task {
     actions_ = action_count(info, "obstacles");
     declare_observation(setup, robot);
     distance_info_ = infos_.add(setup, "position_error", "m", "distance from the target");
-    clearance_info_ = infos_.add(setup, "clearance", "m", "of the nearest surface, less `radius`");
-    speed_info_ = infos_.add(setup, "speed", "m/s", "of the base's frame");
+    clearance_info_ =
+        infos_.add(setup, "clearance", "m", "distance of the nearest surface minus `radius`");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "speed of the base's frame");
     limits_.configure(setup, infos_);
     collision_failure_ =
         declare_failure(setup, infos_, "collision", "a surface nearer than `radius`");
@@ -121,19 +122,22 @@ class Obstacles : public Task {
                           double low = -kInfinity, double high = kInfinity) {
       return observation_.add(setup, {name, unit, count, doc, low, high, robot});
     };
-    error_ = part("position_error", "m", 3, "target - p, W");
-    velocity_ = part("velocity", "m/s", 3, "of the base's frame, W");
+    error_ = part("position_error", "m", 3, "target - position, W");
+    velocity_ = part("velocity", "m/s", 3, "velocity of the base's frame, W");
     attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", -1.0, 1.0);
-    rates_ = part("angular_velocity", "rad/s", 3, "B");
-    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", -1.0, 1.0);
+    rates_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    action_ =
+        part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", -1.0, 1.0);
     for (int k = 0; k < seen(); ++k) {
       const std::string name = "nearest_" + std::to_string(k + 1) + ".";
       const double view = view_.value();
       parts_.push_back(
-          {part(name + "way", "m", 3, "to the nearest point of its surface, W; 0: beyond `view`"),
-           part(name + "distance", "m", 1, "of that point, below 0 inside; `view` beyond it",
-                -kInfinity, view),
-           part(name + "size", "m", 3, "as the scenario has it; 0: beyond `view`", 0.0)});
+          {part(name + "way", "m", 3,
+                "vector to the nearest point of its surface, W; 0: beyond `view`"),
+           part(name + "distance", "m", 1,
+                "distance of that point, below 0 inside; `view` beyond it", -kInfinity, view),
+           part(name + "size", "m", 3, "size of the obstacle as in the scenario; 0: beyond `view`",
+                0.0)});
     }
   }
 
@@ -169,78 +173,85 @@ class Obstacles : public Task {
   }
 
   TextParameter robot_{this,
-                       {.name = "robot", .doc = "who flies; may be left out for a single robot"}};
+                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
   DrawnTarget target_{
       this, {.target = {6.0, 0.0, 1.2}, .low = {5.5, -2.0, 1.0}, .high = {6.5, 2.0, 1.4}}};
-  IntegerParameter nearest_{this,
-                            {.name = "nearest",
-                             .value = 4,
-                             .min = 0,
-                             .max = obstacles::kMostSeen,
-                             .doc = "how many obstacles are observed, the nearest first; 0: none, "
-                                    "where a sensor sees them"}};
+  IntegerParameter nearest_{
+      this,
+      {.name = "nearest",
+       .value = 4,
+       .min = 0,
+       .max = obstacles::kMostSeen,
+       .doc =
+           "number of observed obstacles, the nearest first; 0: none, if a sensor observes them"}};
   RealParameter view_{this,
                       {.name = "view",
                        .unit = "m",
                        .value = 4.0,
                        .min = 1e-3,
                        .max = 1e6,
-                       .doc = "how far they are observed"}};
+                       .doc = "range in which obstacles are observed"}};
   RealParameter radius_{this,
                         {.name = "radius",
                          .unit = "m",
                          .value = 0.2,
                          .min = 0.0,
                          .max = 100.0,
-                         .doc = "of the robot: a surface that is nearer is a collision"}};
+                         .doc = "radius of the robot: a nearer surface is a collision"}};
   RealParameter height_min_{this,
                             {.name = "height_min",
                              .unit = "m",
                              .value = 0.1,
-                             .doc = "the robot fails below this height (W z)"}};
+                             .doc = "a robot fails below this height (W z)"}};
   FlightLimits limits_{this};
-  RealParameter success_distance_{this,
-                                  {.name = "success_distance",
-                                   .unit = "m",
-                                   .value = 0.3,
-                                   .min = 0.0,
-                                   .doc = "nearer to the target the robot has arrived"}};
+  RealParameter success_distance_{
+      this,
+      {.name = "success_distance",
+       .unit = "m",
+       .value = 0.3,
+       .min = 0.0,
+       .doc = "the robot has arrived if nearer than this to the target"}};
   RealParameter progress_reward_{this,
                                  {.name = "progress_reward",
                                   .unit = "1/m",
                                   .value = 1.0,
                                   .min = 0.0,
-                                  .doc = "for each metre that the target has come nearer"}};
+                                  .doc = "reward per metre of approach to the target"}};
   RealParameter safe_distance_{
       this,
       {.name = "safe_distance",
        .unit = "m",
        .value = 0.3,
        .min = 1e-3,
-       .doc = "less clearance costs, and the baseline keeps away so far where it can"}};
-  RealParameter clearance_cost_{this,
-                                {.name = "clearance_cost",
-                                 .value = 0.1,
-                                 .min = 0.0,
-                                 .doc = "of a step without clearance; quadratic up to "
-                                        "`safe_distance`"}};
+       .doc = "a smaller clearance costs reward; the baseline keeps this clearance if possible"}};
+  RealParameter clearance_cost_{
+      this,
+      {.name = "clearance_cost",
+       .value = 0.1,
+       .min = 0.0,
+       .doc = "cost of a step at zero clearance; quadratic up to `safe_distance`"}};
   RealParameter rate_cost_{this,
                            {.name = "rate_cost",
                             .unit = "s^2/rad^2",
                             .value = 0.001,
                             .min = 0.0,
-                            .doc = "times the squared angular velocity, taken off"}};
-  RealParameter success_reward_{
-      this,
-      {.name = "success_reward", .value = 5.0, .min = 0.0, .doc = "of the step that arrives"}};
-  RealParameter failure_reward_{
-      this, {.name = "failure_reward", .value = -5.0, .max = 0.0, .doc = "of a step that fails"}};
+                            .doc = "cost per squared angular velocity"}};
+  RealParameter success_reward_{this,
+                                {.name = "success_reward",
+                                 .value = 5.0,
+                                 .min = 0.0,
+                                 .doc = "reward of the step that arrives"}};
+  RealParameter failure_reward_{this,
+                                {.name = "failure_reward",
+                                 .value = -5.0,
+                                 .max = 0.0,
+                                 .doc = "reward of the step in which the robot fails"}};
   RealParameter lead_{this,
                       {.name = "lead",
                        .unit = "m",
                        .value = 0.6,
                        .min = 0.01,
-                       .doc = "how far ahead the baseline's goal is: its pace"}};
+                       .doc = "distance of the baseline's goal ahead, which sets its speed"}};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -29,20 +29,22 @@ class Payload : public Task {
       return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
     };
     payload_error_ = part("payload_error", "m", 3, "payload - target, W");
-    payload_offset_ = part("payload_offset", "m", 3, "payload - p of the base, W");
+    payload_offset_ = part("payload_offset", "m", 3, "payload - position of the base, W");
     attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
-    velocity_ = part("velocity", "m/s", 3, "of the base's frame, W");
-    angular_velocity_ = part("angular_velocity", "rad/s", 3, "of the base, B");
-    payload_velocity_ = part("payload_velocity", "m/s", 3, "of its centre of mass, W");
-    payload_rates_ = part("payload_angular_velocity", "rad/s", 3, "in the payload's own axes");
-    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", 1.0);
+    velocity_ = part("velocity", "m/s", 3, "velocity of the base's frame, W");
+    angular_velocity_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    payload_velocity_ =
+        part("payload_velocity", "m/s", 3, "velocity of the payload's centre of mass, W");
+    payload_rates_ = part("payload_angular_velocity", "rad/s", 3,
+                          "angular velocity of the payload, in its axes");
+    action_ = part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
     error_info_ =
         infos_.add(setup, "payload_error", "m", "distance of the payload from the target");
-    tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
-    speed_info_ = infos_.add(setup, "speed", "m/s", "of the base's frame");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "tilt of the base, 0 .. pi");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "speed of the base's frame");
     limits_.configure(setup, infos_);
     success_ =
-        declare_success(setup, infos_, "the payload is within `success_distance` of the target");
+        declare_success(setup, infos_, "the payload within `success_distance` of the target");
     setup.goal(robot, payload_);
   }
 
@@ -110,14 +112,13 @@ class Payload : public Task {
   }
 
   TextParameter robot_{this,
-                       {.name = "robot", .doc = "who carries; may be left out for a single robot"}};
-  TextParameter link_{this,
-                      {.name = "payload_link", .value = "bob", .doc = "the link that is carried"}};
+                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
+  TextParameter link_{this, {.name = "payload_link", .value = "bob", .doc = "link of the payload"}};
   RealsParameter target_{this,
                          {.name = "target",
                           .unit = "m",
                           .values = {0.0, 0.0, 0.5},
-                          .doc = "where the payload's centre of mass should be (W)",
+                          .doc = "target of the payload's centre of mass (W)",
                           .randomizable = true}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
@@ -129,7 +130,7 @@ class Payload : public Task {
        .unit = "m",
        .value = 0.1,
        .min = 0.0,
-       .doc = "closer than this to the target the payload counts as arrived (info `success`)"}};
+       .doc = "the payload has arrived if closer than this to the target (info `success`)"}};
   FlightLimits limits_{this};
   GoalShaping shaping_{this};
 

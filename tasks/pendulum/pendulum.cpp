@@ -27,12 +27,12 @@ class Pendulum : public Task {
     error_info_ = infos_.add(setup, "position_error", "m", "distance of the bob from the target");
     upright_info_ =
         infos_.add(setup, "upright", "", "z of the unit vector from the base to the bob");
-    tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "tilt of the base, 0 .. pi");
     limits_.configure(setup, infos_);
-    low_failure_ = declare_failure(setup, infos_, "low", "the base lower than `height_min`");
+    low_failure_ = declare_failure(setup, infos_, "low", "the base below `height_min`");
     fallen_failure_ =
         declare_failure(setup, infos_, "fallen", "the pendulum less upright than `upright_min`");
-    success_ = declare_success(setup, infos_, "the bob is within `success_distance` of the target");
+    success_ = declare_success(setup, infos_, "the bob within `success_distance` of the target");
     setup.buffer(memory_.size());
     setup.goal(robot, bob_, center_);
   }
@@ -115,15 +115,17 @@ class Pendulum : public Task {
 
   void declare_states(const Setup& setup, int robot) {
     bob_error_ = track(setup, robot, "bob_error", "m", 3, "bob - target, W");
-    bob_offset_ = track(setup, robot, "bob_offset", "m", 3, "bob - p of the base, W");
-    bob_velocity_ = track(setup, robot, "bob_velocity", "m/s", 3, "of its centre of mass, W");
-    bob_rates_ = track(setup, robot, "bob_angular_velocity", "rad/s", 3, "in the bob's own axes");
-    velocity_ = track(setup, robot, "velocity", "m/s", 3, "of the base's frame, W");
+    bob_offset_ = track(setup, robot, "bob_offset", "m", 3, "bob - position of the base, W");
+    bob_velocity_ =
+        track(setup, robot, "bob_velocity", "m/s", 3, "velocity of the bob's centre of mass, W");
+    bob_rates_ = track(setup, robot, "bob_angular_velocity", "rad/s", 3,
+                       "angular velocity of the bob, in its axes");
+    velocity_ = track(setup, robot, "velocity", "m/s", 3, "velocity of the base's frame, W");
     attitude_ = track(setup, robot, "attitude", "", 4,
-                      "of the base, quaternion w x y z, W from B, with w >= 0", 1.0);
-    rates_ = track(setup, robot, "angular_velocity", "rad/s", 3, "of the base, B");
-    past_actions_ =
-        track(setup, robot, "actions", "", actions_, "in [-1, 1]; -1 before the first", 1.0);
+                      "quaternion w x y z of the base, W from B, with w >= 0", 1.0);
+    rates_ = track(setup, robot, "angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    past_actions_ = track(setup, robot, "actions", "", actions_,
+                          "actions in [-1, 1]; -1 before the first", 1.0);
   }
 
   void declare_privileged(const Setup& setup, int robot) {
@@ -135,9 +137,9 @@ class Pendulum : public Task {
     const auto constant = [&](const char* name, const char* unit, int count, const char* what) {
       return parts_.add(setup, {name, unit, count, what, -kInfinity, kInfinity, robot, true});
     };
-    mass_ = constant("mass", "kg", 1, "of the base, as drawn");
-    inertia_ = constant("inertia", "kg m^2", 3, "xx yy zz of the base, as drawn");
-    lags_ = constant("lags", "s", 2, "tau_up and tau_down, means over the rotors, as drawn");
+    mass_ = constant("mass", "kg", 1, "mass of the base, as drawn");
+    inertia_ = constant("inertia", "kg m^2", 3, "inertia xx yy zz of the base, as drawn");
+    lags_ = constant("lags", "s", 2, "tau_up and tau_down as drawn, means over the rotors");
   }
 
   template <class Real>
@@ -234,40 +236,42 @@ class Pendulum : public Task {
 
   static constexpr int kDerivatives = 13;  ///< 3 + 3 + 4 + 3
 
-  TextParameter robot_{
-      this, {.name = "robot", .doc = "who balances; may be left out for a single robot"}};
+  TextParameter robot_{this,
+                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
   TextParameter link_{
-      this,
-      {.name = "bob_link", .value = "bob", .doc = "the link whose centre of mass is the bob"}};
+      this, {.name = "bob_link", .value = "bob", .doc = "link whose centre of mass is the bob"}};
   RealsParameter target_{this,
                          {.name = "target",
                           .unit = "m",
                           .values = {0.0, 0.0, 2.0},
-                          .doc = "where the bob should be (W)",
+                          .doc = "target of the bob (W)",
                           .randomizable = true}};
   IntegerParameter steps_{
       this,
-      {.name = "history", .value = 10, .min = 1, .max = 100, .doc = "steps that are observed"}};
+      {.name = "history", .value = 10, .min = 1, .max = 100, .doc = "number of observed steps"}};
   BooleanParameter is_privileged_{
       this,
       {.name = "privileged",
        .value = true,
-       .doc = "show a critic derivatives, mass, inertia and lags as well"}};
+       .doc = "give a critic derivatives, mass, inertia and lags as well"}};
   FlightLimits limits_{this, {.tilt_max = 1.57, .yaw_max = 4.0, .bound = 10.0}};
-  RealParameter height_min_{
-      this, {.name = "height_min", .unit = "m", .value = 0.3, .doc = "or lower than this (W z)"}};
+  RealParameter height_min_{this,
+                            {.name = "height_min",
+                             .unit = "m",
+                             .value = 0.3,
+                             .doc = "a robot fails below this height (W z)"}};
   RealParameter upright_min_{
       this,
       {.name = "upright_min",
        .value = 0.2,
        .min = -1.0,
        .max = 1.0,
-       .doc = "or where the unit vector from the base to the bob has a smaller z (W)"}};
+       .doc = "a robot fails if the unit vector from the base to the bob has a smaller z (W)"}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = -5.0,
                                  .max = 0.0,
-                                 .doc = "added for every limit that is passed"}};
+                                 .doc = "added for every violated limit"}};
   GoalShaping shaping_{this};
   RealParameter success_distance_{
       this,
@@ -275,7 +279,7 @@ class Pendulum : public Task {
        .unit = "m",
        .value = 0.3,
        .min = 0.0,
-       .doc = "closer than this to the target the bob counts as arrived (info `success`)"}};
+       .doc = "the bob has arrived if closer than this to the target (info `success`)"}};
 
   ObservationParts parts_;
   InfoParts infos_;

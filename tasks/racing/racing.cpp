@@ -32,7 +32,7 @@ class Racing : public Task {
         declare_failure(setup, infos_, "missed", "crossed a gate's plane beside its opening");
     collision_failure_ =
         declare_failure(setup, infos_, "collision",
-                        "nearer than `radius` to a frame, or than twice that to another");
+                        "nearer than `radius` to a frame, or than twice that to another robot");
     ground_failure_ = declare_failure(setup, infos_, "ground", "below `height_min`");
     success_ = declare_success(setup, infos_, "a racer has flown all `laps`, which ends the race");
     setup.buffer(memory_.size());
@@ -258,94 +258,98 @@ class Racing : public Task {
     };
     Racer racer{index, info.first_body, info.first_action, action_count(info, "racing")};
     racer.past = racing::PastWords(memory_);
-    racer.gate = part("gate", "m", 3, "centre of the next gate - p, B");
-    racer.normal = part("gate_normal", "", 3, "its way through, B", 1.0);
-    racer.next_gate = part("following_gate", "m", 3, "centre of the gate behind it - p, B");
-    racer.next_normal = part("following_normal", "", 3, "its way through, B", 1.0);
-    racer.velocity = part("velocity", "m/s", 3, "of the base's frame, B");
-    racer.up = part("up", "", 3, "W's z axis, B: the attitude but for the heading", 1.0);
-    racer.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
-    racer.action = part("action", "", racer.actions, "this step's, in [-1, 1]; -1 at a reset", 1.0);
+    racer.gate = part("gate", "m", 3, "centre of the next gate - position, B");
+    racer.normal = part("gate_normal", "", 3, "unit vector through that gate, B", 1.0);
+    racer.next_gate = part("following_gate", "m", 3, "centre of the following gate - position, B");
+    racer.next_normal = part("following_normal", "", 3, "unit vector through that gate, B", 1.0);
+    racer.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, B");
+    racer.up = part("up", "", 3, "z axis of W, B: the attitude without the heading", 1.0);
+    racer.angular_velocity =
+        part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    racer.action =
+        part("action", "", racer.actions, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
     for (const int other : robots) {
       if (other == index) continue;
       const std::string of = std::string(setup.robots()[other].name) + ".";
-      racer.others.push_back({part(of + "offset", "m", 3, "p of the other - p, B"),
-                              part(of + "velocity", "m/s", 3, "of the other - own, B"),
-                              part(of + "lead", "", 1, "gates that the other has passed more")});
+      racer.others.push_back(
+          {part(of + "offset", "m", 3, "position of the other - own position, B"),
+           part(of + "velocity", "m/s", 3, "velocity of the other - own velocity, B"),
+           part(of + "lead", "", 1, "gates passed by the other - own gates")});
     }
-    racer.gates_info = infos_.add(setup, prefix + "gates_passed", "", "in this episode");
-    racer.lap_info = infos_.add(setup, prefix + "lap_time", "s",
-                                "of the last whole lap, the first one from the reset; 0: none yet");
-    racer.speed_info = infos_.add(setup, prefix + "speed", "m/s", "of the base's frame");
+    racer.gates_info =
+        infos_.add(setup, prefix + "gates_passed", "", "gates passed in this episode");
+    racer.lap_info =
+        infos_.add(setup, prefix + "lap_time", "s",
+                   "time of the last whole lap, the first one from the reset; 0: none yet");
+    racer.speed_info = infos_.add(setup, prefix + "speed", "m/s", "speed of the base's frame");
     racers_.push_back(racer);
     setup.goal(index, info.first_body);
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "who race; empty: all robots that take actions"}};
+      this, {.name = "robots", .doc = "names of the racers; empty: all robots that take actions"}};
   TextsParameter gates_{this,
                         {.name = "gates",
                          .doc = "obstacles of kind `gate` in the order of the track; empty: all, "
                                 "in the scenario's order"}};
   IntegerParameter laps_{
-      this, {.name = "laps", .value = 1, .min = 1, .max = 1000, .doc = "that make the race"}};
-  RealParameter first_gate_{this,
-                            {.name = "first_gate",
-                             .value = 0.0,
-                             .min = 0.0,
-                             .max = 1000.0,
-                             .doc = "index of the gate that comes first, from 0; a lap ends with "
-                                    "the one before it",
-                             .randomizable = true}};
+      this,
+      {.name = "laps", .value = 1, .min = 1, .max = 1000, .doc = "number of laps of the race"}};
+  RealParameter first_gate_{
+      this,
+      {.name = "first_gate",
+       .value = 0.0,
+       .min = 0.0,
+       .max = 1000.0,
+       .doc = "index of the first gate, from 0; a lap ends with the gate before it",
+       .randomizable = true}};
   RealParameter radius_{this,
                         {.name = "radius",
                          .unit = "m",
                          .value = 0.2,
                          .min = 0.0,
                          .max = 100.0,
-                         .doc = "of a robot: nearer than this to a frame, or than twice this to "
-                                "another robot, it collides"}};
+                         .doc = "radius of a robot: it collides if nearer than this to a frame, or "
+                                "than twice this to another robot"}};
   RealParameter height_min_{this,
                             {.name = "height_min",
                              .unit = "m",
                              .value = 0.1,
                              .doc = "a robot fails below this height (W z)"}};
   FlightLimits limits_{this};
-  RealParameter progress_reward_{
-      this,
-      {.name = "progress_reward",
-       .unit = "1/m",
-       .value = 1.0,
-       .min = 0.0,
-       .doc = "for each metre that the next gate's centre has come nearer"}};
+  RealParameter progress_reward_{this,
+                                 {.name = "progress_reward",
+                                  .unit = "1/m",
+                                  .value = 1.0,
+                                  .min = 0.0,
+                                  .doc = "reward per metre of approach to the next gate's centre"}};
   RealParameter gate_reward_{
-      this,
-      {.name = "gate_reward", .value = 1.0, .min = 0.0, .doc = "for each gate that is passed"}};
+      this, {.name = "gate_reward", .value = 1.0, .min = 0.0, .doc = "reward per passed gate"}};
   RealParameter rate_cost_{this,
                            {.name = "rate_cost",
                             .unit = "s^2/rad^2",
                             .value = 0.0005,
                             .min = 0.0,
-                            .doc = "times the squared angular velocity, taken off"}};
+                            .doc = "cost per squared angular velocity"}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = -10.0,
                                  .max = 0.0,
-                                 .doc = "added for the robot that fails"}};
+                                 .doc = "reward added for a robot that fails"}};
   RealParameter rivalry_{
       this,
       {.name = "rivalry",
        .value = 0.0,
        .min = 0.0,
        .max = 1.0,
-       .doc = "share of what the others gain that is taken off a racer's reward"}};
+       .doc = "share of the others' progress reward, subtracted from a racer's reward"}};
   RealParameter pace_{this,
                       {.name = "pace",
                        .unit = "m/s",
                        .value = 2.0,
                        .min = 0.01,
                        .max = 100.0,
-                       .doc = "at which the goals go through gates, for the baseline `hold`"}};
+                       .doc = "speed of the goals through gates, for the baseline `hold`"}};
 
   RealParameter lane_width_{this,
                             {.name = "lane_width",
@@ -353,7 +357,7 @@ class Racing : public Task {
                              .value = 0.8,
                              .min = 0.0,
                              .max = 100.0,
-                             .doc = "between the lines on which the goals of several racers lead"}};
+                             .doc = "distance between the lanes of several racers' goals"}};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -31,24 +31,26 @@ class Reach : public Task {
                           double bound = kInfinity) {
       return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
     };
-    tool_error_ = part("tool_error", "m", 3, "place - tool, W");
-    tool_velocity_ = part("tool_velocity", "m/s", 3, "W");
-    position_error_ = part("position_error", "m", 3, "the scenario's place - p of the base, W");
-    yaw_error_ = part("yaw_error", "rad", 1, "the scenario's yaw - yaw, wrapped to [-pi, pi]", kPi);
-    velocity_ = part("velocity", "m/s", 3, "of the base's frame, W");
+    tool_error_ = part("tool_error", "m", 3, "target of the tool - its position, W");
+    tool_velocity_ = part("tool_velocity", "m/s", 3, "velocity of the tool, W");
+    position_error_ =
+        part("position_error", "m", 3, "the scenario's position - position of the base, W");
+    yaw_error_ =
+        part("yaw_error", "rad", 1, "the scenario's yaw - own yaw, wrapped to [-pi, pi]", kPi);
+    velocity_ = part("velocity", "m/s", 3, "velocity of the base's frame, W");
     attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
-    angular_velocity_ = part("angular_velocity", "rad/s", 3, "of the base, B");
-    joint_positions_ =
-        part("joint_positions", "", joints, "of the arm, the one at the base first [rad] or [m]");
-    joint_rates_ = part("joint_rates", "", joints, "their rates [rad/s] or [m/s]");
-    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", 1.0);
-    tool_info_ = infos_.add(setup, "tool_error", "m", "distance of the tool from its place");
-    position_info_ =
-        infos_.add(setup, "position_error", "m", "distance of the base from its place");
-    tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
+    angular_velocity_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    joint_positions_ = part("joint_positions", "", joints,
+                            "positions of the arm's joints, from the base outwards [rad] or [m]");
+    joint_rates_ = part("joint_rates", "", joints, "rates of the arm's joints [rad/s] or [m/s]");
+    action_ = part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
+    tool_info_ = infos_.add(setup, "tool_error", "m", "distance of the tool from its target");
+    position_info_ = infos_.add(setup, "position_error", "m",
+                                "distance of the base from its position in the scenario");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "tilt of the base, 0 .. pi");
     require_within(from_home(place_.vec3()), "the tool's `place`", limits_.bound());
     limits_.configure(setup, infos_);
-    success_ = declare_success(setup, infos_, "the tool is within `success_distance` of its place");
+    success_ = declare_success(setup, infos_, "the tool within `success_distance` of its target");
     setup.goal(robot, carrier_, lever_);
   }
 
@@ -152,15 +154,15 @@ class Reach : public Task {
   }
 
   TextParameter robot_{this,
-                       {.name = "robot", .doc = "who reaches; may be left out for a single robot"}};
-  TextParameter tool_{
-      this, {.name = "tool", .value = "gripper", .doc = "the link whose frame is the tool"}};
+                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
+  TextParameter tool_{this,
+                      {.name = "tool", .value = "gripper", .doc = "link whose frame is the tool"}};
   RealsParameter place_{this,
                         {.name = "place",
                          .unit = "m",
                          .values = {0.0, 0.0, -0.4},
-                         .doc = "where the tool should be, from the robot's place in the scenario; "
-                                "axes: that heading, level",
+                         .doc = "target of the tool, relative to the robot's position in the "
+                                "scenario; axes: that heading, level",
                          .randomizable = true}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
@@ -172,7 +174,7 @@ class Reach : public Task {
        .unit = "m",
        .value = 0.02,
        .min = 0.0,
-       .doc = "closer than this to its place the tool counts as arrived (info `success`)"}};
+       .doc = "the tool has arrived if closer than this to its target (info `success`)"}};
   FlightLimits limits_{this};
 
   ObservationParts observation_;
@@ -192,4 +194,4 @@ class Reach : public Task {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Reach, "reach", "1.0.0",
-               "Bring an arm's tool to a point while the vehicle holds its place.");
+               "Bring an arm's tool to a point while the vehicle holds its position.");

@@ -20,8 +20,8 @@ class PathLimits {
     side_failure_ = declare_failure(setup, infos, "side", "|x| or |y| beyond `side_max`");
     height_failure_ =
         declare_failure(setup, infos, "height", "z below `height_min` or above `height_max`");
-    tilt_failure_ = declare_failure(setup, infos, "tilt", "tilted beyond `tilt_max`");
-    rate_failure_ = declare_failure(setup, infos, "rate", "rates beyond `rate_max`");
+    tilt_failure_ = declare_failure(setup, infos, "tilt", "tilt beyond `tilt_max`");
+    rate_failure_ = declare_failure(setup, infos, "rate", "angular velocity beyond `rate_max`");
   }
 
   template <class Real>
@@ -72,27 +72,26 @@ class PathLimits {
                            .unit = "m",
                            .value = 9.0,
                            .min = 1e-3,
-                           .doc = "a robot fails where |x| or |y| exceeds this (W)"}};
-  RealParameter height_min_{owner_,
-                            {.name = "height_min",
-                             .unit = "m",
-                             .value = 0.1,
-                             .doc = "or where it flies lower than this"}};
+                           .doc = "a robot fails if |x| or |y| exceeds this (W)"}};
+  RealParameter height_min_{
+      owner_,
+      {.name = "height_min", .unit = "m", .value = 0.1, .doc = "a robot fails below this height"}};
   RealParameter height_max_{
-      owner_, {.name = "height_max", .unit = "m", .value = 10.0, .doc = "or higher than this"}};
+      owner_,
+      {.name = "height_max", .unit = "m", .value = 10.0, .doc = "a robot fails above this height"}};
   RealParameter tilt_max_{owner_,
                           {.name = "tilt_max",
                            .unit = "rad",
                            .value = 157.5 * kPi / 180.0,
                            .min = 0.0,
                            .max = kPi,
-                           .doc = "or beyond this tilt"}};
+                           .doc = "a robot fails beyond this tilt"}};
   RealParameter rate_max_{owner_,
                           {.name = "rate_max",
                            .unit = "rad/s",
                            .value = 10.0,
                            .min = 1e-3,
-                           .doc = "or turns faster than this"}};
+                           .doc = "a robot fails if it rotates faster than this"}};
 
   double tilt_cosine_ = -2.0;
   Part side_failure_, height_failure_, tilt_failure_, rate_failure_;

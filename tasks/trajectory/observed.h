@@ -40,29 +40,34 @@ class Observed {
   void configure(const Setup& setup, const Choice& choice) {
     choice_ = choice;
     const std::string axes = choice.body_axes ? "B" : "W";
-    const std::string past = ", of each entry of the history, newest first";
-    const std::string ahead = ", of each moment of the window, now first";
+    const std::string past = ", for each step of the history, newest first";
+    const std::string ahead = ", for each moment of the window, the present one first";
     const int h = choice.history, f = choice.window, m = choice.actions;
-    height_ = add(setup, "height", "m", h, "p.z" + past);
-    velocity_ = add(setup, "velocity", "m/s", 3 * h, "of the base's frame, " + axes + past);
+    height_ = add(setup, "height", "m", h, "height of the base" + past);
+    velocity_ =
+        add(setup, "velocity", "m/s", 3 * h, "velocity of the base's frame, " + axes + past);
     if (choice.matrices) {
-      attitude_ = add(setup, "attitude", "", 9 * h, "W from B, row by row" + past, 1.0);
+      attitude_ =
+          add(setup, "attitude", "", 9 * h, "rotation matrix W from B, row by row" + past, 1.0);
     }
-    rates_ = add(setup, "angular_velocity", "rad/s", 3 * h, "B" + past);
+    rates_ =
+        add(setup, "angular_velocity", "rad/s", 3 * h, "angular velocity of the base, B" + past);
     if (choice.past_actions) {
-      actions_ = add(setup, "actions", "", m * h, "in [-1, 1]; -1 at a reset" + past, 1.0);
+      actions_ = add(setup, "actions", "", m * h, "actions in [-1, 1]; -1 at a reset" + past, 1.0);
     }
-    position_error_ = add(setup, "position_error", "m", 3 * f, "r - p of now, " + axes + ahead);
-    velocity_error_ =
-        add(setup, "velocity_error", "m/s", 3 * f, "dr/dt - v of now, " + axes + ahead);
+    position_error_ = add(setup, "position_error", "m", 3 * f,
+                          "reference position - present position, " + axes + ahead);
+    velocity_error_ = add(setup, "velocity_error", "m/s", 3 * f,
+                          "reference velocity - present velocity, " + axes + ahead);
     if (choice.matrices) {
-      reference_attitude_ =
-          add(setup, "reference_attitude", "", 9 * f, "W from B, row by row" + ahead, 1.0);
+      reference_attitude_ = add(setup, "reference_attitude", "", 9 * f,
+                                "rotation matrix W from B, row by row" + ahead, 1.0);
     } else {
       attitude_ = choice.body_axes
                       ? add(setup, "up", "", 3, "z axis of W, B", 1.0)
                       : add(setup, "attitude", "", 4, "quaternion w x y z, W from B, w >= 0", 1.0);
-      yaw_error_ = add(setup, "yaw_error", "rad", 1, "path's yaw - yaw, wrapped to [-pi, pi]", kPi);
+      yaw_error_ =
+          add(setup, "yaw_error", "rad", 1, "path's yaw - own yaw, wrapped to [-pi, pi]", kPi);
     }
     heights_ = History(memory_, h, 1);
     velocities_ = History(memory_, h, 3);

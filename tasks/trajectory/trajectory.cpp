@@ -42,14 +42,15 @@ class Trajectory : public Task {
                                 .actions = actions_});
     require_memory(setup);
     require_path(setup, robot);
-    distance_info_ = infos_.add(setup, "position_error", "m", "distance from the path's place");
-    yaw_info_ = infos_.add(setup, "yaw_error", "rad", "magnitude, 0 .. pi");
-    speed_info_ = infos_.add(setup, "speed", "m/s", "of the base's frame");
+    distance_info_ =
+        infos_.add(setup, "position_error", "m", "distance from the path's present position");
+    yaw_info_ = infos_.add(setup, "yaw_error", "rad", "magnitude of the yaw error, 0 .. pi");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "speed of the base's frame");
     mean_info_ = infos_.add(setup, "mean_error", "m",
-                            "mean of `position_error` since `settle`; before that, of now");
+                            "mean of `position_error` since `settle`; before, its present value");
     limits_.configure(setup, infos_);
     success_ = declare_success(setup, infos_,
-                               "`settle` is over, and `mean_error` is below `success_distance`");
+                               "`settle` is over and `mean_error` is below `success_distance`");
     setup.goal(robot, body_);
   }
 
@@ -194,41 +195,43 @@ class Trajectory : public Task {
   }
 
   TextParameter robot_{this,
-                       {.name = "robot", .doc = "who flies; may be left out for a single robot"}};
+                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
   IntegerParameter entries_{this,
                             {.name = "history",
                              .value = 20,
                              .min = 1,
                              .max = 256,
-                             .doc = "entries of the past that are observed, one a step"}};
+                             .doc = "number of observed past steps"}};
   IntegerParameter moments_{this,
                             {.name = "window",
                              .value = 20,
                              .min = 1,
                              .max = 256,
-                             .doc = "moments of the path that are observed, the first is now"}};
+                             .doc = "number of observed moments of the path, the first is now"}};
   RealParameter spacing_{this,
                          {.name = "spacing",
                           .unit = "s",
                           .value = 0.01,
                           .min = 1e-6,
                           .max = 1e3,
-                          .doc = "from one of these moments to the next"}};
-  BooleanParameter matrices_{this,
-                             {.name = "matrices",
-                              .value = true,
-                              .doc = "observe rotation matrices of the past and ahead; false: the "
-                                     "present attitude and yaw error"}};
+                          .doc = "time between two of these moments"}};
+  BooleanParameter matrices_{
+      this,
+      {.name = "matrices",
+       .value = true,
+       .doc =
+           "observe past and future rotation matrices; false: the present attitude and yaw error"}};
   TextParameter axes_{this,
                       {.name = "axes",
                        .value = "world",
                        .choices = {"world", "body"},
-                       .doc = "of observed velocities and errors"}};
+                       .doc = "axes of observed velocities and errors"}};
   BooleanParameter past_actions_{
       this,
       {.name = "past_actions",
        .value = true,
-       .doc = "the history has the actions; false: a policy that needs them must remember"}};
+       .doc =
+           "the history contains the actions; false: a policy that needs them must have memory"}};
   reference::PathParameters path_parameters_{this};
   control::PathCheck check_{this};
   tracking::PathLimits limits_{this};
@@ -243,7 +246,7 @@ class Trajectory : public Task {
       {.name = "precision_reward",
        .value = 0.0,
        .min = 0.0,
-       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a slope up to the path"}};
+       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a gradient close to the path"}};
   RealParameter heading_reward_{this,
                                 {.name = "heading_reward",
                                  .value = 0.0,
@@ -255,7 +258,7 @@ class Trajectory : public Task {
        .unit = "s",
        .value = 3.0,
        .min = 0.0,
-       .doc = "after a reset, in which errors do not count; a shorter episode is no success"}};
+       .doc = "time after a reset in which errors do not count; a shorter episode is no success"}};
   RealParameter success_distance_{this,
                                   {.name = "success_distance",
                                    .unit = "m",

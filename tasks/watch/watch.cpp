@@ -32,8 +32,9 @@ class Watch : public Task {
   }
 
  private:
-  TextParameter robot_{this, {.name = "robot", .doc = "whose link; empty: the only robot"}};
-  TextParameter link_name_{this, {.name = "link", .doc = "which link", .required = true}};
+  TextParameter robot_{this,
+                       {.name = "robot", .doc = "robot with the link; empty: the only robot"}};
+  TextParameter link_name_{this, {.name = "link", .doc = "name of the link", .required = true}};
   LinkInfo link_{};
 };
 
@@ -41,4 +42,4 @@ class Watch : public Task {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Watch, "watch", "1.0.0",
-               "Lets a world run and observes one link: no goal, no reward, no end.");
+               "Runs a world and observes one link, without goal, reward or end.");

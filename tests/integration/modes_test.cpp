@@ -98,7 +98,7 @@ TEST(Modes, WithoutAScenarioListAllLevelsAndControllers) {
   const std::vector<std::string> levels = rows_below(outcome.out, "level ");
   EXPECT_NE(std::find(levels.begin(), levels.end(), "trajectory"), levels.end());
   EXPECT_THAT(outcome.out, HasSubstr("form: position"));  // the second form of `velocity`
-  EXPECT_THAT(outcome.out, HasSubstr("of the controller behind it"));  // `delay`
+  EXPECT_THAT(outcome.out, HasSubstr("ranges of the next controller"));  // `delay`
 }
 
 TEST(Modes, AreJsonForPrograms) {

@@ -247,10 +247,11 @@ TEST_F(Recorded, AChangeThatIsNotInTheRecordingIsFoundAndNamed) {
   EXPECT_EQ(report.parted, 1u);
   EXPECT_EQ(report.where->first.env, 2);
   EXPECT_EQ(report.where->transition, 6u) << "a reset and four actions went before";
-  EXPECT_THAT(report.text(ReplayReader(file_).header(), "recorded", "replayed"),
-              AllOf(StartsWith("parted: environment 2, transition 6 (episode 1, step 5); 1 of 5 "
-                               "environments part\n"),
-                    HasSubstr("state params " + param.path)));
+  EXPECT_THAT(
+      report.text(ReplayReader(file_).header(), "recorded", "replayed"),
+      AllOf(StartsWith("first difference: environment 2, transition 6 (episode 1, step 5); 1 of 5 "
+                       "environments differ\n"),
+            HasSubstr("state params " + param.path)));
 }
 
 TEST_F(Recorded, TwoRecordingsPartWhereTheirActionsDo) {
@@ -278,8 +279,9 @@ TEST_F(Recorded, TwoRecordingsPartWhereTheirActionsDo) {
   EXPECT_EQ(report.where->first.episode_step, 5);
   EXPECT_EQ(report.where->differences.at(0).name, "action[0]");
   const std::string text = report.text(a.header(), "first", "second");
-  EXPECT_THAT(text, StartsWith("parted: environment 3, transition 6 (episode 1, step 5); 1 of 5 "
-                               "environments part\n"));
+  EXPECT_THAT(
+      text, StartsWith("first difference: environment 3, transition 6 (episode 1, step 5); 1 of 5 "
+                       "environments differ\n"));
   EXPECT_THAT(text, HasSubstr("state rotor_speed quad."));
   EXPECT_TRUE(compare_replays(a, a).identical());
 }
@@ -375,8 +377,9 @@ TEST(Replay, SaysWhereTwoRecordingsPartWithExitStatusOne) {
   }
   const Outcome outcome = run_skybody({"replay", "1.h5", "--against", "2.h5"}, here);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, StartsWith("parted: environment 0, transition 1 (episode 1, step 0, a "
-                                      "reset); 2 of 2 environments part\n"));
+  EXPECT_THAT(outcome.out,
+              StartsWith("first difference: environment 0, transition 1 (episode 1, step 0, a "
+                         "reset); 2 of 2 environments differ\n"));
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(run_skybody({"replay", "1.h5", "--against", "1.h5"}, here).exit_code, 0);
 }

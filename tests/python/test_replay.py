@@ -128,7 +128,8 @@ def test_a_changed_byte_of_an_action_is_reported_where_the_runs_part(tmp_path: P
     done = replay(file)
     assert done.returncode == 1
     assert done.stdout.startswith(
-        "parted: environment 4, transition 9 (episode 1, step 8); 1 of 6 environments part"
+        "first difference: environment 4, transition 9 (episode 1, step 8); "
+        "1 of 6 environments differ"
     )
     assert re.search(r"^  state u quad\.base_link\[\d\] +\S+ +\S+$", done.stdout, re.MULTILINE)
 
@@ -150,7 +151,7 @@ def test_rows_that_were_changed_beside_their_hashes_are_not_identical(tmp_path: 
     for result in (replay(changed), replay(file, "--against", str(changed))):
         assert result.returncode == 1, result.stdout + result.stderr
         assert "the hashes are the same, but not the rows beside them" in result.stdout
-        assert "parted: environment 2, transition 8 " in result.stdout
+        assert "first difference: environment 2, transition 8 " in result.stdout
 
 
 @pytest.mark.parametrize("end", ["stop_recording", "close", "__exit__", "__del__"])

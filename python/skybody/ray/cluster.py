@@ -16,10 +16,10 @@ from skybody.train.hyperparameters import UsageError
 
 LOCAL = "local"
 ADDRESSES = (
-    "HOST:PORT of its head, `auto` for the one that this machine belongs to, or `local` for one "
-    "that lives as long as this command"
+    "HOST:PORT of its head, `auto` for this machine's cluster, or `local` for a cluster "
+    "that ends with this command"
 )
-ADDRESS_HELP = f"of the cluster: {ADDRESSES}; default: {LOCAL}"
+ADDRESS_HELP = f"address of the cluster: {ADDRESSES}; default: {LOCAL}"
 REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
 PACKAGES = Path(skybody.__file__).parents[1]  # the folder from which this package was imported
 ANSWER_SECONDS = 5.0  # limit for a head to accept a connection

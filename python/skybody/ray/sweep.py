@@ -29,10 +29,11 @@ from skybody.train.presets import told
 from skybody.train.requirements import demand_packages, packages_of
 
 EPILOG = """\
-Every combination is a run folder below --out, as `python -P -m skybody.train` writes it. The same
-command again goes on with what is not finished, and with seeds and values that are new. On a
-cluster --out must be a folder that all its machines see.
-Exit codes: 0 done, 1 a trial failed, 2 wrong input, 130 interrupted (the same command goes on)."""
+Every combination has a run folder below --out, as written by `python -P -m skybody.train`. If the
+same command is given again, it continues unfinished trials and adds new seeds and values. On a
+cluster, --out must be a folder that all machines share.
+Exit status: 0 done, 1 a trial failed, 2 invalid input, 130 interrupted
+(the same command continues)."""
 MOST_FAILURES = 10  # machines that may be lost under a trial before it fails
 
 
@@ -46,30 +47,61 @@ def parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     add = made.add_argument
-    add("scenarios", nargs="+", metavar="SCENARIO", help="shipped scenarios' names, or YAML files")
+    add(
+        "scenarios", nargs="+", metavar="SCENARIO", help="names of shipped scenarios, or YAML files"
+    )
     add("--out", type=Path, required=True, metavar="DIR", help="folder of the runs")
     add("--algo", default=DEFAULT_ALGORITHM, metavar="LEARNER", help=summaries())
-    add("--seeds", type=seeds, default=[0], metavar="S,S", help="default: 0")
+    add("--seeds", type=seeds, default=[0], metavar="S,S", help="seeds; default: 0")
     add(
         "--set",
         action="append",
         default=[],
         metavar="KEY=VALUE,VALUE",
-        help="a hyper-parameter and its values, of lists with semicolons between them "
-        "('hidden=64,64;512,512'); repeatable: all combinations are tried",
+        help="a hyper-parameter and its values; semicolons separate values that are lists "
+        "('hidden=64,64;512,512'); repeatable: all combinations are trained",
     )
-    add("--total-steps", type=number, metavar="N", help="default: the presets', else 1e6")
-    add("--checkpoint-every", type=number, metavar="N", help="default: a tenth of --total-steps")
-    add("--eval-episodes", type=int, default=20, metavar="N", help="default: 20")
-    add("--override", action="append", default=[], metavar="PATH=VALUE", help="of the scenarios")
-    add("--plugin-path", action="append", default=[], metavar="DIR", help="with plugins")
+    add(
+        "--total-steps",
+        type=number,
+        metavar="N",
+        help="steps of each trial; default: the preset's, otherwise 1e6",
+    )
+    add(
+        "--checkpoint-every",
+        type=number,
+        metavar="N",
+        help="steps between checkpoints; default: a tenth of --total-steps",
+    )
+    add(
+        "--eval-episodes",
+        type=int,
+        default=20,
+        metavar="N",
+        help="evaluation episodes per checkpoint; default: 20",
+    )
+    add(
+        "--override",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="override one value of the scenarios; repeatable",
+    )
+    add(
+        "--plugin-path",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="folder to search for plugins first; repeatable",
+    )
     add("--address", default=LOCAL, help=ADDRESS_HELP)
     add(
         "--cpus",
         type=int,
         default=1,
         metavar="N",
-        help="processors of a trial; default: 1. As many trials run at once as there is room for",
+        help="processors per trial; default: 1. Trials run in parallel as far as there are "
+        "processors",
     )
     return made
 

@@ -60,13 +60,13 @@ def _fit_gradient(hyper: Any, action_seconds: float) -> Any:
 ALGORITHMS: dict[str, Algorithm] = {
     "fast-ppo": Algorithm("PPO in C++", lambda: native_defaults("fast-ppo"), _fast_ppo, True),
     "gradient": Algorithm(
-        "through the dynamics, in C++",
+        "gradient descent through the dynamics, in C++",
         lambda: native_defaults("gradient"),
         _gradient,
         True,
         _fit_gradient,
     ),
-    "ppo": Algorithm("Stable-Baselines3's", Hyperparameters, _sb3_ppo),
+    "ppo": Algorithm("PPO of Stable-Baselines3", Hyperparameters, _sb3_ppo),
 }
 DEFAULT_ALGORITHM = "fast-ppo"
 NATIVE = tuple(name for name, algorithm in ALGORITHMS.items() if algorithm.is_native)

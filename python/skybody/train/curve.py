@@ -145,8 +145,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -P -m skybody.train.curve", description=(__doc__ or "").partition("\n")[0]
     )
-    parser.add_argument("run", type=Path, nargs="+", help="folders that skybody.train wrote")
-    parser.add_argument("--out", type=Path, default=Path("curve.png"), help="default: curve.png")
+    parser.add_argument("run", type=Path, nargs="+", help="run folders of skybody.train")
+    parser.add_argument(
+        "--out", type=Path, default=Path("curve.png"), help="picture; default: curve.png"
+    )
     options = parser.parse_args(arguments)
     try:
         demand_packages(["matplotlib"])

@@ -299,22 +299,35 @@ def main(arguments: list[str] | None = None) -> int:
         prog="python -P -m skybody.train.evaluate", description=(__doc__ or "").partition("\n")[0]
     )
     parser.add_argument(
-        "checkpoint", type=Path, help="a checkpoint, a run folder: its newest; or `shipped`"
+        "checkpoint",
+        type=Path,
+        help="a checkpoint, a run folder (its newest checkpoint), or `shipped`",
     )
-    parser.add_argument("--episodes", type=int, default=100, help="default: 100")
-    parser.add_argument("--seed", type=int, default=SEED, help=f"of the episodes; default: {SEED}")
-    parser.add_argument("--scenario", help="another one than the checkpoint's")
     parser.add_argument(
-        "--override", action="append", metavar="PATH=VALUE", help="of the scenario; repeatable"
+        "--episodes", type=int, default=100, help="number of episodes; default: 100"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=SEED, help=f"seed of the episodes; default: {SEED}"
+    )
+    parser.add_argument("--scenario", help="scenario; default: the checkpoint's")
+    parser.add_argument(
+        "--override",
+        action="append",
+        metavar="PATH=VALUE",
+        help="override one value of the scenario; repeatable",
     )
     parser.add_argument(
         "--plugin-path",
         action="append",
         metavar="DIR",
-        help="where to look for plugins first; repeatable",
+        help="folder to search for plugins first; repeatable",
     )
-    parser.add_argument("--threads", type=int, default=0, help="of the environments; 0: all")
-    parser.add_argument("--json", type=Path, help="also write every episode's figures to this file")
+    parser.add_argument(
+        "--threads", type=int, default=0, help="number of threads; 0: one per processor"
+    )
+    parser.add_argument(
+        "--json", type=Path, help="also write the figures of every episode to this file"
+    )
     options = parser.parse_args(arguments)
     try:
         check_option("--episodes", options.episodes, 1, MOST_ENVS)

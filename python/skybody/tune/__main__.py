@@ -27,7 +27,7 @@ Examples:
   skybody tune cf2p.urdf --rotors cf2p_rotors.yaml --wind 5 --out tuned/cf2p
   skybody tune qdrone2 --chain attitude,ctbr
   skybody tune qdrone2 --chain '[{plugin: ctbr, parameters: {max_rate: [6, 6, 3]}}]'
-Exit status: 0 done, 2 wrong input, 130 interrupted."""
+Exit status: 0 done, 2 invalid input, 130 interrupted."""
 
 
 def number(low: float, high: float) -> Callable[[str], float]:
@@ -60,8 +60,8 @@ def parser() -> argparse.ArgumentParser:
     """The command line."""
     made = argparse.ArgumentParser(
         prog="skybody tune",
-        description="Fits gains of a chain of controllers to a vehicle, by simulation over drawn "
-        "masses and wind.",
+        description="Fits the gains of a chain of controllers to a vehicle, by simulation with "
+        "random masses and wind.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
@@ -73,7 +73,7 @@ def parser() -> argparse.ArgumentParser:
     add(
         "--chain",
         default=DEFAULT_CHAIN,
-        help=f"controllers with commas between them, or a list as in YAML ({DEFAULT_CHAIN})",
+        help=f"controllers, separated by commas, or a list as in YAML ({DEFAULT_CHAIN})",
     )
     add("--robot", default="quad", help="name of the robot in gains.yaml (quad)")
     add(
@@ -81,44 +81,49 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="CONTROLLER.GAIN",
-        help="leave this gain as it is; may be repeated",
+        help="do not change this gain; may be repeated",
     )
     add("--out", type=Path, metavar="DIR", help="folder for the results (tuned/NAME of the model)")
-    add("--seed", type=whole(0, 2**32 - 1), default=options.seed, help="of draws and search (0)")
+    add(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=options.seed,
+        help="seed of draws and search (0)",
+    )
     add(
         "--candidates",
         type=whole(1, 1_000_000),
         default=options.evaluations,
         metavar="N",
-        help=f"sets of gains that are tried ({options.evaluations})",
+        help=f"number of sets of gains to try ({options.evaluations})",
     )
     add(
         "--draws",
         type=whole(1, 1000),
         default=options.draws,
         metavar="N",
-        help=f"vehicles and winds that each set flies ({options.draws})",
+        help=f"number of vehicles and winds for each set ({options.draws})",
     )
     add(
         "--mass",
         type=number(0.0, 0.9),
         default=ranges.mass,
         metavar="SHARE",
-        help=f"masses are drawn within +- this ({ranges.mass:g})",
+        help=f"relative range of the masses, +- ({ranges.mass:g})",
     )
     add(
         "--wind",
         type=number(0.0, 30.0),
         default=ranges.wind,
         metavar="SPEED",
-        help=f"greatest wind, from any side [m/s] ({ranges.wind:g})",
+        help=f"largest wind, from any direction [m/s] ({ranges.wind:g})",
     )
     add(
         "--latency",
         type=number(0.0, 0.2),
         default=Vehicle.latency,
         metavar="TIME",
-        help=f"between the last controller and the rotors [s] ({Vehicle.latency:g})",
+        help=f"latency between the last controller and the rotors [s] ({Vehicle.latency:g})",
     )
     add(
         "--dt",
@@ -132,7 +137,7 @@ def parser() -> argparse.ArgumentParser:
         type=whole(0, MOST_THREADS),
         default=0,
         metavar="T",
-        help="that step, 0: one per processor; changes no gains",
+        help="number of threads, 0: one per processor; changes no gains",
     )
     add(
         "--plugin-path",

@@ -87,7 +87,7 @@ TEST(StateValues, JointsAndSensorsHaveTheirOwnShapes) {
   for (const StateValue& value : values.all()) {
     if (value.path.starts_with("robots.quad.joints.") && value.path.ends_with(".position"))
       ++joints;
-    if (value.path.starts_with("sensors.") && value.doc == std::string("as last sampled")) {
+    if (value.path.starts_with("sensors.") && value.doc == std::string("last sample")) {
       const std::vector<double> outputs = world.sensors();
       const std::vector<double> part = world.state(value.path);
       EXPECT_NE(std::search(outputs.begin(), outputs.end(), part.begin(), part.end()),
