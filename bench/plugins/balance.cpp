@@ -49,13 +49,13 @@ class Balance : public Controller {
                        {.name = "takes",
                         .value = "trajectory",
                         .choices = {"trajectory", "force"},
-                        .doc = "what it takes"}};
+                        .doc = "signal of the input"}};
   TextParameter gives_{
       this,
       {.name = "gives",
        .value = "ctbt",
        .choices = {"ctbt", "ctbr", "attitude", "attitude_with_rates", "rotor_speed"},
-       .doc = "what it gives"}};
+       .doc = "signal of the output"}};
 
   std::vector<double> given_;
 };

@@ -74,9 +74,8 @@ def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
 
 
 def test_midpoint_is_of_second_order(wild: Wild) -> None:
-    # At these steps hardly any of the flights spins fast (core/physics/step/integration_rules.h). Where
-    # the rule applies torque-free motion instead, its error differs in size but is of the same
-    # order.
+    # At these steps hardly any flight spins fast (core/physics/step/integration_rules.h). Where the
+    # rule applies torque-free motion instead, its error differs in size but is of the same order.
     errors = [wild.error("midpoint", dt) for dt in (1e-3, 5e-4, 2.5e-4)]
     for coarse, fine in itertools.pairwise(errors):
         # Half the step divides the error by 4, except for terms of higher order.
