@@ -52,7 +52,7 @@ TEST(PluginApi, HandshakeCoversEveryStructure) {
     }
     return all;
   };
-  const std::string declared = names("/plugins/api/abi.h", "typedef struct ", " {");
+  const std::string declared = names("/core/plugin_abi/abi.h", "typedef struct ", " {");
   EXPECT_NE(declared, "");
   EXPECT_EQ(declared, names("/core/plugin_abi/structures.h", "sizeof(", ")"));
 }
