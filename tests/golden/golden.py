@@ -38,7 +38,7 @@ LEAST_STEPS = 20
 EPISODES = 4  # at least, so that resets are among what is pinned
 DYNAMICS = ("tree", "simbody", "auto")
 INTEGRATORS = ("semi_implicit_euler", "midpoint", "rk4")
-INSTRUCTION_SETS = re.findall(r"X\((v\d)", (ROOT / "core/base/isa_sets.h").read_text())
+INSTRUCTION_SETS = re.findall(r"X\((v\d)", (ROOT / "core/base/simd/isa_sets.h").read_text())
 TIMEOUT = 600.0  # s, of one process on a machine that does much else
 
 Hashes = dict[str, str]  # "words" and "motion"
