@@ -2,8 +2,8 @@
 
     .venv/bin/python experiments/step_profile.py [--quick] [--out DIR]
 
-Needs Linux `perf` (Debian: linux-perf). One thread; a sample is one tick of the CPU clock, so that
-a kernel's share of the samples is its share of the time.
+Needs Linux `perf` (Debian: linux-perf). One thread; samples are taken at equal intervals of CPU
+time, so that a kernel's share of the samples is its share of the time.
 """
 
 from __future__ import annotations
@@ -49,8 +49,9 @@ FLIGHTS = (
     Profiled("hover, 16,384 environments", "hover --envs 16384", "0.95 of 1,024's rate"),
     Profiled(
         "all on the ground",
-        "hover --envs 1024 --actions zero --set robots.quad.pose.position=[0,0,0.12]"
-        " --set stepping.horizon=2000",
+        "hover --envs 1024 --actions zero"
+        " --set randomization[0].parameters.position_min=[-5,-5,0.06]"
+        " --set randomization[0].parameters.position_max=[5,5,0.061]",
         "0.35 of the limit",
     ),
     Profiled("payload as shipped", "payload --envs 1024", "0.3 of the limit"),
@@ -107,7 +108,7 @@ def short_name(symbol: str) -> str:
 
 
 def rows_of(found: dict[str, Any]) -> list[list[str]]:
-    """The kernels of a flight, the dearest first."""
+    """The kernels of a flight, the most expensive first."""
     large = {k: v for k, v in found["shares"].items() if v >= LEAST_SHARE}
     rows = [
         [k, f"{v * found['ns']:.1f}", f"{100 * v:.0f} %"]
@@ -126,9 +127,9 @@ def page(found: dict[str, Any]) -> str:
 
     .venv/bin/python experiments/step_profile.py
 
-Nanoseconds of one environment step on one thread (`skybody bench`, actions hold where the row says
-nothing else), by kernel. [goals.md](goals.md) has the limits, loops written by hand for the same
-work; the goal of each row is in its title."""
+Nanoseconds of one environment step on one thread (`skybody bench`; actions are the baseline's, and
+zero on the ground), by kernel. [goals.md](goals.md) has the limits, loops written by hand for the
+same work; the goal of each flight is in its heading."""
     ]
     for flight in found["flights"]:
         table = [["kernel", "ns", "share"], *rows_of(flight)]

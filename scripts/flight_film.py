@@ -35,9 +35,9 @@ from plot_flight_scene import draw_obstacles, limits_of, parents
 FRAMES_PER_SECOND = 15
 TRAIL = 1.2  # [s]
 CIRCLE = np.linspace(0.0, 2.0 * np.pi, 17)
-VEHICLE_SHARE = 0.08  # of a panel's box: a vehicle's radius, unless that is larger already
+VEHICLE_SHARE = 0.08  # least radius of a drawn vehicle, relative to its panel's box
 MOST_SCALE = 4.0  # by which vehicles are drawn larger
-LEAST_ROTOR = 0.05  # radius that is drawn where a vehicle has one rotor [m]
+LEAST_ROTOR = 0.05  # least radius of a drawn rotor [m]
 
 
 @dataclass
@@ -89,7 +89,7 @@ def read_shot(argument: str) -> Shot:
 
 
 def scale_of(shot: Shot) -> float:
-    """By how much vehicles are drawn larger than they are."""
+    """Factor by which vehicles are drawn larger."""
     radii = [np.linalg.norm(robot.hubs, axis=1).max() for robot in shot.robots if len(robot.hubs)]
     wanted = VEHICLE_SHARE * float((shot.high - shot.low).max())
     return float(np.clip(wanted / max(radii, default=wanted), 1.0, MOST_SCALE))

@@ -11,7 +11,7 @@
 
 namespace skybody {
 
-/// Infos by which a task reports success and reasons of failure (plugins/task_kit/ends.h): 1 if
+/// Infos by which a task reports success and reasons of failure (plugins/task_kit/verdict.h): 1 if
 /// true, otherwise 0.
 inline constexpr const char* kSuccessInfo = "success";
 inline constexpr const char* kFailureInfoPrefix = "failed.";

@@ -184,7 +184,7 @@ class Indi : public Controller {
   }
 
   /// 0 before an episode's first physics step, when there is no measurement yet, then 1. A factor
-  /// instead of a selection: g++ 12 splits selections into single words (docs/architecture.md).
+  /// instead of a selection: g++ 12 splits selections into single words (docs/stepping.md).
   template <class Real>
   static SKYBODY_INLINE Real begun(const EnvView<Real>& env) {
     return min(Real(to_real(env.physics_step())), Real(1.0));

@@ -2,9 +2,11 @@
 //
 // 1. the scenario's start
 // 2. randomizers (compiled_scenario_draw.cpp)
-// 3. contacts and joint reactions
-// 4. reset() of controllers, task, effects and sensors
-// 5. sense, evaluate and conclude
+// 3. contacts
+// 4. reset() of controllers
+// 5. joint reactions
+// 6. reset() of task, effects and sensors
+// 7. sense, evaluate, finish the transition
 #include "core/base/simd/fp_environment.h"
 #include "core/base/simd/lane_mask.h"
 #include "core/env/compiled_scenario.h"

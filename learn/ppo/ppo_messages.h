@@ -1,5 +1,5 @@
 // Messages between the driver of a PPO and its slices: plain numbers, which may be sent between
-// machines. Their order is in docs/architecture.md, Learning.
+// machines. Their order is in docs/learners.md, Learning.
 #pragma once
 
 #include <cstdint>

@@ -34,7 +34,7 @@ SKYBODY_INLINE Pack<W> bit_cast_real(const WordPack<W>& w) {
 }
 
 /// Like select(), computed on words. g++ 12 splits select() by lane in two cases: several
-/// selections by one combined mask, and selections between constants (docs/architecture.md).
+/// selections by one combined mask, and selections between constants (docs/stepping.md).
 SKYBODY_INLINE double choose(bool mask, double a, double b) { return mask ? a : b; }
 template <int W>
 SKYBODY_INLINE Pack<W> choose(const Mask<W>& mask, const Pack<W>& a, const Pack<W>& b) {

@@ -108,8 +108,8 @@ struct FreeRates {
   }
 };
 
-/// Newton-Euler equations about the centre of mass of one free body (docs/architecture.md,
-/// Dynamics).
+/// Newton-Euler equations about the centre of mass of one free body (docs/dynamics.md, One
+/// free body).
 /// Refers to its arguments.
 /// @tparam Constants  access to the kBodyConstantCount values: a pointer, or a view
 template <class Real, class Constants>

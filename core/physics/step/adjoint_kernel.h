@@ -11,8 +11,7 @@ namespace skybody {
 
 /// Computes the lanes in `lanes`.
 /// @param call      the step. All of the group's blocks that change, or that effects and
-/// controllers
-///                  set, must lie in one run of rows from `q` on. No block is written
+///                  controllers set, must lie in one run of rows from `q` on. No block is written
 /// @param adjoints  of the run's rows: in: after the step; out: before the step
 using AdjointKernel = void(const StepCall& call, std::uint32_t lanes, double* adjoints);
 

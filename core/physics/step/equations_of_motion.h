@@ -207,8 +207,8 @@ class EquationsOfMotion {
 
   /// Finds robots that spin fast at the step's start.
   /// @returns the lanes whose step this kind takes. kUsual rejects the whole pack if a lane of
-  /// `mask` is
-  ///          fast: kAny computes all of its lanes anyway, with the same bits for slow ones
+  ///          `mask` is fast: kAny computes all of its lanes anyway, with the same bits for slow
+  ///          ones
   SKYBODY_INLINE MaskOf<Real> find_fast(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
       fast_.find(a_.motion);

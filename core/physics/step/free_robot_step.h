@@ -111,8 +111,7 @@ class FreeRobotStep {
   /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
   /// @returns the lanes that succeeded: all values are finite, and the sum of their magnitudes is
-  /// below
-  ///          kLargestState; with kSlow, the spin was also not fast at the start
+  ///          below kLargestState; with kSlow, the spin was also not fast at the start
   template <IntegratorChoice kIntegrator, class Load>
   SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
                                       Real* end_speed) const {

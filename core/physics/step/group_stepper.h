@@ -93,10 +93,8 @@ class GroupStepper {
   /// Advances q, u, rotor speeds, joint states and bodies of these lanes by exactly dt, with
   /// constant commands, wrenches and drives.
   /// @returns the lanes that succeeded. The others keep their values from before the call: their
-  /// step
-  ///          gave values that are not finite or have diverged ("A fault" in docs/architecture.md),
-  ///          or
-  ///          the dynamics failed
+  ///          step gave values that are not finite or have diverged ("A fault" in
+  ///          docs/architecture.md), or the dynamics failed
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
 
   /// Generalised accelerations of one refreshed lane, at the current state and t = 0 of the step,

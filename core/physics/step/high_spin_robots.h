@@ -126,7 +126,8 @@ class HighSpinRobots {
   bool has_any() const { return has_any_; }
   /// Lanes with a fast robot with joints: one evaluation in mid-step is not enough there.
   SKYBODY_INLINE MaskOf<Real> iterates() const { return jointed_square_ > plan_.fast_square; }
-  /// Number of substeps of the step in these lanes: 1, or a multiple of five; 1 in other lanes.
+  /// Number of substeps of the step: 1 in lanes where one is enough; else a multiple of five, or
+  /// any number with couplings.
   SKYBODY_INLINE Real parts(double dt) const {
     const double group = goes_back() ? kFastPartGroup : 1;
     const Real spin = sqrt(jointed_square_);
@@ -135,7 +136,7 @@ class HighSpinRobots {
     const Real groups = clamp(floor(wanted * (1.0 / group)) + 1.0, 1.0, kMostFastParts / group);
     return select(logical_and(iterates(), wanted > 1.0), group * groups, Real(1.0));
   }
-  /// The time of one substep. @param part  counted from 0
+  /// The time of one substep; negative for the backward one. @param part  its index, from 0
   SKYBODY_INLINE Real part_time(double dt, const Real& parts, int part) const {
     const Real mean = Real(dt) / parts;
     if (!goes_back()) return mean;

@@ -151,8 +151,7 @@ struct StageRates {
 /// @tparam State  has set(start, rate, time): start + time rate, element by element, where start
 ///                may be the state itself; and add(rate)
 /// @param rates   rates(state, time, rate) writes the state's rate of change. Called at one place
-/// in
-///                the loop, since its code is large
+///                in the loop, since its code is large
 /// @param state   in: at the step's start; out: at its end
 template <class State, class Rates>
 SKYBODY_INLINE void step_by_stages(const StepRule& rule, double dt, const Rates& rates,

@@ -38,7 +38,7 @@ class JointStops {
   /// Calls f(robot, where, change) for robots with a joint at a stop in any lane of `mask`: `where`
   /// is the lanes, `change` the acceleration of its coordinates by the stops' forces, one per u of
   /// the world.
-  /// @param multibody     the world's
+  /// @param multibody  the trees of the world
   /// @param constants  kBodyConstantCount values per body: a pointer, or a view
   /// @param q          the coordinates at which the inertias are computed
   /// @param end_q, end_u  at the end of the step without stops; only those of joints with stops are

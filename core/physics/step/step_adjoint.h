@@ -33,8 +33,8 @@ class StepAdjoint {
   ///                  step's commands, in lanes
   /// @param params    the parameter block, in lanes
   /// @param adjoints  of the same words: in: derivatives of a scalar by their values after the
-  /// step;
-  ///                  out: by their values before it. Lanes that are not in `lanes` stay unchanged
+  ///                  step; out: by their values before it. Lanes that are not in `lanes` stay
+  ///                  unchanged
   void pull_back(const double* values, const double* params, const AlignedArray<double>& derived,
                  std::uint32_t lanes, double* adjoints) const;
 

@@ -14,7 +14,7 @@ struct LockedBody {
   SymMat3<Real> inertia;  ///< about the centre of mass, base axes [kg m^2]
   Vec3<Real> com;         ///< from the base's origin, base axes [m]
 
-  /// Torque-free rates that the body's own spin causes (docs/architecture.md, Dynamics).
+  /// Torque-free rates that the body's own spin causes (docs/dynamics.md, Fast spins).
   /// @param axes  of the base, W
   /// @param velocity  written: rate of the origin's velocity, W
   /// @returns the rate of the spin

@@ -21,7 +21,7 @@ Scenario weightless(Scenario scenario) {
   return scenario;
 }
 
-/// Of all bodies [J].
+/// Kinetic energy of all bodies [J].
 double energy(Bench& bench) {
   bench.stepper->update_bodies(bench.state);
   double sum = 0.0;
@@ -97,7 +97,7 @@ TEST(FastSpin, KeepsTheEnergyWithSemiImplicitEulerAndOnSimbody) {
   }
 }
 
-/// Attitude and spin after a second under gravity with running rotors.
+/// Attitude and spin after half a second under gravity with running rotors.
 std::array<double, 7> fly(IntegratorChoice integrator, double dt, double speed) {
   VehicleData data = qdrone2();
   RobotModel model = make_vehicle(data);
