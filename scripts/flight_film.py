@@ -152,7 +152,7 @@ def draw_frame(panel, shot: Shot, time: float) -> None:
             panel.scatter(*track.goal[row, :3], color="black", marker="+", s=40, linewidths=1.0)
     for axis, limits in enumerate((panel.set_xlim, panel.set_ylim, panel.set_zlim)):
         limits(shot.low[axis], shot.high[axis])
-    panel.set_box_aspect(shot.high - shot.low, zoom=1.1)
+    panel.set_box_aspect(shot.high - shot.low, zoom=0.95)
     panel.view_init(elev=28, azim=-58 + 4 * time)
     panel.set_title(f"{shot.title}   {min(time, flight.time[-1]):4.1f} s", fontsize=10, y=0.93)
 
@@ -162,14 +162,16 @@ def film(shots: list[Shot], seconds: float, rate: int) -> list[Image.Image]:
     figure = plt.figure(figsize=(3.6 * len(shots), 2.9), dpi=80)
     panels = [figure.add_subplot(1, len(shots), k + 1, projection="3d") for k in range(len(shots))]
     figure.subplots_adjust(left=0, right=1, bottom=0, top=1, wspace=0)
-    frames = []
+    frames: list[Image.Image] = []
+    palette: Image.Image | None = None  # one for all, so that colours stay
     for time in np.arange(0.0, seconds, 1.0 / rate):
         for panel, shot in zip(panels, shots, strict=True):
             draw_frame(panel, shot, float(time))
         memory = io.BytesIO()
         figure.savefig(memory, format="png")
         picture = Image.open(memory).convert("RGB")
-        frames.append(picture.quantize(colors=64, method=Image.Quantize.MEDIANCUT))
+        palette = palette or picture.quantize(colors=128, method=Image.Quantize.MEDIANCUT)
+        frames.append(picture.quantize(palette=palette, dither=Image.Dither.NONE))
     plt.close(figure)
     return frames
 
