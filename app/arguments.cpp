@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "core/io/files/text.h"
+#include "core/io/files/unit_hint.h"
 
 namespace skybody {
 namespace {
@@ -88,23 +89,29 @@ CLI::Validator whole_number(std::uint64_t min, std::uint64_t max) {
   return {check, "", "whole number"};
 }
 
-CLI::Validator number_within(double min, double max) {
-  const std::string range = format_number(min) + ".." + format_number(max);
-  const auto check = [min, max, range](const std::string& text) -> std::string {
+CLI::Validator number_within(double min, double max, const std::string& unit) {
+  const std::string range =
+      format_number(min) + ".." + format_number(max) + (unit.empty() ? "" : " ") + unit;
+  const auto check = [min, max, range, unit](const std::string& text) -> std::string {
     const std::optional<double> value = parse_number(text);
-    if (!value) return "`" + text + "` is not a number; allowed: " + range;
+    if (!value) {
+      return "`" + text + "` is not a number; allowed: " + range + unit_hint(text, unit);
+    }
     if (*value >= min && *value <= max) return "";  // false for NaN
     return text + " is out of range; allowed: " + range;
   };
   return {check, "", "number"};
 }
 
-CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words) {
-  const auto check = [noun, words](const std::string& text) -> std::string {
+CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words,
+                      const std::vector<std::string>& others) {
+  std::vector<std::string> all = words;
+  all.insert(all.end(), others.begin(), others.end());
+  const auto check = [noun, words, all](const std::string& text) -> std::string {
     if (std::find(words.begin(), words.end(), text) != words.end()) return "";
-    const std::string near = closest(text, words);
+    const std::string near = closest(text, all);
     return "there is no " + noun + " `" + text + "`" +
-           (near.empty() ? "" : "; did you mean `" + near + "`?") + "; allowed: " + join(words);
+           (near.empty() ? "" : "; did you mean `" + near + "`?") + "; allowed: " + join(all);
   };
   return {check, "", noun};
 }

@@ -12,11 +12,13 @@ namespace skybody {
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
 /// Accepts finite numbers in min..max. (CLI::Range accepts NaN, and its message omits the allowed
-/// range.)
-CLI::Validator number_within(double min, double max);
+/// range.) @param unit  for messages
+CLI::Validator number_within(double min, double max, const std::string& unit = "");
 
 /// Accepts one of `words`. @param noun  their kind, such as "policy"
-CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words);
+/// @param others  words for messages: another part of the command line takes them
+CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words,
+                      const std::vector<std::string>& others = {});
 
 /// One line about an invalid command line, with the remedy.
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error);

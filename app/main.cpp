@@ -16,8 +16,8 @@ namespace {
 
 constexpr const char* kMainFooter =
     "Examples:\n"
-    "  skybody run scenarios/hover.yaml --policy hold\n"
-    "  skybody check scenarios/hover.yaml --set robots.quad.pose.position=[0,0,2]\n"
+    "  skybody run hover --policy hold\n"
+    "  skybody check hover --set robots.quad.pose.position=[0,0,2]\n"
     "  skybody new controller my_law\n"
     "`skybody COMMAND --help` lists the options of a command. Exit status: 0 done, 2 invalid "
     "input.";
@@ -38,6 +38,7 @@ void declare_commands(CLI::App& app, Action& chosen) {
   add_hash_command(app, chosen);
   add_replay_command(app, chosen);
   add_bench_command(app, chosen);
+  add_scenarios_command(app, chosen);
   add_plugins_command(app, chosen);
   add_modes_command(app, chosen);
   add_plan_command(app, chosen);

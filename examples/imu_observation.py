@@ -6,7 +6,7 @@ The scenario key `observe` adds the IMU's channels to the observation of the tas
 angular rate for the policy, the specific force for the critic only (`last_info["privileged"]`).
 Stable-Baselines3's PPO learns from a Box, then from a Dict; the mean return of an episode is
 printed before and after. 10^5 steps show that both can be trained, but are too few to hover by
-rotor speeds, which takes some millions (docs/results/hover_training.md).
+rotor speeds, which takes some millions (docs/results/learning_speed.md).
 """
 
 from __future__ import annotations

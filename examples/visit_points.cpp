@@ -100,20 +100,11 @@ class VisitPoints : public Task {
             Real(points_.value(3 * i + 2))};
   }
 
-  RealsParameter points_{this,
-                         {.name = "points",
-                          .unit = "m",
-                          .values = {2.0, 0.0, 1.0, 0.0, 2.0, 1.5, -1.0, -1.0, 2.0},
-                          .count = 9,
-                          .doc = "x, y, z of the three (W), one after another"}};
-  RealParameter reach_{this,
-                       {.name = "reach",
-                        .unit = "m",
-                        .value = 0.2,
-                        .min = 1e-3,
-                        .doc = "a point is visited nearer than this"}};
-  RealParameter height_min_{
-      this, {.name = "height_min", .unit = "m", .value = 0.2, .doc = "a robot fails below this"}};
+  RealsParameter points_{this, reals("points", "m", {2.0, 0.0, 1.0, 0.0, 2.0, 1.5, -1.0, -1.0, 2.0},
+                                     kAny, "x, y, z of the three (W), one after another")};
+  RealParameter reach_{
+      this, real("reach", "m", 0.2, at_least(1e-3), "a point is visited nearer than this")};
+  RealParameter height_min_{this, real("height_min", "m", 0.2, kAny, "a robot fails below this")};
   FlightLimits limits_{this};
 
   ObservationParts parts_;

@@ -47,6 +47,20 @@ void check_layers(const Hyperparameters& hyper, Algorithm algorithm) {
               (has_memory ? " and the recurrent one" : ""));
 }
 
+/// One kernel and one stride for each convolution.
+void check_convolutions(const Hyperparameters& hyper) {
+  const std::size_t layers = hyper.cnn_channels.size();
+  if (hyper.cnn_kernels.size() == layers && hyper.cnn_strides.size() == layers &&
+      layers < kMostLayers) {
+    return;
+  }
+  throw Error("hyper-parameters cnn_channels, cnn_kernels and cnn_strides have " +
+              std::to_string(layers) + ", " + std::to_string(hyper.cnn_kernels.size()) + " and " +
+              std::to_string(hyper.cnn_strides.size()) +
+              " entries: give one of each per convolution, for at most " +
+              std::to_string(kMostLayers - 1));
+}
+
 }  // namespace
 
 std::span<const HyperparameterRow> hyperparameter_rows() { return kRows; }
@@ -67,6 +81,7 @@ void check(const Hyperparameters& hyper, Algorithm algorithm) {
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
   check_layers(hyper, algorithm);
+  if (algorithm == Algorithm::kFastPpo) check_convolutions(hyper);
 }
 
 }  // namespace skybody::learn

@@ -1,6 +1,7 @@
-"""Makes an animated picture of flights, side by side, from flight logs.
+"""Makes an animated picture of flights, side by side, from flight logs; or a still of one instant.
 
     .venv/bin/python scripts/flight_film.py OUT.gif LOG[:EPISODE]... [--seconds 6] [--quick]
+    .venv/bin/python scripts/flight_film.py OUT.png LOG[:EPISODE]... --seconds 3
 
 `skybody run SCENARIO --policy shipped --out FOLDER` writes such a log (FOLDER/flight.h5). Vehicles
 are drawn larger where they would be small, and leave a trail. README.md has this film:
@@ -11,6 +12,12 @@ are drawn larger where they would be small, and leave a trail. README.md has thi
     .venv/bin/python scripts/flight_film.py docs/results/images/flights.gif \
       flights/film/racing/flight.h5 flights/film/payload_learn/flight.h5 \
       flights/film/formation_learn/flight.h5
+
+The stills of its table of tasks (docs/results/images/tasks) come from the same kind of logs:
+SCENARIO is `hover`, `trajectory`, ... or TASK_learn.
+
+    .venv/bin/python scripts/flight_film.py docs/results/images/tasks/TASK.png \
+      flights/film/SCENARIO/flight.h5 --seconds 2
 """
 
 from __future__ import annotations
@@ -18,6 +25,7 @@ from __future__ import annotations
 import argparse
 import io
 import sys
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,6 +56,7 @@ class Robot:
     bodies: np.ndarray  # instants x bodies x 13
     hubs: np.ndarray  # of the rotors, in the base's frame [m]
     parents: list[int]  # of the bodies but the base
+    centers: np.ndarray  # of mass of the bodies, in their own frames [m]
 
 
 @dataclass
@@ -70,6 +79,13 @@ def hubs_of(drawn: dict[str, float], robot: str) -> np.ndarray:
     return np.array(found).reshape(-1, 3)
 
 
+def centers_of(drawn: dict[str, float], bodies: list[str], robot: str) -> np.ndarray:
+    """Centres of mass of a robot's bodies in their own frames [m]."""
+    links = [name.split(".", 1)[1] for name in bodies if name.split(".")[0] == robot]
+    paths = [f"robots.{robot}.links.{link}.com" for link in links]
+    return np.array([[drawn.get(f"{path}[{k}]", 0.0) for k in range(3)] for path in paths])
+
+
 def read_shot(argument: str) -> Shot:
     """Reads `LOG` or `LOG:EPISODE`. Raises SystemExit where there is no such episode."""
     file, _, number = argument.partition(":")
@@ -84,7 +100,8 @@ def read_shot(argument: str) -> Shot:
     robots = []
     for robot, track in zip(dict.fromkeys(names), flight.tracks, strict=False):
         bodies = flight.bodies[:, [k for k, body in enumerate(names) if body == robot]]
-        robots.append(Robot(track.color, bodies, hubs_of(drawn, robot), parents(bodies)))
+        hubs, centers = hubs_of(drawn, robot), centers_of(drawn, flight.body_names, robot)
+        robots.append(Robot(track.color, bodies, hubs, parents(bodies), centers))
     return Shot(title, flight, robots, *limits_of(flight))
 
 
@@ -137,10 +154,15 @@ def draw_frame(panel, shot: Shot, time: float) -> None:
         trail = robot.bodies[first : row + 1, 0, :3]
         panel.plot(*trail.T, color=robot.color, linewidth=1.2, alpha=0.7)
         for k, parent in enumerate(robot.parents, start=1):
-            link = robot.bodies[row, [parent, k], :3]
+            origin, rotation = robot.bodies[row, k, :3], rotation_of(robot.bodies[row, k, 3:7])
+            center = origin + rotation @ robot.centers[k]
+            link = np.stack([robot.bodies[row, parent, :3], origin, center])
             panel.plot(*link.T, color="dimgrey", linewidth=1.2)
-            panel.scatter(*link[1], color="black", s=16, depthshade=False)
+            panel.scatter(*center, color="black", s=16, depthshade=False)
         arms, circles = discs(robot, row, scale_of(shot))
+        if not arms:  # a load or a deck
+            panel.scatter(*robot.bodies[row, 0, :3], color=robot.color, s=30, depthshade=False)
+            continue
         panel.add_collection3d(Line3DCollection(arms, colors="black", linewidths=1.4))
         panel.add_collection3d(
             Poly3DCollection(
@@ -157,22 +179,27 @@ def draw_frame(panel, shot: Shot, time: float) -> None:
     panel.set_title(f"{shot.title}   {min(time, flight.time[-1]):4.1f} s", fontsize=10, y=0.93)
 
 
-def film(shots: list[Shot], seconds: float, rate: int) -> list[Image.Image]:
-    """All frames."""
+def pictures(shots: list[Shot], times: Iterable[float]) -> Iterator[Image.Image]:
+    """The flights side by side at each of the times [s]."""
     figure = plt.figure(figsize=(3.6 * len(shots), 2.9), dpi=80)
     panels = [figure.add_subplot(1, len(shots), k + 1, projection="3d") for k in range(len(shots))]
     figure.subplots_adjust(left=0, right=1, bottom=0, top=1, wspace=0)
-    frames: list[Image.Image] = []
-    palette: Image.Image | None = None  # one for all, so that colours stay
-    for time in np.arange(0.0, seconds, 1.0 / rate):
+    for time in times:
         for panel, shot in zip(panels, shots, strict=True):
             draw_frame(panel, shot, float(time))
         memory = io.BytesIO()
         figure.savefig(memory, format="png")
-        picture = Image.open(memory).convert("RGB")
+        yield Image.open(memory).convert("RGB")
+    plt.close(figure)
+
+
+def film(shots: list[Shot], seconds: float, rate: int) -> list[Image.Image]:
+    """All frames, with the palette of the first, so that colours stay."""
+    frames: list[Image.Image] = []
+    palette: Image.Image | None = None
+    for picture in pictures(shots, np.arange(0.0, seconds, 1.0 / rate)):
         palette = palette or picture.quantize(colors=128, method=Image.Quantize.MEDIANCUT)
         frames.append(picture.quantize(palette=palette, dither=Image.Dither.NONE))
-    plt.close(figure)
     return frames
 
 
@@ -181,17 +208,27 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("out", type=Path, help="picture, *.gif")
+    parser.add_argument("out", type=Path, help="film, *.gif, or still, *.png")
     parser.add_argument("logs", nargs="+", metavar="LOG[:EPISODE]")
-    parser.add_argument("--seconds", type=float, default=6.0, help="duration of the flight [s] (6)")
+    parser.add_argument(
+        "--seconds", type=float, default=6.0, help="duration, or time of the still [s]"
+    )
     parser.add_argument("--quick", action="store_true", help="a trial: four frames")
     options = parser.parse_args(arguments)
     rate = FRAMES_PER_SECOND
     seconds = 4 / rate if options.quick else options.seconds
-    frames = film([read_shot(log) for log in options.logs], seconds, rate)
+    shots = [read_shot(log) for log in options.logs]
     options.out.parent.mkdir(parents=True, exist_ok=True)
+    if options.out.suffix == ".png":
+        frames = [*pictures(shots, [options.seconds])]
+    else:
+        frames = film(shots, seconds, rate)
     frames[0].save(
-        options.out, save_all=True, append_images=frames[1:], duration=1000 // rate, loop=0
+        options.out,
+        save_all=len(frames) > 1,
+        append_images=frames[1:],
+        duration=1000 // rate,
+        loop=0,
     )
     print(f"{options.out}: {len(frames)} frames, {options.out.stat().st_size / 1e6:.1f} MB")
     return 0

@@ -20,6 +20,7 @@ import os
 import secrets
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 try:
     import h5py
@@ -326,21 +327,51 @@ def save(figure, path: Path) -> None:
     plt.close(figure)
 
 
+LOG = "flight.h5"
+REMEDY = f"draw a {LOG}, which `skybody run` writes"
+
+
 def panel_names(text: str) -> list[str]:
     """Parses --panels."""
     names = [name.strip() for name in text.split(",")]
     for name in names:
         if name not in PANELS:
-            raise argparse.ArgumentTypeError(f"no panel `{name}`; there are {', '.join(PANELS)}")
+            raise argparse.ArgumentTypeError(f"no panel `{name}`; allowed: {', '.join(PANELS)}")
     return names
 
 
+def at_least_one(text: str) -> int:
+    """Parses --most."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"`{text}` is not a whole number; allowed: 1 or more")
+    return int(text)
+
+
+class CommandLine(argparse.ArgumentParser):
+    """Errors in the form of `skybody run`; the package skybody may be missing here."""
+
+    def error(self, message: str) -> NoReturn:
+        missing = "the following arguments are required: "
+        if message.startswith(missing):
+            message = f"{message.removeprefix(missing)} is missing; see `{self.prog} --help`"
+        print(f"error: {message.removeprefix('argument ')}", file=sys.stderr)
+        sys.exit(2)
+
+
+def obstacle(log: Path, error: OSError) -> str:
+    """The reason why a file cannot be opened, and the remedy."""
+    if log.is_dir():
+        return f"a folder; give its {LOG}" if (log / LOG).is_file() else f"a folder; {REMEDY}"
+    reason = os.strerror(error.errno) if error.errno else "no HDF5 file"
+    return f"{reason}; {REMEDY}"
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="skybody plot",
         description="draw the flights of a Skybody log, one picture per episode",
     )
-    parser.add_argument("log", type=Path, help="flight.h5")
+    parser.add_argument("log", type=Path, metavar="LOG", help=LOG)
     parser.add_argument("--pdf", action="store_true", help="PDF instead of PNG")
     parser.add_argument(
         "--panels",
@@ -349,14 +380,15 @@ def main() -> int:
         help=f"only these panels, one below another: {', '.join(PANELS)}",
     )
     parser.add_argument("--out", type=Path, help="folder of the pictures (default: the log's)")
-    parser.add_argument("--most", type=int, default=3, help="draw the first N episodes (default 3)")
+    parser.add_argument(
+        "--most", type=at_least_one, default=3, help="draw the first N episodes (default 3)"
+    )
     options = parser.parse_args()
     folder = options.out or options.log.parent
     try:
         log = h5py.File(options.log, "r")
     except OSError as error:
-        reason = os.strerror(error.errno) if error.errno else "no HDF5 file"
-        parser.error(f"{options.log}: {reason}")
+        parser.error(f"{options.log}: {obstacle(options.log, error)}")
     # "default": independent of a matplotlibrc in the working folder.
     with log, plt.style.context(("default", STYLE)):
         if reason := refusal(log):

@@ -72,6 +72,7 @@ STEP = (
 KIT = "plugins/task_kit"
 TASK_KIT = (
     Part("Task kit: parts of a row", f"{KIT}/parts.h", intro=True),
+    Part("Task kit: parts of a robot", f"{KIT}/robot_parts.h", intro=True, constructors=True),
     Part("Task kit: what a task remembers", f"{KIT}/history.h", constructors=True),
     Part("Task kit: failures and success", f"{KIT}/verdict.h", intro=True, constructors=True),
     Part("Task kit: limits of a flight", f"{KIT}/flight_limits.h", constructors=True),
@@ -323,7 +324,9 @@ def write_page() -> Page:
     page.add_part(Part("", plugin, ("Evaluation", "Start", "Held")))
     page.add("## Parameters", prose(file_comment((ROOT / f"{API}/parameter.h").read_text())))
     page.add_part(Part("", f"{API}/parameter.h", constructors=True))
+    page.add_part(Part("Declarations of parameters", f"{API}/parameter_specs.h", intro=True))
     page.add_part(SETUP[0])
+    page.add_part(Part("Refusal of a scenario", f"{API}/refuse.h"))
     page.add("## Signals", prose(first_paragraph("signals")), signals())
     page.add("## Held inputs", prose(first_paragraph("held")), held_inputs())
     for part in (*SETUP[1:], *STEP):

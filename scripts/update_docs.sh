@@ -6,13 +6,17 @@
 # - the tables of options in docs/python.md and of hyper-parameters in docs/training.md from the
 #   Python package,
 # - the tables of observations and infos in the READMEs of tasks from their declarations,
-# - the tables of learning results from docs/results/data.
+# - the table of scenarios/README.md from the scenarios' heads,
+# - the tables of learning results from docs/results/data,
+# - the index of docs/results/README.md from the measurements.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 { cat scripts/scenarios_head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md
 python3 scripts/plugin_reference.py
-python3 scripts/control_page.py
+PYTHONPATH=python .venv/bin/python -m research run control_page
 PYTHONPATH=python .venv/bin/python scripts/python_options.py
-PYTHONPATH=python .venv/bin/python scripts/hyperparameters.py
-PYTHONPATH=python .venv/bin/python scripts/task_tables.py
-PYTHONPATH=python .venv/bin/python experiments/learned_tables.py
+PYTHONPATH=python .venv/bin/python scripts/scenario_index.py
+PYTHONPATH=python .venv/bin/python -m research run hyperparameters
+PYTHONPATH=python .venv/bin/python -m research run task_tables
+PYTHONPATH=python .venv/bin/python -m research run learned_tables
+python3 -m research index

@@ -23,8 +23,8 @@ constexpr const char* kCheckFooter =
     "Messages go to stderr as file:line:column: error: MESSAGE. Exit status: 0 no errors, perhaps\n"
     "warnings; 2 errors.\n"
     "Examples:\n"
-    "  skybody check scenarios/hover.yaml\n"
-    "  skybody check scenarios/hover.yaml --parameters\n"
+    "  skybody check hover\n"
+    "  skybody check hover --parameters\n"
     "  skybody check hover --reference circle:peak_speed=9";
 
 struct CheckOptions {

@@ -6,6 +6,7 @@
 
 #include "app/report/rounded.h"
 #include "core/base/math/inertia.h"
+#include "core/model/model_marks.h"
 
 namespace skybody {
 namespace {
@@ -81,13 +82,14 @@ void warn_of_light_links(const CompiledScenario& compiled, Diagnostics& diagnost
     const Body& body = robot.model.bodies[worst];
     const double light = body.mass.mass, heavy = hanging[worst].mass - light;
     const double enough = light * (dt * dt) / (kFailingShare * kFailingShare * time * time);
-    diagnostics.warning(
-        robot.mark, "link `" + body.name + "` of robot `" + robot.name + "` has " + rounded(light) +
-                        " kg and carries " + rounded(heavy) +
-                        " kg: where these swing it whips, and steps of " + rounded(dt) +
-                        " s gain energy or end in a fault; give such links " + rounded(enough) +
-                        " kg, or take a `dt` of " + rounded(kHoldingShare * time) +
-                        " s, which held in all that was measured");
+    const bool has_marks = robot.model.marks && !robot.model.marks->bodies[worst].mass.file.empty();
+    diagnostics.warning(has_marks ? robot.model.marks->bodies[worst].mass : robot.mark,
+                        "link `" + body.name + "` of robot `" + robot.name + "` has " +
+                            rounded(light) + " kg and carries " + rounded(heavy) +
+                            " kg: where these swing it whips, and steps of " + rounded(dt) +
+                            " s gain energy or end in a fault; give such links " + rounded(enough) +
+                            " kg, or take a `dt` of " + rounded(kHoldingShare * time) +
+                            " s, which held in all that was measured");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/report/rounded.h"
+#include "core/model/model_marks.h"
 #include "core/physics/bodies/body_constants.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/tree/multibody_tree.h"
@@ -90,14 +91,14 @@ class JointAnswer {
     return strength;
   }
 
-  /// Name of the joint that has a coordinate.
-  const std::string& joint_of(int u) const {
-    const WorldBody* found = nullptr;
+  /// Index in the robot of the body whose joint has a coordinate.
+  std::size_t body_of(int u) const {
+    int found = robot_.first_body;
     for (int i = robot_.first_body; i < robot_.first_body + robot_.body_count; ++i) {
-      const WorldBody& body = world_.bodies[static_cast<std::size_t>(i)];
-      if (body.u <= u && (found == nullptr || body.u >= found->u)) found = &body;
+      const int first = world_.bodies[static_cast<std::size_t>(i)].u;
+      if (first <= u && first >= world_.bodies[static_cast<std::size_t>(found)].u) found = i;
     }
-    return found->model->joint.name;
+    return static_cast<std::size_t>(found - robot_.first_body);
   }
 
  private:
@@ -114,6 +115,14 @@ class JointAnswer {
   std::vector<SpatialForce<double>> no_forces_;
   std::vector<double> nothing_;
 };
+
+/// Location of a joint's constant: in the URDF or in the scenario, otherwise the robot's entry.
+SourceLocation mark_of(const RobotUse& robot, std::size_t body, int constant) {
+  if (!robot.model.marks) return robot.mark;
+  const SourceLocation& mark =
+      robot.model.marks->bodies[body].joint[static_cast<std::size_t>(constant)];
+  return mark.file.empty() ? robot.mark : mark;
+}
 
 }  // namespace
 
@@ -133,11 +142,12 @@ void warn_of_stiff_joints(const CompiledScenario& compiled, Diagnostics& diagnos
     const double rate = is_damper ? damped.value : frequency;
     if (rate * dt <= kLargestStep) continue;
     const std::string name = is_damper ? "damping" : "stiffness";
+    const std::size_t body = answer.body_of(is_damper ? damped.u : swung.u);
     diagnostics.warning(
-        use.mark,
-        "joint `" + answer.joint_of(is_damper ? damped.u : swung.u) + "` of robot `" + use.name +
-            "` has a " + name + " that moves its light links within " + rounded(1.0 / rate) +
-            " s: steps of " + rounded(dt) + " s do not follow, and from " + rounded(2.0 / rate) +
+        mark_of(use, body, is_damper ? kJointDamping : kJointStiffness),
+        "joint `" + use.model.bodies[body].joint.name + "` of robot `" + use.name + "` has a " +
+            name + " that moves its light links within " + rounded(1.0 / rate) + " s: steps of " +
+            rounded(dt) + " s do not follow, and from " + rounded(2.0 / rate) +
             " s on they end in a fault; take a `dt` of at most " + rounded(kLargestStep / rate) +
             " s, a smaller " + name + ", heavier links, or `integrator: cvode`");
   }

@@ -18,6 +18,7 @@ void add_bench_command(CLI::App& app, Action& chosen);
 void add_plugins_command(CLI::App& app, Action& chosen);
 void add_modes_command(CLI::App& app, Action& chosen);
 void add_plan_command(CLI::App& app, Action& chosen);
+void add_scenarios_command(CLI::App& app, Action& chosen);
 void add_schema_command(CLI::App& app, Action& chosen);
 void add_python_commands(CLI::App& app, Action& chosen);
 void add_new_command(CLI::App& app, Action& chosen);

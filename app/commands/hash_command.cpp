@@ -34,7 +34,7 @@ constexpr const char* kHashFooter =
     "--motion prints a second line: the hash over q, u and rotor speeds instead of all state\n"
     "words. It does not change if a version of Skybody has other state words.\n"
     "Examples:\n"
-    "  skybody hash scenarios/hover.yaml --steps 20000 --seed 7\n"
+    "  skybody hash hover --steps 20000 --seed 7\n"
     "  skybody hash payload --envs 12 --threads 4 --batch 4 --order arrival\n"
     "  skybody hash hover --envs 8 --record run.h5 && skybody replay run.h5 --threads 2";
 

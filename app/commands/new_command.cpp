@@ -23,6 +23,8 @@ constexpr const char* kVehicleFooter =
     "Example:\n"
     "  skybody new vehicle my_hexa --mass 1.2 --arm 0.3 --thrust-to-weight 3 --rotors 6";
 
+constexpr const char* kVehicle = "vehicle";
+
 struct NewOptions {
   std::string kind, name;
   std::filesystem::path folder = ".";
@@ -39,6 +41,7 @@ int write_project(const NewOptions& options) {
 }
 
 int write_vehicle(const VehicleOptions& options) {
+  std::fputs(doubts_of_vehicle(options).to_string().c_str(), stderr);
   say_next(write_new_vehicle(options));
   return kExitDone;
 }
@@ -54,21 +57,21 @@ void add_folder(CLI::App& command, std::filesystem::path& folder) {
 }
 
 void add_new_vehicle_command(CLI::App& parent, Action& chosen) {
-  CLI::App* command = parent.add_subcommand("vehicle", "Write a starter vehicle");
+  CLI::App* command = parent.add_subcommand(kVehicle, "Write a starter vehicle");
   const auto options = std::make_shared<VehicleOptions>();
   command->footer(kVehicleFooter);
   command->add_option("NAME", options->name, "Name of the vehicle (vehicle)")->type_name("");
   const auto add_number = [&](const char* name, double& value, const char* doc, double least,
-                              double greatest) {
+                              double greatest, const char* unit) {
     command->add_option(name, value, doc)
         ->required()
         ->type_name("")
-        ->check(number_within(least, greatest));
+        ->check(number_within(least, greatest, unit));
   };
-  add_number("--mass", options->mass, "Mass [kg]", 1e-3, 1e3);
-  add_number("--arm", options->arm, "Distance from the centre to a hub [m]", 1e-3, 10.0);
+  add_number("--mass", options->mass, "Mass [kg]", 1e-3, 1e3, "kg");
+  add_number("--arm", options->arm, "Distance from the centre to a hub [m]", 1e-3, 10.0, "m");
   add_number("--thrust-to-weight", options->thrust_to_weight,
-             "Thrust of all rotors at their largest speed, over the weight", 1.05, 20.0);
+             "Thrust of all rotors at their largest speed, over the weight", 1.05, 20.0, "");
   command->add_option("--rotors", options->rotors, "Number of rotors, even (4)")
       ->type_name("")
       ->check(whole_number(4, 16));
@@ -89,7 +92,7 @@ void add_new_command(CLI::App& app, Action& chosen) {
   command->footer(kNewFooter);
   command->add_option("KIND", options->kind, kind_names())
       ->type_name("")
-      ->check(one_of("kind of plugin", kind_words()));
+      ->check(one_of("kind", kind_words(), {kVehicle}));
   command->add_option("NAME", options->name, "Name of the plugin, in lower_snake_case")
       ->type_name("");
   add_folder(*command, options->folder);

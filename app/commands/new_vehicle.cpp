@@ -7,6 +7,7 @@
 
 #include "core/base/system/error.h"
 #include "core/io/files/text.h"
+#include "core/io/yaml/plausibility_limits.h"
 #include "core/model/constants.h"
 #include "core/plugin_host/new_project.h"
 #include "randomization/vehicle/laws.h"
@@ -90,6 +91,17 @@ void require_possible(const VehicleOptions& options, const VehicleRotors<double>
 }
 
 }  // namespace
+
+Diagnostics doubts_of_vehicle(const VehicleOptions& options) {
+  Diagnostics doubts;
+  warn_if_implausible(PlausibilityLimit::kArmByMass, options.arm / std::cbrt(options.mass),
+                      "`--arm` (" + number(options.arm) + " m) by the cube root of `--mass` (" +
+                          number(options.mass) + " kg)",
+                      {{"--mass", options.mass}, {"--arm", options.arm}}, {}, doubts);
+  warn_if_implausible(PlausibilityLimit::kThrustToWeight, options.thrust_to_weight,
+                      "`--thrust-to-weight`", {}, {}, doubts);
+  return doubts;
+}
 
 std::filesystem::path write_new_vehicle(const VehicleOptions& options) {
   if (!is_identifier(options.name)) {

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "core/io/yaml/diagnostics.h"
+
 namespace skybody {
 
 /// The given properties.
@@ -17,6 +19,9 @@ struct VehicleOptions {
   std::string layout =
       "x";  ///< x: no arm on the x axis, one on either side; plus: one arm along it
 };
+
+/// Warnings of unlikely values, with the intended value if a known mistake explains it.
+Diagnostics doubts_of_vehicle(const VehicleOptions& options);
 
 /// Writes the folder `options.folder`/`options.name`: a URDF, rotors.yaml, a scenario that uses it
 /// and a README. @returns the new folder

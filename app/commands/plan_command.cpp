@@ -15,6 +15,7 @@
 #include "app/report/text_table.h"
 #include "app/scenario_options.h"
 #include "core/env/plugin_setup_tables.h"
+#include "core/io/files/missing_file.h"
 #include "core/io/files/shipped_files.h"
 #include "core/io/yaml/field.h"
 
@@ -83,6 +84,9 @@ RaceGate read_gate(const ConfigNode& node, Diagnostics& diagnostics) {
 }
 
 RaceCourse read_course(const std::string& file) {
+  const std::string problem =
+      missing_file(file, "GATES is a YAML file with `start`, `gates` and `finish`");
+  if (!problem.empty()) throw Error(problem);
   Diagnostics diagnostics;
   const std::optional<ConfigNode> root = load_config(file, diagnostics);
   diagnostics.throw_if_errors();

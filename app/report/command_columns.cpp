@@ -83,7 +83,7 @@ std::vector<LogColumn> command_columns(const CompiledScenario& compiled,
 
 std::vector<std::string> action_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
-  if (compiled.task().actions.empty()) {
+  if (compiled.task().task.actions.empty()) {
     for (const ControllerChain& chain : compiled.chains()) {
       if (chain.is_fed) continue;
       for (const LogColumn& column : command_columns(compiled, chain)) {

@@ -32,7 +32,8 @@ bool is_time_to_come(const Channel& channel, double value) {
   return channel.unit == "s" && value < 0.0;
 }
 
-ErrorWindow::ErrorWindow(const CompiledScenario& compiled) : goals_(compiled.task().goals.size()) {
+ErrorWindow::ErrorWindow(const CompiledScenario& compiled)
+    : goals_(compiled.task().task.goals.size()) {
   const Stepping& stepping = compiled.scenario().stepping;
   const double steps = std::round(1.0 / (stepping.dt * stepping.action_repeat));
   length_ = static_cast<std::size_t>(std::max(1.0, steps));
@@ -43,7 +44,7 @@ void ErrorWindow::add(const Simulation& simulation) {
   const std::vector<double> goals = simulation.goals();
   Sample* row = samples_.data() + (count_ % length_) * goals_;
   for (std::size_t k = 0; k < goals_; ++k) {
-    const int body = simulation.compiled().task().goals[k].body;
+    const int body = simulation.compiled().task().task.goals[k].body;
     const BodyState& state = simulation.bodies()[static_cast<std::size_t>(body)];
     const double* goal = goals.data() + 4 * k;
     row[k].distance = std::hypot(state.position.x - goal[0], state.position.y - goal[1],

@@ -110,7 +110,7 @@ void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header)
     header.goals.push_back(body_name(compiled, reference.body));
     header.references.push_back(reference.kind);
   }
-  for (const Goal& goal : compiled.task().goals) {
+  for (const Goal& goal : compiled.task().task.goals) {
     header.goals.push_back(body_name(compiled, goal.body));
   }
 }

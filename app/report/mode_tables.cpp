@@ -134,11 +134,11 @@ std::string chain_heading(const CompiledScenario& compiled, const ControllerChai
 /// A controller's outputs, and their receivers where they are not obvious.
 std::string gives_text(const CompiledScenario& compiled, const PluginInstance& controller) {
   std::vector<std::string> parts;
-  for (const PluginOutput& output : controller.outputs) {
+  for (const PluginOutput& output : controller.controller.outputs) {
     const std::string robot =
         compiled.scenario().robots[static_cast<std::size_t>(output.robot)].name;
     parts.push_back(with_size(output.signal, output.count) +
-                    (controller.outputs.size() > 1 ? " to " + robot : ""));
+                    (controller.controller.outputs.size() > 1 ? " to " + robot : ""));
   }
   return join(parts);
 }
@@ -153,9 +153,9 @@ void each_controller(const CompiledScenario& compiled, const ControllerChain& ch
 std::string chain_table(const CompiledScenario& compiled, const ControllerChain& chain) {
   TextTable table({"level", "controller", "plugin", "gives", "actions -1..+1", "values"});
   each_controller(compiled, chain, [&](const PluginInstance& c) {
-    table.add({with_size(c.input_signal, c.input_count()), c.name, c.plugin,
-               gives_text(compiled, c), ranges_text(c.low, c.high),
-               signal_meaning(c.input_signal)});
+    table.add({with_size(c.controller.input_signal, c.controller.input_count()), c.name, c.plugin,
+               gives_text(compiled, c), ranges_text(c.controller.low, c.controller.high),
+               signal_meaning(c.controller.input_signal)});
   });
   return table.to_string();
 }
@@ -187,19 +187,19 @@ std::string chain_json(const CompiledScenario& compiled, const ControllerChain& 
   std::vector<std::string> levels;
   each_controller(compiled, chain, [&](const PluginInstance& c) {
     std::vector<std::string> outputs;
-    for (const PluginOutput& output : c.outputs) {
+    for (const PluginOutput& output : c.controller.outputs) {
       JsonObject given = level_json(output.signal, output.count);
       given.set_text("robot",
                      compiled.scenario().robots[static_cast<std::size_t>(output.robot)].name);
       outputs.push_back(given.text());
     }
-    JsonObject level = level_json(c.input_signal, c.input_count());
-    level.set_text("meaning", signal_meaning(c.input_signal))
+    JsonObject level = level_json(c.controller.input_signal, c.controller.input_count());
+    level.set_text("meaning", signal_meaning(c.controller.input_signal))
         .set_text("controller", c.name)
         .set_text("plugin", c.plugin)
         .set("gives", json_array(outputs))
-        .set("low", numbers_json(c.low))
-        .set("high", numbers_json(c.high));
+        .set("low", numbers_json(c.controller.low))
+        .set("high", numbers_json(c.controller.high));
     levels.push_back(level.text());
   });
   JsonObject object;

@@ -45,7 +45,7 @@ double begin_of(const PluginUse& use) {
 /// the infos.
 template <class Visit>
 void each_report(const CompiledScenario& compiled, const Visit& visit) {
-  int place = value_count(compiled.task().infos);
+  int place = value_count(compiled.task().task.infos);
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
     const auto& list = compiled.plugins(static_cast<SkybodyKind>(kind));
     for (std::size_t k = 0; k < list.size(); ++k) {

@@ -147,7 +147,7 @@ std::string clipped_line(const CompiledScenario& compiled,
 std::string summary_table(const CompiledScenario& compiled,
                           const std::vector<EpisodeSummary>& episodes) {
   std::vector<std::string> goals;
-  for (const Goal& goal : compiled.task().goals) {
+  for (const Goal& goal : compiled.task().task.goals) {
     goals.push_back(body_name(compiled, goal.body));
   }
   std::vector<std::string> heading = {"episode", "steps", "time [s]", "return", "end"};

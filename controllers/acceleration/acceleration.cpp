@@ -12,8 +12,6 @@ class Acceleration : public Controller {
   void configure(const Setup& setup) override {
     mass_ = control::total_mass(setup, setup.robot());
     limits_.configure(setup);
-    report_.configure(setup, 0);
-    setup.buffer(1);
     const double side = limits_.side();
     setup.input(Signal::kAcceleration, {-side, -side, -limits_.down(), -kPi},
                 {side, side, limits_.up(), kPi});
@@ -23,15 +21,12 @@ class Acceleration : public Controller {
   template <class Real>
   void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input, Values<Real> output,
                Values<Real> buffer) const {
-    const Vec3<Real> held = limits_.held(input.vec3(0));
-    report_.note(control::differs(held, input.vec3(0)), buffer);
-    output.set(0, limits_.thrust_for(held) * Real(mass_));
+    output.set(0, limits_.thrust(input.vec3(0), buffer) * Real(mass_));
     output.set(3, input[3]);
   }
 
  private:
-  control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
-  control::LimitReport report_;
+  control::ReportedLimits limits_{this, control::kTrajectoryLimits};
 
   double mass_ = 0.0;
 };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controllers/common/driven_joint.h"
+#include "controllers/common/position_box.h"
 
 namespace skybody {
 namespace {
@@ -23,11 +24,8 @@ class Arm : public Controller {
     end_ = {control::vec3(link.position) + rotate(turn, point_.vec3()), turn};
     set_joints(setup, robot, link.body);
     const Vec3<double> low = place_min_.vec3(), high = place_max_.vec3();
-    control::require_order("place_min[0]", low.x, "place_max[0]", high.x);
-    control::require_order("place_min[1]", low.y, "place_max[1]", high.y);
-    control::require_order("place_min[2]", low.z, "place_max[2]", high.z);
-    setup.input(Signal::kPose, {low.x, low.y, low.z, -1.0, -1.0, -1.0, -1.0},
-                {high.x, high.y, high.z, 1.0, 1.0, 1.0, 1.0});
+    control::require_order("place_min", low, "place_max", high);
+    control::PositionBox::declare_pose(setup, low, high);
     setup.output(Signal::kJoint, count());
     setup.buffer(count());
   }
@@ -83,19 +81,17 @@ class Arm : public Controller {
       way.insert(way.begin(), setup.bodies()[b].joint_name);
     }
     if (way.empty()) {
-      throw std::runtime_error("link `" + link_.value() +
-                               "` is part of the base: no joint moves it; name a link of an arm");
+      refuse("link `", link_.value(),
+             "` is part of the base: no joint moves it; name a link of an arm");
     }
     if (way.size() > kMost) {
-      throw std::runtime_error("link `" + link_.value() + "` is behind " +
-                               std::to_string(way.size()) + " joints: at most " +
-                               std::to_string(kMost));
+      refuse("link `", link_.value(), "` is behind ", way.size(), " joints: at most ", kMost);
     }
     if (joints_.values() != way) {
       std::string names;
       for (const std::string& name : way) names += (names.empty() ? "" : ", ") + name;
-      throw std::runtime_error("`joints` must be those from the base to link `" + link_.value() +
-                               "`, in order: [" + names + "]");
+      refuse("`joints` must be those from the base to link `", link_.value(), "`, in order: [",
+             names, "]");
     }
     for (const std::string& name : way) {
       const BodyInfo& info = setup.joint(robot, name);
@@ -142,13 +138,7 @@ class Arm : public Controller {
   /// Target pose of the end, in the frame of the base.
   template <class Real>
   SKYBODY_INLINE Frame<Real> target(const EnvView<Real>& env, ConstValues<Real> input) const {
-    const Quat<Real> setpoint = input.quat(3);
-    const Real size = squared_norm(setpoint);
-    const auto usable = size > 1e-12;
-    const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
-                          setpoint.z * scale};
-    const Frame<Real> target{input.vec3(0), select(usable, unit, Quat<Real>::identity())};
+    const Frame<Real> target{input.vec3(0), control::unit_or_identity(input.quat(3))};
     if (!in_world_) return target;
     const BodyMotion<Real> base = env.body(base_);
     return {rotate_inverse(base.rotation, target.position - base.position),
@@ -190,50 +180,23 @@ class Arm : public Controller {
     }
   }
 
-  TextsParameter joints_{this,
-                         {.name = "joints", .doc = "joints from the base to the link, in order"}};
-  TextParameter link_{this, {.name = "link", .doc = "link that carries the end", .required = true}};
-  RealsParameter point_{this,
-                        {.name = "point",
-                         .unit = "m",
-                         .values = {0.0, 0.0, 0.0},
-                         .doc = "position of the end in the link's frame"}};
-  TextParameter frame_{this,
-                       {.name = "frame",
-                        .value = "world",
-                        .choices = {"world", "base"},
-                        .doc = "frame of the commands"}};
+  TextsParameter joints_{this, words("joints", "joints from the base to the link, in order")};
+  TextParameter link_{this, required(word("link", "", "link that carries the end"))};
+  RealsParameter point_{
+      this, reals("point", "m", {0.0, 0.0, 0.0}, kAny, "position of the end in the link's frame")};
+  TextParameter frame_{this, choice("frame", "world", {"world", "base"}, "frame of the commands")};
   RealParameter orientation_weight_{this,
-                                    {.name = "orientation_weight",
-                                     .unit = "m/rad",
-                                     .min = 0.0,
-                                     .max = 1e3,
-                                     .doc = "weight of the orientation error; 0: position only"}};
+                                    real("orientation_weight", "m/rad", 0.0, between(0.0, 1e3),
+                                         "weight of the orientation error; 0: position only")};
   RealParameter damping_{
-      this,
-      {.name = "damping",
-       .unit = "m",
-       .value = 0.02,
-       .min = 1e-4,
-       .max = 10.0,
-       .doc = "damping of the least squares: lever arms shorter than this move little"}};
-  RealParameter max_rate_{this,
-                          {.name = "max_rate",
-                           .unit = "rad/s or m/s",
-                           .value = 3.0,
-                           .min = 1e-6,
-                           .max = 1e6,
-                           .doc = "largest rate of the output positions"}};
-  RealsParameter place_min_{this,
-                            {.name = "place_min",
-                             .unit = "m",
-                             .values = {-1.0, -1.0, -1.0},
-                             .doc = "position for action -1"}};
-  RealsParameter place_max_{this,
-                            {.name = "place_max",
-                             .unit = "m",
-                             .values = {1.0, 1.0, 1.0},
-                             .doc = "position for action +1"}};
+      this, real("damping", "m", 0.02, between(1e-4, 10.0),
+                 "damping of the least squares: lever arms shorter than this move little")};
+  RealParameter max_rate_{this, real("max_rate", "rad/s or m/s", 3.0, between(1e-6, 1e6),
+                                     "largest rate of the output positions")};
+  RealsParameter place_min_{
+      this, reals("place_min", "m", {-1.0, -1.0, -1.0}, kAny, "position for action -1")};
+  RealsParameter place_max_{
+      this, reals("place_max", "m", {1.0, 1.0, 1.0}, kAny, "position for action +1")};
 
   std::vector<Segment> segments_;
   Frame<double> end_{};  ///< in the last body's frame

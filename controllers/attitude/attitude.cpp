@@ -22,7 +22,7 @@ class Attitude : public Controller {
                                    setup.bodies()[base_])
                     .thrust;
     }
-    error_ = control::attitude_error_of(error_word_.value());
+    error_.configure();
     takes_rates_ = feed_forward_.value();
     std::vector<double> low = {0.0, -1.0, -1.0, -1.0, -1.0}, high = {thrust_, 1.0, 1.0, 1.0, 1.0};
     if (takes_rates_) {
@@ -39,15 +39,9 @@ class Attitude : public Controller {
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
                Values<Real> buffer) const {
-    const Quat<Real> setpoint = input.quat(1);
-    const Real size = squared_norm(setpoint);
-    const auto usable = size > 1e-12;
-    const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
-                          setpoint.z * scale};
-    const Quat<Real> reference = select(usable, unit, Quat<Real>::identity());
+    const Quat<Real> reference = control::unit_or_identity(input.quat(1));
     const Quat<Real> error = conjugate(env.body(base_).rotation) * reference;
-    const Vec3<Real> turn = control::attitude_error(error_, error), gain = gain_.vec3(env);
+    const Vec3<Real> turn = error_(error), gain = gain_.vec3(env);
     output.set(0, clamp(input[0], Real(0.0), Real(thrust_)));
     Vec3<Real> rate{gain.x * turn.x, gain.y * turn.y, gain.z * turn.z};
     if (takes_rates_) rate += rotate(error, input.vec3(5));
@@ -57,37 +51,17 @@ class Attitude : public Controller {
   }
 
  private:
-  RealsParameter gain_{this,
-                       {.name = "gain",
-                        .unit = "1/s",
-                        .values = {8.0, 8.0, 3.0},
-                        .min = 0.0,
-                        .doc = "rate per angle of error, base axes",
-                        .randomizable = true}};
-  RealsParameter max_rate_{this,
-                           {.name = "max_rate",
-                            .unit = "rad/s",
-                            .values = {10.0, 10.0, 5.0},
-                            .min = 1e-6,
-                            .doc = "limits of the commanded rates"}};
-  RealParameter max_thrust_{this,
-                            {.name = "max_thrust",
-                             .unit = "N",
-                             .value = 0.0,
-                             .min = 0.0,
-                             .doc = "thrust for action +1; 0: all rotors' full thrust"}};
-  TextParameter error_word_{this,
-                            {.name = "error",
-                             .value = "quaternion",
-                             .choices = {"quaternion", "tilt_priority", "se3"},
-                             .doc = "form of the attitude error"}};
-  BooleanParameter feed_forward_{this,
-                                 {.name = "feed_forward",
-                                  .value = false,
-                                  .doc = "also read the desired attitude's rates, and add them"}};
+  RealsParameter gain_{this, randomizable(reals("gain", "1/s", {8.0, 8.0, 3.0}, at_least(0.0),
+                                                "rate per angle of error, base axes"))};
+  RealsParameter max_rate_{this, reals("max_rate", "rad/s", {10.0, 10.0, 5.0}, at_least(1e-6),
+                                       "limits of the commanded rates")};
+  RealParameter max_thrust_{this, real("max_thrust", "N", 0.0, at_least(0.0),
+                                       "thrust for action +1; 0: all rotors' full thrust")};
+  control::AttitudeErrorChoice error_{this};
+  BooleanParameter feed_forward_{
+      this, boolean("feed_forward", false, "also read the desired attitude's rates, and add them")};
 
   control::LimitReport report_;
-  control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   bool takes_rates_ = false;
   int base_ = 0;
   double thrust_ = 0.0;

@@ -26,18 +26,13 @@ namespace skybody::control {
 class AllocationChoice {
  public:
   explicit AllocationChoice(Plugin* owner)
-      : form_(owner, {.name = "allocation",
-                      .value = "priority",
-                      .choices = {"priority", "pseudo_inverse", "qp"},
-                      .doc = "method at the rotors' limits: reduce yaw, then thrust, then roll and "
-                             "pitch; clamp each rotor; or weighted least squares"}),
-        weights_(owner, {.name = "allocation_weights",
-                         .values = {10.0, 100.0, 100.0, 1.0},
-                         .count = 4,
-                         .min = 1e-3,
-                         .max = 1e6,
-                         .doc = "qp: weights of the errors of thrust, roll, pitch, yaw, relative "
-                                "to their largest values"}) {}
+      : form_(owner, choice("allocation", "priority", {"priority", "pseudo_inverse", "qp"},
+                            "method at the rotors' limits: reduce yaw, then thrust, then roll and "
+                            "pitch; clamp each rotor; or weighted least squares")),
+        weights_(owner,
+                 reals("allocation_weights", "", {10.0, 100.0, 100.0, 1.0}, between(1e-3, 1e6),
+                       "qp: weights of the errors of thrust, roll, pitch, yaw, relative to their "
+                       "largest values")) {}
 
   /// Whether the method differs from the default.
   bool is_chosen() const { return form() != "priority" || weights_.is_given(); }
@@ -47,8 +42,8 @@ class AllocationChoice {
   ///     apart for double precision
   std::vector<double> weights() const {
     if (form() != "qp" && weights_.is_given()) {
-      throw std::runtime_error("`allocation_weights` are given, but `allocation` is `" + form() +
-                               "`, which has none: set `allocation: qp`, or leave them out");
+      refuse("`allocation_weights` are given, but `allocation` is `", form(),
+             "`, which has none: set `allocation: qp`, or leave them out");
     }
     double least = weights_.value(0), most = least;
     for (int k = 1; k < weights_.count(); ++k) {
@@ -56,8 +51,8 @@ class AllocationChoice {
       most = max(most, weights_.value(k));
     }
     if (most > 1000.0 * least) {
-      throw std::runtime_error("`allocation_weights` are from " + to_text(least) + " to " +
-                               to_text(most) + ", a ratio of more than 1000: bring them closer");
+      refuse("`allocation_weights` are from ", least, " to ", most,
+             ", a ratio of more than 1000: bring them closer");
     }
     std::vector<double> shares;
     for (int k = 0; k < weights_.count(); ++k) shares.push_back(weights_.value(k) / most);
@@ -91,17 +86,11 @@ class Allocation {
     const BodyInfo& base = setup.bodies()[base_of(setup, robot)];
     const std::string name = robot_name(setup, robot);
     if (rotors.size() < 4) {
-      throw std::runtime_error("robot `" + name + "` has " + std::to_string(rotors.size()) +
-                               " rotors; " + mode + " needs 4 or more: use controller `srt`");
+      refuse("robot `", name, "` has ", rotors.size(), " rotors; ", mode,
+             " needs 4 or more: use controller `srt`");
     }
-    for (const RotorInfo& rotor : rotors) {
-      if (rotor.body != base_of(setup, robot)) {
-        throw std::runtime_error("rotor `" + std::string(rotor.name) +
-                                 "` sits behind a joint, on `" + setup.bodies()[rotor.body].name +
-                                 "`; " + mode +
-                                 " needs rotors fixed to the base: use controller `srt`");
-      }
-    }
+    require_on_base(setup, robot, rotors,
+                    "; " + mode + " needs rotors fixed to the base: use controller `srt`");
     rows_ = effect_rows(rotors, base);
     rotors_ = allocated_rotors(rotors, base, name, mode, taking);
   }
@@ -159,9 +148,8 @@ class Allocation {
   void set_least_squares(const Setup& setup, int robot, const std::vector<double>& weights) {
     const int n = rotor_count();
     if (n > kMost) {
-      throw std::runtime_error("robot `" + robot_name(setup, robot) + "` has " + std::to_string(n) +
-                               " rotors; `allocation: qp` takes " + std::to_string(kMost) +
-                               " at most: use `priority`");
+      refuse("robot `", robot_name(setup, robot), "` has ", n, " rotors; `allocation: qp` takes ",
+             kMost, " at most: use `priority`");
     }
     const ThrustTorqueLimits limits =
         limits_of(setup.rotors_of(robot), setup.bodies()[base_of(setup, robot)]);

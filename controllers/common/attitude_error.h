@@ -20,17 +20,9 @@
 
 #include <skybody/plugin.h>
 
-#include <string>
-
 namespace skybody::control {
 
 enum class AttitudeError { kQuaternion, kSe3, kTiltPriority };
-
-/// Form selected by a parameter with the choices quaternion, se3, tilt_priority.
-inline AttitudeError attitude_error_of(const std::string& word) {
-  if (word == "se3") return AttitudeError::kSe3;
-  return word == "tilt_priority" ? AttitudeError::kTiltPriority : AttitudeError::kQuaternion;
-}
 
 /// @param left  q_e, a unit quaternion
 template <class Real>
@@ -51,5 +43,30 @@ SKYBODY_INLINE Vec3<Real> attitude_error(AttitudeError form, const Quat<Real>& l
   const Real twice = form == AttitudeError::kSe3 ? 2.0 * left.w : copysign(Real(2.0), left.w);
   return {twice * left.x, twice * left.y, twice * left.z};
 }
+
+/// The form that the parameter `error` names. Declared as a member of the controller `owner`.
+class AttitudeErrorChoice {
+ public:
+  explicit AttitudeErrorChoice(Plugin* owner, const char* standard = "quaternion")
+      : word_(owner, choice("error", standard, {"quaternion", "tilt_priority", "se3"},
+                            "form of the attitude error")) {}
+
+  void configure() {
+    form_ = word_.value() == "se3"             ? AttitudeError::kSe3
+            : word_.value() == "tilt_priority" ? AttitudeError::kTiltPriority
+                                               : AttitudeError::kQuaternion;
+  }
+  AttitudeError form() const { return form_; }
+
+  /// @param left  q_e, a unit quaternion
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> operator()(const Quat<Real>& left) const {
+    return attitude_error(form_, left);
+  }
+
+ private:
+  TextParameter word_;
+  AttitudeError form_ = AttitudeError::kQuaternion;
+};
 
 }  // namespace skybody::control

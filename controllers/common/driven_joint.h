@@ -31,8 +31,7 @@ inline DrivenJoint driven_joint(const Setup& setup, int robot, const std::string
   DrivenJoint joint;
   joint.slides = body.joint == SKYBODY_SLIDER;
   if (!joint.slides && body.joint != SKYBODY_PIN) {
-    throw std::runtime_error("joint `" + name +
-                             "` has not one coordinate: revolute and prismatic joints have");
+    refuse("joint `", name, "` has not one coordinate: revolute and prismatic joints have");
   }
   const Vec3<double> axis =
       joint.slides ? Vec3<double>{1.0, 0.0, 0.0} : Vec3<double>{0.0, 0.0, 1.0};

@@ -234,10 +234,9 @@ void require_feasible(const FlightEnvelope& envelope, const Reference& reference
   }
   const std::string has =
       worst->is_least ? "the least with which it keeps an attitude is " : "the vehicle has ";
-  throw std::runtime_error("the reference cannot be flown: " + worst->limit + " at " +
-                           text(worst->time) + " s takes " + text(worst->value) + " " +
-                           worst->unit + ", " + has + text(worst->allowed) + " " + worst->unit +
-                           "; " + remedy);
+  refuse("the reference cannot be flown: ", worst->limit, " at ", text(worst->time), " s takes ",
+         text(worst->value), " ", worst->unit, ", ", has, text(worst->allowed), " ", worst->unit,
+         "; ", remedy);
 }
 
 }  // namespace skybody::control

@@ -40,22 +40,13 @@ inline double usable_thrust(const Setup& setup, int robot) {
 class AccelerationLimits {
  public:
   AccelerationLimits(Plugin* owner, const AccelerationDefaults& defaults)
-      : side_(owner, {.name = "max_acceleration_side",
-                      .unit = "m/s^2",
-                      .value = defaults.side,
-                      .min = 1e-3,
-                      .doc = "limit of the desired horizontal acceleration"}),
-        up_(owner, {.name = "max_acceleration_up",
-                    .unit = "m/s^2",
-                    .value = defaults.up,
-                    .min = 1e-3,
-                    .doc = "limit of the desired upward acceleration"}),
-        down_(owner, {.name = "max_acceleration_down",
-                      .unit = "m/s^2",
-                      .value = defaults.down,
-                      .min = 1e-3,
-                      .doc = "limit of the desired downward acceleration; at most 0.9 g, to which "
-                             "the default is lowered"}),
+      : side_(owner, real("max_acceleration_side", "m/s^2", defaults.side, at_least(1e-3),
+                          "limit of the desired horizontal acceleration")),
+        up_(owner, real("max_acceleration_up", "m/s^2", defaults.up, at_least(1e-3),
+                        "limit of the desired upward acceleration")),
+        down_(owner, real("max_acceleration_down", "m/s^2", defaults.down, at_least(1e-3),
+                          "limit of the desired downward acceleration; at most 0.9 g, to which the "
+                          "default is lowered")),
         by_thrust_(defaults.by_thrust) {}
 
   /// @throws std::runtime_error if the downward limit leaves no thrust for steering
@@ -63,9 +54,8 @@ class AccelerationLimits {
     gravity_ = gravity_of(setup);
     most_down_ = down_.is_given() ? down_.value() : min(down_.value(), 0.9 * gravity_);
     if (!(gravity_ > 0.0) || most_down_ > 0.9 * gravity_) {
-      throw std::runtime_error(
-          "`max_acceleration_down` " + to_text(down_.value()) +
-          " would leave no thrust to steer with: at most 0.9 g = " + to_text(0.9 * gravity_));
+      refuse("`max_acceleration_down` ", down_.value(),
+             " would leave no thrust to steer with: at most 0.9 g = ", 0.9 * gravity_);
     }
     most_side_ = side_.value();
     most_up_ = up_.value();
@@ -93,11 +83,6 @@ class AccelerationLimits {
     return out;
   }
 
-  /// Specific thrust [m/s^2]: the limited acceleration minus gravity. Its z stays positive.
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
-    return thrust_for(held(a));
-  }
   /// Specific thrust for an acceleration within the limits.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> thrust_for(const Vec3<Real>& a) const {
@@ -135,17 +120,42 @@ class AccelerationLimits {
   double gravity_ = 0.0, surely_within_ = 0.0;
 };
 
+/// Limits of the desired acceleration, with the info `limited`.
+class ReportedLimits : public AccelerationLimits {
+ public:
+  using AccelerationLimits::AccelerationLimits;
+
+  /// @param word  index of the info in the controller's buffer
+  void configure(const Setup& setup, int word = 0) {
+    AccelerationLimits::configure(setup);
+    report_.configure(setup, word);
+    setup.buffer(word + 1);
+  }
+  /// A desired acceleration within its limits [m/s^2].
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& setpoint, Values<Real> buffer) const {
+    const Vec3<Real> out = AccelerationLimits::held(setpoint);
+    report_.note(differs(out, setpoint), buffer);
+    return out;
+  }
+  /// The specific thrust for the limited acceleration [m/s^2]; its z stays positive.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> thrust(const Vec3<Real>& setpoint, Values<Real> buffer) const {
+    return thrust_for(held(setpoint, buffer));
+  }
+
+ private:
+  LimitReport report_;
+};
+
 /// Integral part of a controller. It uses state words only if one of its gains is above 0.
 class Integral {
  public:
   /// @param unit, doc  of the parameter `ki`
   Integral(Plugin* owner, const char* unit, const char* doc)
-      : ki_(owner, {.name = "ki", .unit = unit, .values = {0.0, 0.0, 0.0}, .min = 0.0, .doc = doc}),
-        most_(owner, {.name = "max_integral",
-                      .unit = "m/s^2",
-                      .value = 2.0,
-                      .min = 1e-3,
-                      .doc = "limit of the integral term, each axis"}) {}
+      : ki_(owner, reals("ki", unit, {0.0, 0.0, 0.0}, at_least(0.0), doc)),
+        most_(owner, real("max_integral", "m/s^2", 2.0, at_least(1e-3),
+                          "limit of the integral term, each axis")) {}
 
   void configure(const Setup& setup) {
     const Vec3<double> k = ki_.vec3();
@@ -154,8 +164,6 @@ class Integral {
   }
   /// Number of buffer words, from 0 on.
   int words() const { return is_on_ ? 3 : 0; }
-
-  bool is_on() const { return is_on_; }
 
   /// Adds the integral to an acceleration, then integrates this step's error.
   /// @param setpoint    acceleration without the integral, W axes [m/s^2]
@@ -184,18 +192,10 @@ class Guidance {
  public:
   Guidance(Plugin* owner, std::vector<double> kp, std::vector<double> kd,
            const AccelerationDefaults& limits)
-      : kp_(owner, {.name = "kp",
-                    .unit = "1/s^2",
-                    .values = std::move(kp),
-                    .min = 0.0,
-                    .doc = "acceleration per position error, W axes",
-                    .randomizable = true}),
-        kd_(owner, {.name = "kd",
-                    .unit = "1/s",
-                    .values = std::move(kd),
-                    .min = 0.0,
-                    .doc = "acceleration per velocity error, W axes",
-                    .randomizable = true}),
+      : kp_(owner, randomizable(reals("kp", "1/s^2", std::move(kp), at_least(0.0),
+                                      "acceleration per position error, W axes"))),
+        kd_(owner, randomizable(reals("kd", "1/s", std::move(kd), at_least(0.0),
+                                      "acceleration per velocity error, W axes"))),
         integral_(owner, "1/s^3", "acceleration per integral of position error, W axes; 0: none"),
         limits_(owner, limits) {}
 
@@ -204,25 +204,10 @@ class Guidance {
     kp_share_ = kp_.is_given() ? 1.0 : share * share;
     kd_share_ = kd_.is_given() ? 1.0 : share;
     integral_.configure(setup);
-    limits_.configure(setup);
-    report_.configure(setup, integral_.words());
-    setup.buffer(integral_.words() + 1);
+    limits_.configure(setup, integral_.words());
   }
 
-  const AccelerationLimits& limits() const { return limits_; }
-
-  /// A desired acceleration within its limits [m/s^2].
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& setpoint, Values<Real> buffer) const {
-    const Vec3<Real> out = limits_.held(setpoint);
-    report_.note(differs(out, setpoint), buffer);
-    return out;
-  }
-  /// The specific thrust for the limited acceleration [m/s^2]; its z stays positive.
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> thrust(const Vec3<Real>& setpoint, Values<Real> buffer) const {
-    return limits_.thrust_for(held(setpoint, buffer));
-  }
+  const ReportedLimits& limits() const { return limits_; }
 
   /// Desired acceleration: feedback plus `forward`, before limits [m/s^2].
   /// @param offset   p_ref - p [m]
@@ -253,8 +238,7 @@ class Guidance {
 
   RealsParameter kp_, kd_;
   Integral integral_;
-  AccelerationLimits limits_;
-  LimitReport report_;
+  ReportedLimits limits_;
   double kp_share_ = 1.0, kd_share_ = 1.0;
 };
 

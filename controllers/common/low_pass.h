@@ -34,9 +34,8 @@ class LowPass {
   void configure(const std::string& name, double cutoff, double interval) {
     const double most = 0.45 / interval;  // a little below half the sampling rate
     if (cutoff > most) {
-      throw std::runtime_error("`" + name + "` " + to_text(cutoff) + " Hz is too high for " +
-                               to_text(interval) + " s between two samples: at most " +
-                               to_text(most) + " Hz, or a shorter `period`");
+      refuse("`", name, "` ", cutoff, " Hz is too high for ", interval,
+             " s between two samples: at most ", most, " Hz, or a shorter `period`");
     }
     const double k = tan(kPi * cutoff * interval), square = k * k;
     const double scale = 1.0 / (1.0 + kRootOfTwo * k + square);

@@ -20,18 +20,16 @@ class PathCheck {
                              const reference::Path& path) {
     const reference::PathNumbers<double> numbers = nominal_numbers(parameters, path);
     if (is_harmonic(path.kind) && !(numbers.figure.steepest() > 0.0)) {
-      throw std::runtime_error(
+      refuse(
           "the path has no length: give `amplitude` a swing that has `cycles`, or take `kind: "
           "hold`");
     }
     if (path.kind == reference::Kind::kStep && !(norm(numbers.figure.amplitude) > 0.0)) {
-      throw std::runtime_error(
-          "the step has no length: give `amplitude` the way that it goes, or take `kind: hold`");
+      refuse("the step has no length: give `amplitude` the way that it goes, or take `kind: hold`");
     }
     const bool turns = path.facing == reference::Facing::kTable;
     if (path.kind == reference::Kind::kCsv && !turns && !(path.spline.peak_speed() > 0.0)) {
-      throw std::runtime_error(
-          "the path of `file` has no length: let x, y or z change, or take `kind: hold`");
+      refuse("the path of `file` has no length: let x, y or z change, or take `kind: hold`");
     }
   }
 
@@ -64,25 +62,14 @@ class PathCheck {
   Plugin* owner_;
   BooleanParameter check_{
       owner_,
-      {.name = "check",
-       .value = true,
-       .doc = "reject a path that the robot cannot fly, by its nominal constants in still air"}};
-  RealParameter max_tilt_{
-      owner_,
-      {.name = "max_tilt",
-       .unit = "rad",
-       .value = kPi,
-       .min = 1e-3,
-       .max = kPi,
-       .doc = "check: largest angle between the base's z axis and the vertical"}};
-  RealParameter max_rate_{owner_,
-                          {.name = "max_rate",
-                           .unit = "rad/s",
-                           .value = 35.0,
-                           .min = 1e-3,
-                           .max = 1e4,
-                           .doc = "check: largest body rate about each axis; default: range of "
-                                  "common gyroscopes, 2000 degrees/s"}};
+      boolean("check", true,
+              "reject a path that the robot cannot fly, by its nominal constants in still air")};
+  RealParameter max_tilt_{owner_,
+                          real("max_tilt", "rad", kPi, between(1e-3, kPi),
+                               "check: largest angle between the base's z axis and the vertical")};
+  RealParameter max_rate_{owner_, real("max_rate", "rad/s", 35.0, between(1e-3, 1e4),
+                                       "check: largest body rate about each axis; default: range "
+                                       "of common gyroscopes, 2000 degrees/s")};
 };
 
 }  // namespace skybody::control

@@ -24,7 +24,7 @@ class PseudoInverse {
     for (std::size_t k = 0; k < 4; ++k) {
       double sum = 0.0;
       for (std::size_t i = 0; i < n; ++i) sum += rows[4 * i + k] * rows[4 * i + k];
-      if (!(sum > 1e-18)) refuse(robot, mode, kNames[k], more);
+      if (!(sum > 1e-18)) refuse_direction(robot, mode, kNames[k], more);
       scale[k] = 1.0 / sqrt(sum);
     }
     for (std::size_t k = 0; k < 4; ++k) {
@@ -36,7 +36,7 @@ class PseudoInverse {
       m[k][4 + k] = 1.0;
     }
     for (int k = 0; k < 4; ++k) {
-      if (!eliminate(m, k)) refuse(robot, mode, kNames[k], more);
+      if (!eliminate(m, k)) refuse_direction(robot, mode, kNames[k], more);
     }
     std::vector<double> inverse(rows.size());
     for (std::size_t i = 0; i < n; ++i) {
@@ -72,13 +72,12 @@ class PseudoInverse {
     return true;
   }
 
-  [[noreturn]] static void refuse(const std::string& robot, const std::string& mode,
-                                  const std::string& what, const std::string& more) {
-    throw std::runtime_error("the rotors of robot `" + robot + "` cannot give " + what +
-                             " independently, which " + mode +
-                             " needs: check position, axis, direction and moment_constant in its "
-                             "rotors file, or use controller `srt`" +
-                             more);
+  [[noreturn]] static void refuse_direction(const std::string& robot, const std::string& mode,
+                                            const std::string& what, const std::string& more) {
+    refuse("the rotors of robot `", robot, "` cannot give ", what, " independently, which ", mode,
+           " needs: check position, axis, direction and moment_constant in its rotors file, or use "
+           "controller `srt`",
+           more);
   }
 };
 

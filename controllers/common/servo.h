@@ -21,28 +21,15 @@ inline double carried_inertia(const BodyInfo& body, const DrivenJoint& joint) {
 class Servo {
  public:
   explicit Servo(Plugin* owner)
-      : bandwidth_(owner, {.name = "bandwidth",
-                           .unit = "rad/s",
-                           .value = 60.0,
-                           .min = 1e-3,
-                           .max = 1e4,
-                           .doc = "bandwidth of the joints' drives, whose gains scale with the "
-                                  "inertia about their axes"}),
-        damping_(owner, {.name = "damping_ratio",
-                         .value = 1.0,
-                         .min = 0.0,
-                         .max = 100.0,
-                         .doc = "damping ratio of the joints' drives; 1: no overshoot"}),
-        effort_limit_(owner, {.name = "effort_limit",
-                              .unit = "N m",
-                              .min = 0.0,
-                              .max = 1e6,
-                              .doc = "largest effort of a joint's drive; 0: no limit"}),
-        tau_(owner, {.name = "tau",
-                     .unit = "s",
-                     .min = 0.0,
-                     .max = 100.0,
-                     .doc = "lag of the joints' commands; 0: none"}) {}
+      : bandwidth_(owner, real("bandwidth", "rad/s", 60.0, between(1e-3, 1e4),
+                               "bandwidth of the joints' drives, whose gains scale with the "
+                               "inertia about their axes")),
+        damping_(owner, real("damping_ratio", "", 1.0, between(0.0, 100.0),
+                             "damping ratio of the joints' drives; 1: no overshoot")),
+        effort_limit_(owner, real("effort_limit", "N m", 0.0, between(0.0, 1e6),
+                                  "largest effort of a joint's drive; 0: no limit")),
+        tau_(owner,
+             real("tau", "s", 0.0, between(0.0, 100.0), "lag of the joints' commands; 0: none")) {}
 
   /// Declares the drive of a joint.
   /// @param inertia  the driven inertia (carried_inertia)

@@ -40,8 +40,7 @@ class SixAxisInverse {
         } else if (sum > 1e-9) {
           factor[r][r] = sqrt(sum);
         } else {
-          throw std::runtime_error(whose + " cannot give " + kNames[r] + " independently, which " +
-                                   need);
+          refuse(whose, " cannot give ", kNames[r], " independently, which ", need);
         }
       }
     }

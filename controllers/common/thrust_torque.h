@@ -17,22 +17,32 @@ struct ThrustTorqueState {
   Vec3<Real> torque;
 };
 
-/// Settings of the actuation.
-struct ThrustTorqueChoice {
-  bool rotors = true;       ///< false: wrench on the body
-  bool lag = true;          ///< body only: lag of eq. 2, or immediate
-  double time_up = -1.0;    ///< [s]; negative: mean tau_up of the environment's rotors
-  double time_down = -1.0;  ///< [s]; negative: mean tau_down of the environment's rotors
-  double max_thrust = 0.0;  ///< [N]; 0: the rotors' limit
-  Vec3<double> max_torque{0.0, 0.0, 0.0};  ///< [N m]; 0: the rotors' limit
-};
-
+/// The actuation and its parameters. Declared as a member of the controller `owner`.
 class ThrustTorque {
  public:
+  explicit ThrustTorque(Plugin* owner)
+      : apply_(owner, choice("apply", "rotors", {"rotors", "body"},
+                             "rotors: by allocation; body: lagged wrench on the body (eq. 1 and "
+                             "2)")),
+        time_up_(owner, real("time_constant_up", "s", -1.0, at_least(-1.0),
+                             "body: time constant of the lag while a channel grows; below 0: the "
+                             "rotors' mean")),
+        time_down_(owner, real("time_constant_down", "s", -1.0, at_least(-1.0),
+                               "body: time constant of the lag while a channel shrinks; below 0: "
+                               "the rotors' mean")),
+        max_thrust_(owner, real("max_thrust", "N", 0.0, at_least(0.0),
+                                "thrust for action +1; 0: all rotors' full thrust")),
+        choice_(owner) {}
+
+  bool is_by_rotors() const { return apply_.value() == "rotors"; }
+
   /// Declares output and site. @throws std::runtime_error
-  void configure(const Setup& setup, int robot, const std::string& mode,
-                 const ThrustTorqueChoice& choice, const AllocationChoice& allocation) {
-    choice_ = choice;
+  /// @param has_lag     of the wrench on the body; false: immediate
+  /// @param max_torque  [N m]; 0: the rotors' limit
+  void configure(const Setup& setup, int robot, const std::string& mode, bool has_lag,
+                 const Vec3<double>& max_torque) {
+    by_rotors_ = is_by_rotors();
+    has_lag_ = has_lag;
     dt_ = setup.dt();
     const BodyInfo& base = setup.bodies()[base_of(setup, robot)];
     for (const RotorInfo& rotor : setup.rotors_of(robot)) {
@@ -40,18 +50,17 @@ class ThrustTorque {
       constants_.push_back(rotor.first_param);
     }
     first_rotor_ = setup.robots()[robot].first_rotor;
-    set_limits(setup, robot, mode, base);
-    keep_up_ = keep(choice.time_up);
-    keep_down_ = keep(choice.time_down);
-    if (choice.rotors) {
-      allocation_.configure(setup, robot, mode, allocation);
+    set_limits(setup, robot, mode, base, max_torque);
+    keep_up_ = keep(time_up_.value());
+    keep_down_ = keep(time_down_.value());
+    if (by_rotors_) {
+      allocation_.configure(setup, robot, mode, choice_);
       setup.output(Signal::kRotorSpeed, allocation_.rotor_count());
     } else {
-      if (allocation.is_chosen()) {
-        throw std::runtime_error(
+      if (choice_.is_chosen()) {
+        refuse(
             "`allocation` is given, but `apply` is `body`, past the rotors: set `apply: rotors`, "
-            "or "
-            "leave it out");
+            "or leave it out");
       }
       setup.site({base_of(setup, robot), {0.0, 0.0, 0.0}, 1, 0});
       setup.output(Signal::kWrench, 6);
@@ -82,15 +91,15 @@ class ThrustTorque {
                             const Real& thrust, const Vec3<Real>& torque,
                             Values<Real> output) const {
     const Real t = clamp(thrust, Real(0.0), Real(limits_.thrust));
-    if (choice_.rotors) {
+    if (by_rotors_) {
       allocation_.speeds(t, torque, output);
       return;
     }
     const Vec3<Real> limited = clamp_symmetric(torque, limits_.torque);
     const Real up =
-        choice_.lag ? lane_keep(env, choice_.time_up, keep_up_, SKYBODY_ROTOR_TAU_UP) : Real(0.0);
-    const Real down = choice_.lag
-                          ? lane_keep(env, choice_.time_down, keep_down_, SKYBODY_ROTOR_TAU_DOWN)
+        has_lag_ ? lane_keep(env, time_up_.value(), keep_up_, SKYBODY_ROTOR_TAU_UP) : Real(0.0);
+    const Real down = has_lag_
+                          ? lane_keep(env, time_down_.value(), keep_down_, SKYBODY_ROTOR_TAU_DOWN)
                           : Real(0.0);
     state.thrust = approach(state.thrust, t, up, down);
     state.torque = {approach(state.torque.x, limited.x, up, down),
@@ -101,35 +110,32 @@ class ThrustTorque {
   }
 
  private:
-  void set_limits(const Setup& setup, int robot, const std::string& mode, const BodyInfo& base) {
-    const bool given = choice_.max_thrust > 0.0 && choice_.max_torque.x > 0.0 &&
-                       choice_.max_torque.y > 0.0 && choice_.max_torque.z > 0.0;
-    if (effects_.empty() && !choice_.rotors && given) {
-      limits_ = {choice_.max_thrust, choice_.max_torque};
+  void set_limits(const Setup& setup, int robot, const std::string& mode, const BodyInfo& base,
+                  const Vec3<double>& max_torque) {
+    const double max_thrust = max_thrust_.value();
+    if (effects_.empty() && !by_rotors_ && max_thrust > 0.0 && all_above_zero(max_torque)) {
+      limits_ = {max_thrust, max_torque};
       return;
     }
-    if (effects_.empty() && !choice_.rotors) {
-      throw std::runtime_error("robot `" + robot_name(setup, robot) +
-                               "` has no rotors to take limits "
-                               "from: give " +
-                               mode + " `max_thrust` and `max_torque`, all above 0");
+    if (effects_.empty() && !by_rotors_) {
+      refuse("robot `", robot_name(setup, robot), "` has no rotors to take limits from: give ",
+             mode, " `max_thrust` and `max_torque`, all above 0");
     }
     limits_ = limits_of(working_rotors(setup, robot, mode), base);
-    limits_.thrust = tighter("max_thrust", choice_.max_thrust, limits_.thrust);
-    limits_.torque = {tighter("max_torque[0]", choice_.max_torque.x, limits_.torque.x),
-                      tighter("max_torque[1]", choice_.max_torque.y, limits_.torque.y),
-                      tighter("max_torque[2]", choice_.max_torque.z, limits_.torque.z)};
+    limits_.thrust = tighter("max_thrust", max_thrust, limits_.thrust);
+    limits_.torque = {tighter("max_torque[0]", max_torque.x, limits_.torque.x),
+                      tighter("max_torque[1]", max_torque.y, limits_.torque.y),
+                      tighter("max_torque[2]", max_torque.z, limits_.torque.z)};
     if (!(limits_.thrust > 0.0)) {
-      throw std::runtime_error("no rotor of robot `" + robot_name(setup, robot) +
-                               "` pushes along +z of its base: check `axis` in its rotors file");
+      refuse("no rotor of robot `", robot_name(setup, robot),
+             "` pushes along +z of its base: check `axis` in its rotors file");
     }
   }
 
   static double tighter(const std::string& name, double given, double possible) {
     if (given > possible * (1.0 + 1e-9)) {
-      throw std::runtime_error("`" + name + "` " + to_text(given) +
-                               " is more than the rotors can do, " + to_text(possible) +
-                               ": lower it, or leave it out for that limit");
+      refuse("`", name, "` ", given, " is more than the rotors can do, ", possible,
+             ": lower it, or leave it out for that limit");
     }
     return given > 0.0 ? given : possible;
   }
@@ -156,7 +162,10 @@ class ThrustTorque {
     return u * keep + reference * (1.0 - keep);
   }
 
-  ThrustTorqueChoice choice_;
+  TextParameter apply_;
+  RealParameter time_up_, time_down_, max_thrust_;
+  AllocationChoice choice_;
+  bool by_rotors_ = true, has_lag_ = true;
   ThrustTorqueLimits limits_;
   Allocation allocation_;
   std::vector<RotorEffect> effects_;

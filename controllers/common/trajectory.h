@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "controllers/common/position_box.h"
 #include "controllers/common/vehicle.h"
 
 namespace skybody::control {
@@ -32,9 +33,8 @@ inline void declare_trajectory(const Setup& setup, int points, const TrajectoryR
 class DragFeedforward {
  public:
   explicit DragFeedforward(Plugin* owner)
-      : on_(owner, {.name = "drag",
-                    .value = true,
-                    .doc = "feed forward the rotors' nominal drag at the reference's velocity"}) {}
+      : on_(owner, boolean("drag", true,
+                           "feed forward the rotors' nominal drag at the reference's velocity")) {}
 
   void configure(const Setup& setup, int robot) {
     if (!on_.value()) return;
@@ -70,32 +70,19 @@ class DragFeedforward {
 class TrajectoryInput {
  public:
   explicit TrajectoryInput(Plugin* owner)
-      : points_(owner, {.name = "points",
-                        .value = 1,
-                        .min = 1,
-                        .max = 1000,
-                        .doc = "points of the trajectory; only the first one is used"}),
-        low_(owner, {.name = "position_min",
-                     .unit = "m",
-                     .values = {-5.0, -5.0, 0.5},
-                     .doc = "position for action -1 (W)"}),
-        high_(owner, {.name = "position_max",
-                      .unit = "m",
-                      .values = {5.0, 5.0, 3.0},
-                      .doc = "position for action +1 (W)"}) {}
+      : points_(owner, integer("points", "", 1, between(1, 1000),
+                               "points of the trajectory; only the first one is used")),
+        box_(owner) {}
 
   /// @throws std::runtime_error if the box's minimum is not below its maximum
   void configure(const Setup& setup) const {
-    const Vec3<double> low = low_.vec3(), high = high_.vec3();
-    require_order("position_min[0]", low.x, "position_max[0]", high.x);
-    require_order("position_min[1]", low.y, "position_max[1]", high.y);
-    require_order("position_min[2]", low.z, "position_max[2]", high.z);
-    declare_trajectory(setup, static_cast<int>(points_.value()), {low, high});
+    box_.configure();
+    declare_trajectory(setup, static_cast<int>(points_.value()), {box_.low(), box_.high()});
   }
 
  private:
   IntegerParameter points_;
-  RealsParameter low_, high_;
+  PositionBox box_;
 };
 
 }  // namespace skybody::control

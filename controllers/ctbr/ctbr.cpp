@@ -17,19 +17,12 @@ class Ctbr : public Controller {
 
   void configure(const Setup& setup) override {
     const int robot = setup.robot();
-    control::ThrustTorqueChoice choice;
-    choice.rotors = apply_.value() == "rotors";
-    choice.lag = pd_.value();
-    choice.time_up = time_up_.value();
-    choice.time_down = time_down_.value();
-    choice.max_thrust = max_thrust_.value();
-    if (!pd_.value() && choice.rotors) {
-      throw std::runtime_error(
+    if (!pd_.value() && actuators_.is_by_rotors()) {
+      refuse(
           "`pd: false` gives ideal rates past the rotors, but `apply` is `rotors`: set `apply: "
-          "body`, "
-          "or leave `pd` on");
+          "body`, or leave `pd` on");
     }
-    actuators_.configure(setup, robot, "ctbr", choice, allocation_);
+    actuators_.configure(setup, robot, "ctbr", pd_.value(), {0.0, 0.0, 0.0});
     dt_ = setup.dt();
     base_ = control::base_of(setup, robot);
     const BodyInfo& base = setup.bodies()[base_];
@@ -88,70 +81,24 @@ class Ctbr : public Controller {
     output.set(3, torque);
   }
 
-  TextParameter apply_{
-      this,
-      {.name = "apply",
-       .value = "rotors",
-       .choices = {"rotors", "body"},
-       .doc = "rotors: by allocation; body: lagged wrench on the body (eq. 1 and 2)"}};
-  BooleanParameter pd_{this,
-                       {.name = "pd",
-                        .value = true,
-                        .doc = "true: rate PD; false: ideal rates, reached in one physics step"}};
-  RealsParameter kp_{this,
-                     {.name = "kp",
-                      .unit = "1/s",
-                      .values = {20.0, 20.0, 8.0},
-                      .min = 0.0,
-                      .doc = "proportional gains; N m s/rad if inertia_scaled is false",
-                      .randomizable = true}};
-  RealsParameter kd_{this,
-                     {.name = "kd",
-                      .values = {0.1, 0.1, 0.1},
-                      .min = 0.0,
-                      .doc = "derivative gains; N m s^2/rad if inertia_scaled is false",
-                      .randomizable = true}};
-  BooleanParameter scaled_{this,
-                           {.name = "inertia_scaled",
-                            .value = true,
-                            .doc = "multiply the gains by the base's nominal inertia"}};
+  control::ThrustTorque actuators_{this};
+  BooleanParameter pd_{
+      this, boolean("pd", true, "true: rate PD; false: ideal rates, reached in one physics step")};
+  RealsParameter kp_{
+      this, randomizable(reals("kp", "1/s", {20.0, 20.0, 8.0}, at_least(0.0),
+                               "proportional gains; N m s/rad if inertia_scaled is false"))};
+  RealsParameter kd_{
+      this, randomizable(reals("kd", "", {0.1, 0.1, 0.1}, at_least(0.0),
+                               "derivative gains; N m s^2/rad if inertia_scaled is false"))};
+  BooleanParameter scaled_{
+      this, boolean("inertia_scaled", true, "multiply the gains by the base's nominal inertia")};
   RealParameter derivative_time_{
-      this,
-      {.name = "derivative_time",
-       .unit = "s",
-       .value = 0.005,
-       .min = 0.0,
-       .doc = "time constant of the filter of the derivative; 0: no filter"}};
+      this, real("derivative_time", "s", 0.005, at_least(0.0),
+                 "time constant of the filter of the derivative; 0: no filter")};
   RealsParameter max_rate_{this,
-                           {.name = "max_rate",
-                            .unit = "rad/s",
-                            .values = {10.0, 10.0, 5.0},
-                            .min = 1e-6,
-                            .max = 1000.0,
-                            .doc = "rates for action +1; commands are clamped to them"}};
-  RealParameter time_up_{
-      this,
-      {.name = "time_constant_up",
-       .unit = "s",
-       .value = -1.0,
-       .min = -1.0,
-       .doc = "body: time constant of the lag while a channel grows; below 0: the rotors' mean"}};
-  RealParameter time_down_{
-      this,
-      {.name = "time_constant_down",
-       .unit = "s",
-       .value = -1.0,
-       .min = -1.0,
-       .doc = "body: time constant of the lag while a channel shrinks; below 0: the rotors' mean"}};
-  RealParameter max_thrust_{this,
-                            {.name = "max_thrust",
-                             .unit = "N",
-                             .value = 0.0,
-                             .min = 0.0,
-                             .doc = "thrust for action +1; 0: all rotors' full thrust"}};
-  control::AllocationChoice allocation_{this};
+                           reals("max_rate", "rad/s", {10.0, 10.0, 5.0}, between(1e-6, 1000.0),
+                                 "rates for action +1; commands are clamped to them")};
 
-  control::ThrustTorque actuators_;
   SymMat3<double> inertia_{};
   int base_ = 0;
   int first_inertia_ = 0;

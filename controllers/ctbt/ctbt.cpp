@@ -12,13 +12,7 @@ class Ctbt : public Controller {
   using State = control::ThrustTorqueState<Real>;
 
   void configure(const Setup& setup) override {
-    control::ThrustTorqueChoice choice;
-    choice.rotors = apply_.value() == "rotors";
-    choice.time_up = time_up_.value();
-    choice.time_down = time_down_.value();
-    choice.max_thrust = max_thrust_.value();
-    choice.max_torque = max_torque_.vec3();
-    actuators_.configure(setup, setup.robot(), "ctbt", choice, allocation_);
+    actuators_.configure(setup, setup.robot(), "ctbt", true, max_torque_.vec3());
     const control::ThrustTorqueLimits& l = actuators_.limits();
     setup.input(Signal::kCtbt, {0.0, -l.torque.x, -l.torque.y, -l.torque.z},
                 {l.thrust, l.torque.x, l.torque.y, l.torque.z});
@@ -36,41 +30,9 @@ class Ctbt : public Controller {
   }
 
  private:
-  TextParameter apply_{
-      this,
-      {.name = "apply",
-       .value = "rotors",
-       .choices = {"rotors", "body"},
-       .doc = "rotors: by allocation; body: lagged wrench on the body (eq. 1 and 2)"}};
-  RealParameter time_up_{
-      this,
-      {.name = "time_constant_up",
-       .unit = "s",
-       .value = -1.0,
-       .min = -1.0,
-       .doc = "body: time constant of the lag while a channel grows; below 0: the rotors' mean"}};
-  RealParameter time_down_{
-      this,
-      {.name = "time_constant_down",
-       .unit = "s",
-       .value = -1.0,
-       .min = -1.0,
-       .doc = "body: time constant of the lag while a channel shrinks; below 0: the rotors' mean"}};
-  RealParameter max_thrust_{this,
-                            {.name = "max_thrust",
-                             .unit = "N",
-                             .value = 0.0,
-                             .min = 0.0,
-                             .doc = "thrust for action +1; 0: all rotors' full thrust"}};
-  RealsParameter max_torque_{this,
-                             {.name = "max_torque",
-                              .unit = "N m",
-                              .values = {0.0, 0.0, 0.0},
-                              .min = 0.0,
-                              .doc = "torques for action +1; 0: the rotors' largest torques"}};
-  control::AllocationChoice allocation_{this};
-
-  control::ThrustTorque actuators_;
+  control::ThrustTorque actuators_{this};
+  RealsParameter max_torque_{this, reals("max_torque", "N m", {0.0, 0.0, 0.0}, at_least(0.0),
+                                         "torques for action +1; 0: the rotors' largest torques")};
 };
 
 }  // namespace

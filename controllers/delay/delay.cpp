@@ -54,17 +54,15 @@ class Delay : public Controller {
 
   void configure(const Setup& setup) override {
     if (jitter_.value() > latency_.value()) {
-      throw std::runtime_error("`jitter` is " + to_text(jitter_.value()) + " s, above `latency` " +
-                               to_text(latency_.value()) +
-                               " s: the latency would be below 0; lower `jitter`");
+      refuse("`jitter` is ", jitter_.value(), " s, above `latency` ", latency_.value(),
+             " s: the latency would be below 0; lower `jitter`");
     }
     seconds_per_step_ = setup.dt();
     per_second_ = 1.0 / setup.dt();
     const double most = round_half_even((latency_.value() + jitter_.value()) * per_second_);
     if (most >= kMostSteps) {
-      throw std::runtime_error("`latency` and `jitter` are " + to_text(most) +
-                               " physics steps together; allowed: up to " +
-                               std::to_string(kMostSteps - 1) + ": lower them");
+      refuse("`latency` and `jitter` are ", most, " physics steps together; allowed: up to ",
+             kMostSteps - 1, ": lower them");
     }
     ring_ = static_cast<int>(most) + 1;
     draws_per_action_ = draw_.value() == "action";
@@ -155,47 +153,27 @@ class Delay : public Controller {
     if (values_.value() > 0) return static_cast<int>(values_.value());
     if (size.count > 0) return size.count;
     if (size.count < 0) {
-      throw std::runtime_error("`values` is 0, but the signal `" + signal_.value() +
-                               "` has as many as its controller takes: give their number");
+      refuse("`values` is 0, but the signal `", signal_.value(),
+             "` has as many as its controller takes: give their number");
     }
     const int rotors = setup.rotors_of(robot).size();
     if (rotors > 0) return rotors;
-    throw std::runtime_error("robot `" + std::string(setup.robots()[robot].name) +
-                             "` has no rotors, which `" + signal_.value() +
-                             "` speaks to: choose another `signal`");
+    refuse("robot `", setup.robots()[robot].name, "` has no rotors, which `", signal_.value(),
+           "` speaks to: choose another `signal`");
   }
 
   TextParameter signal_{this,
-                        {.name = "signal",
-                         .choices = signal_words(),
-                         .doc = "input and output signal",
-                         .required = true}};
+                        required(choice("signal", "", signal_words(), "input and output signal"))};
   IntegerParameter values_{this,
-                           {.name = "values",
-                            .value = 0,
-                            .min = 0,
-                            .max = 1000,
-                            .doc = "number of the signal's values; 0: the signal's own number"}};
-  RealParameter latency_{this,
-                         {.name = "latency",
-                          .unit = "s",
-                          .min = 0.0,
-                          .max = 100.0,
-                          .doc = "mean time from a command to its effect",
-                          .required = true}};
+                           integer("values", "", 0, between(0, 1000),
+                                   "number of the signal's values; 0: the signal's own number")};
+  RealParameter latency_{this, required(real("latency", "s", 0.0, between(0.0, 100.0),
+                                             "mean time from a command to its effect"))};
   RealParameter jitter_{
-      this,
-      {.name = "jitter",
-       .unit = "s",
-       .value = 0.0,
-       .min = 0.0,
-       .max = 100.0,
-       .doc = "half width of the random latency: latency - jitter to latency + jitter"}};
-  TextParameter draw_{this,
-                      {.name = "draw",
-                       .value = "episode",
-                       .choices = {"episode", "action"},
-                       .doc = "lifetime of a random latency"}};
+      this, real("jitter", "s", 0.0, between(0.0, 100.0),
+                 "half width of the random latency: latency - jitter to latency + jitter")};
+  TextParameter draw_{
+      this, choice("draw", "episode", {"episode", "action"}, "lifetime of a random latency")};
 
   double per_second_ = 0.0;        ///< physics steps per second
   double seconds_per_step_ = 0.0;  ///< the physics step [s]

@@ -41,11 +41,11 @@ class FlatnessLaw : public Controller {
                                                    base.velocity - reference.velocity,
                                                    drag_.acceleration(reference, z), buffer);
     if (level_ == Level::kAcceleration) {
-      output.set(0, guidance_.held(setpoint, buffer));
+      output.set(0, guidance_.limits().held(setpoint, buffer));
       output.set(3, reference.yaw);
       return;
     }
-    const Vec3<Real> thrust = guidance_.thrust(setpoint, buffer);
+    const Vec3<Real> thrust = guidance_.limits().thrust(setpoint, buffer);
     if (level_ == Level::kForce) {
       output.set(0, thrust * Real(mass_));
       output.set(3, reference.yaw);
@@ -62,10 +62,8 @@ class FlatnessLaw : public Controller {
   enum class Level { kAttitude, kCtbr, kForce, kAcceleration };
 
   TextParameter output_{this,
-                        {.name = "output",
-                         .value = "attitude",
-                         .choices = {"attitude", "ctbr", "force", "acceleration"},
-                         .doc = "output; an attitude includes its rates"}};
+                        choice("output", "attitude", {"attitude", "ctbr", "force", "acceleration"},
+                               "output; an attitude includes its rates")};
   control::Guidance guidance_{this, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, control::kTrajectoryLimits};
   control::DragFeedforward drag_{this};
   control::TrajectoryInput trajectory_{this};

@@ -18,11 +18,12 @@ class Force : public Controller {
     added_ = adds_weight_.value() ? weight_ : 0.0;
     takes_yaw_ = takes_yaw_parameter_.value();
     if (takes_yaw_ && yaw_.is_given()) {
-      throw std::runtime_error(
+      refuse(
           "`yaw` is given, but the command has a heading of its own: leave `yaw` out, or set "
           "`takes_yaw: false`");
     }
-    const Vec3<double> most = range();
+    const double up = adds_weight_.value() ? weight_ : 2.0 * weight_;
+    const Vec3<double> most = control::force_limit(max_force_, {weight_, weight_, up});
     std::vector<double> low = {-most.x, -most.y, adds_weight_.value() ? -most.z : 0.0};
     std::vector<double> high = {most.x, most.y, most.z};
     if (takes_yaw_) {
@@ -44,40 +45,16 @@ class Force : public Controller {
   }
 
  private:
-  Vec3<double> range() const {
-    const Vec3<double> given = max_force_.vec3();
-    const auto or_else = [](double value, double instead) { return value > 0.0 ? value : instead; };
-    const Vec3<double> most{or_else(given.x, weight_), or_else(given.y, weight_),
-                            or_else(given.z, adds_weight_.value() ? weight_ : 2.0 * weight_)};
-    if (!(most.x > 0.0 && most.y > 0.0 && most.z > 0.0)) {
-      throw std::runtime_error(
-          "without gravity `max_force` has no default: give three values above 0");
-    }
-    return most;
-  }
-
   BooleanParameter adds_weight_{
       this,
-      {.name = "adds_weight",
-       .value = false,
-       .doc = "true: the command is added to the robot's nominal weight"}};
+      boolean("adds_weight", false, "true: the command is added to the robot's nominal weight")};
   BooleanParameter takes_yaw_parameter_{
-      this,
-      {.name = "takes_yaw", .value = true, .doc = "the fourth value of the input is a heading"}};
-  RealParameter yaw_{this,
-                     {.name = "yaw",
-                      .unit = "rad",
-                      .value = 0.0,
-                      .min = -kPi,
-                      .max = kPi,
-                      .doc = "heading with `takes_yaw: false`"}};
+      this, boolean("takes_yaw", true, "the fourth value of the input is a heading")};
+  RealParameter yaw_{
+      this, real("yaw", "rad", 0.0, between(-kPi, kPi), "heading with `takes_yaw: false`")};
   RealsParameter max_force_{
-      this,
-      {.name = "max_force",
-       .unit = "N",
-       .values = {0.0, 0.0, 0.0},
-       .min = 0.0,
-       .doc = "forces for action +1; 0: the weight, upwards twice the weight in total"}};
+      this, reals("max_force", "N", {0.0, 0.0, 0.0}, at_least(0.0),
+                  "forces for action +1; 0: the weight, upwards twice the weight in total")};
 
   bool takes_yaw_ = true;
   int base_ = 0;

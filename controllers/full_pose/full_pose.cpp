@@ -2,6 +2,7 @@
 // torque of the whole robot. Chain `tilt_allocation`, or `mixer` with `signal: wrench`.
 #include "controllers/common/attitude_error.h"
 #include "controllers/common/composite_body.h"
+#include "controllers/common/position_box.h"
 
 namespace skybody {
 namespace {
@@ -18,12 +19,8 @@ class FullPose : public Controller {
     mass_ = all.mass;
     com_ = all.com;
     inertia_ = all.inertia;
-    const Vec3<double> low = position_min_.vec3(), high = position_max_.vec3();
-    control::require_order("position_min[0]", low.x, "position_max[0]", high.x);
-    control::require_order("position_min[1]", low.y, "position_max[1]", high.y);
-    control::require_order("position_min[2]", low.z, "position_max[2]", high.z);
-    setup.input(Signal::kPose, {low.x, low.y, low.z, -1.0, -1.0, -1.0, -1.0},
-                {high.x, high.y, high.z, 1.0, 1.0, 1.0, 1.0});
+    box_.configure();
+    box_.declare_pose(setup);
     setup.output(Signal::kWrench, 6);
   }
 
@@ -41,7 +38,7 @@ class FullPose : public Controller {
     push.z += gravity_;
     output.set(0, rotate_inverse(base.rotation, push) * Real(mass_));
 
-    const Quat<Real> left = conjugate(base.rotation) * attitude(input.quat(3));
+    const Quat<Real> left = conjugate(base.rotation) * control::unit_or_identity(input.quat(3));
     const Vec3<Real> turn =
         control::clamp_symmetric(control::attitude_error(control::AttitudeError::kQuaternion, left),
                                  {max_turn_.value(), max_turn_.value(), max_turn_.value()});
@@ -60,66 +57,22 @@ class FullPose : public Controller {
     return error * select(beyond, most / select(beyond, size, Real(1.0)), Real(1.0));
   }
 
-  template <class Real>
-  static SKYBODY_INLINE Quat<Real> attitude(const Quat<Real>& setpoint) {
-    const Real size = squared_norm(setpoint);
-    const auto usable = size > 1e-12;
-    const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
-                          setpoint.z * scale};
-    return select(usable, unit, Quat<Real>::identity());
-  }
-
-  RealsParameter kp_{this,
-                     {.name = "kp",
-                      .unit = "1/s^2",
-                      .values = {4.0, 4.0, 6.0},
-                      .min = 0.0,
-                      .doc = "acceleration per position error, W axes",
-                      .randomizable = true}};
-  RealsParameter kd_{this,
-                     {.name = "kd",
-                      .unit = "1/s",
-                      .values = {3.2, 3.2, 4.4},
-                      .min = 0.0,
-                      .doc = "acceleration per velocity, W axes",
-                      .randomizable = true}};
-  RealsParameter attitude_gain_{this,
-                                {.name = "attitude_gain",
-                                 .unit = "1/s^2",
-                                 .values = {36.0, 36.0, 20.0},
-                                 .min = 0.0,
-                                 .doc = "angular acceleration per angle of error, base axes",
-                                 .randomizable = true}};
+  RealsParameter kp_{this, randomizable(reals("kp", "1/s^2", {4.0, 4.0, 6.0}, at_least(0.0),
+                                              "acceleration per position error, W axes"))};
+  RealsParameter kd_{this, randomizable(reals("kd", "1/s", {3.2, 3.2, 4.4}, at_least(0.0),
+                                              "acceleration per velocity, W axes"))};
+  RealsParameter attitude_gain_{
+      this, randomizable(reals("attitude_gain", "1/s^2", {36.0, 36.0, 20.0}, at_least(0.0),
+                               "angular acceleration per angle of error, base axes"))};
   RealsParameter rate_gain_{this,
-                            {.name = "rate_gain",
-                             .unit = "1/s",
-                             .values = {10.0, 10.0, 8.0},
-                             .min = 0.0,
-                             .doc = "angular acceleration per rate, base axes",
-                             .randomizable = true}};
-  RealParameter max_error_{this,
-                           {.name = "max_error",
-                            .unit = "m",
-                            .value = 1.0,
-                            .min = 1e-6,
-                            .doc = "limit of the position error in the feedback"}};
+                            randomizable(reals("rate_gain", "1/s", {10.0, 10.0, 8.0}, at_least(0.0),
+                                               "angular acceleration per rate, base axes"))};
+  RealParameter max_error_{this, real("max_error", "m", 1.0, at_least(1e-6),
+                                      "limit of the position error in the feedback")};
   RealParameter max_turn_{this,
-                          {.name = "max_turn",
-                           .unit = "rad",
-                           .value = 0.5,
-                           .min = 1e-6,
-                           .doc = "limit of the attitude error in the feedback, about each axis"}};
-  RealsParameter position_min_{this,
-                               {.name = "position_min",
-                                .unit = "m",
-                                .values = {-5.0, -5.0, 0.5},
-                                .doc = "position for action -1 (W)"}};
-  RealsParameter position_max_{this,
-                               {.name = "position_max",
-                                .unit = "m",
-                                .values = {5.0, 5.0, 3.0},
-                                .doc = "position for action +1 (W)"}};
+                          real("max_turn", "rad", 0.5, at_least(1e-6),
+                               "limit of the attitude error in the feedback, about each axis")};
+  control::PositionBox box_{this};
 
   int base_ = 0;
   double mass_ = 0.0, gravity_ = 0.0;

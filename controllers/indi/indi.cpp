@@ -7,6 +7,7 @@
 #include "controllers/common/flatness.h"
 #include "controllers/common/guidance.h"
 #include "controllers/common/low_pass.h"
+#include "controllers/common/measured_motion.h"
 #include "controllers/common/trajectory.h"
 #include "controllers/indi/rotor_effort.h"
 
@@ -33,7 +34,7 @@ class Indi : public Controller {
   void configure(const Setup& setup) override {
     const int robot = setup.robot();
     level_ = level_of(signal_.value());
-    error_ = control::attitude_error_of(error_word_.value());
+    error_.configure();
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
     inertia_ = control::inertia_of(setup.bodies()[base_]);
@@ -42,10 +43,7 @@ class Indi : public Controller {
     set_rotors(setup, robot);
     filter_.configure("cutoff", cutoff_.value(), interval_);
     set_gains(setup, robot);
-    if (measured_.value() == "imu") {
-      force_sensor_ = setup.sensor(imu_.value(), "specific_force");
-      rate_sensor_ = setup.sensor(imu_.value(), "angular_rate");
-    }
+    measured_.configure(setup);
     declare(setup);
   }
 
@@ -61,7 +59,7 @@ class Indi : public Controller {
   void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
                Values<Real> output, Values<Real> buffer) const {
     BodyMotion<Real> base = env.body(base_);
-    if (rate_sensor_ >= 0) base.angular_velocity = sensed(env, rate_sensor_);
+    base.angular_velocity = measured_.rates(env, base.angular_velocity);
     const RotorEffort<Real> effort = rotors_.since(env, buffer);
     const Vec3<Real> gyroscopic =
         cross(base.angular_velocity, control::lift<Real>(inertia_) * base.angular_velocity);
@@ -138,11 +136,6 @@ class Indi : public Controller {
     setup.output(Signal::kRotorSpeed, rotors_.count());
   }
 
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> sensed(const EnvView<Real>& env, int first) const {
-    return {env.sensor(first), env.sensor(first + 1), env.sensor(first + 2)};
-  }
-
   /// Disturbance torque: the torque not explained by the rotors or the body's spin, from the change
   /// of rates since the last call; filtered. B axes [N m].
   template <class Real>
@@ -166,8 +159,8 @@ class Indi : public Controller {
     const Vec3<Real> rotors =
         rotors_.is_level() ? z * effort.force.z : rotate(base.rotation, effort.force);
     Vec3<Real> force;
-    if (force_sensor_ >= 0) {
-      force = rotate(base.rotation, sensed(env, force_sensor_));
+    if (measured_.is_by_imu()) {
+      force = rotate(base.rotation, measured_.specific_force(env));
     } else {
       const int place = velocity_place();
       force = (base.velocity - buffer.vec3(place)) * Real(per_interval_);
@@ -202,7 +195,7 @@ class Indi : public Controller {
     if (level_ == Level::kRates) {
       rate = control::clamp_symmetric(input.vec3(1), max_rate_.vec3());
     } else {
-      const Quat<Real> left = conjugate(base.rotation) * reference_attitude(input.quat(1));
+      const Quat<Real> left = conjugate(base.rotation) * control::unit_or_identity(input.quat(1));
       rate = turn_rate(env, left);
       if (feed_forward_.value()) rate += rotate(left, input.vec3(5));
     }
@@ -238,22 +231,11 @@ class Indi : public Controller {
            multiply_elements(gain, turn_rate(env, left) - base.angular_velocity);
   }
 
-  /// @param setpoint  of any norm
-  template <class Real>
-  static SKYBODY_INLINE Quat<Real> reference_attitude(const Quat<Real>& setpoint) {
-    const Real size = squared_norm(setpoint);
-    const auto usable = size > 1e-12;
-    const Real scale = 1.0 / sqrt(select(usable, size, Real(1.0)));
-    const Quat<Real> unit{setpoint.w * scale, setpoint.x * scale, setpoint.y * scale,
-                          setpoint.z * scale};
-    return select(usable, unit, Quat<Real>::identity());
-  }
-
   /// Rate that removes the remaining rotation, B axes [rad/s].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> turn_rate(const EnvView<Real>& env, const Quat<Real>& left) const {
-    const Vec3<Real> rate = multiply_elements(attitude_gain_.vec3(env) * Real(attitude_share_),
-                                              control::attitude_error(error_, left));
+    const Vec3<Real> rate =
+        multiply_elements(attitude_gain_.vec3(env) * Real(attitude_share_), error_(left));
     return control::clamp_symmetric(rate, max_rate_.vec3());
   }
 
@@ -276,100 +258,47 @@ class Indi : public Controller {
   /// filter's state.
   static constexpr int kLinearWords = 9;
 
-  TextParameter signal_{this,
-                        {.name = "signal",
-                         .value = "trajectory",
-                         .choices = {"trajectory", "attitude", "ctbr"},
-                         .doc = "input signal"}};
-  BooleanParameter feed_forward_{this,
-                                 {.name = "feed_forward",
-                                  .value = false,
-                                  .doc = "attitude: also read the desired attitude's rates"}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 0,
-                            .min = 0,
-                            .max = 1000,
-                            .doc = "interval of evaluations; 0: as many as fit into 2 ms"}};
-  RealParameter cutoff_{
-      this,
-      {.name = "cutoff",
-       .unit = "Hz",
-       .value = 30.0,
-       .min = 1e-3,
-       .doc = "cutoff of the filter on measured accelerations and rotor effects"}};
-  TextParameter measured_{this,
-                          {.name = "measured",
-                           .value = "state",
-                           .choices = {"state", "imu"},
-                           .doc = "source of rates and accelerations"}};
-  TextParameter imu_{
-      this,
-      {.name = "imu",
-       .value = "imu",
-       .doc = "measured: imu: name of the sensor, which must be at the base's frame"}};
-  RealsParameter rate_gain_{this,
-                            {.name = "rate_gain",
-                             .unit = "1/s",
-                             .values = {kRateGain, kRateGain, 10.0},
-                             .min = 0.0,
-                             .doc = "angular acceleration per rate error, base axes",
-                             .randomizable = true}};
-  RealsParameter attitude_gain_{this,
-                                {.name = "attitude_gain",
-                                 .unit = "1/s",
-                                 .values = {10.0, 10.0, 4.0},
-                                 .min = 0.0,
-                                 .doc = "rate per attitude error, base axes",
-                                 .randomizable = true}};
+  TextParameter signal_{
+      this, choice("signal", "trajectory", {"trajectory", "attitude", "ctbr"}, "input signal")};
+  BooleanParameter feed_forward_{
+      this, boolean("feed_forward", false, "attitude: also read the desired attitude's rates")};
+  IntegerParameter period_{this, integer("period", "physics steps", 0, between(0, 1000),
+                                         "interval of evaluations; 0: as many as fit into 2 ms")};
+  RealParameter cutoff_{this,
+                        real("cutoff", "Hz", 30.0, at_least(1e-3),
+                             "cutoff of the filter on measured accelerations and rotor effects")};
+  control::MeasuredMotion measured_{this};
+  RealsParameter rate_gain_{
+      this, randomizable(reals("rate_gain", "1/s", {kRateGain, kRateGain, 10.0}, at_least(0.0),
+                               "angular acceleration per rate error, base axes"))};
+  RealsParameter attitude_gain_{
+      this, randomizable(reals("attitude_gain", "1/s", {10.0, 10.0, 4.0}, at_least(0.0),
+                               "rate per attitude error, base axes"))};
   RealsParameter kp_{this,
-                     {.name = "kp",
-                      .unit = "1/s^2",
-                      .values = {8.0, 8.0, 12.0},
-                      .min = 0.0,
-                      .doc = "trajectory: acceleration per position error, W axes",
-                      .randomizable = true}};
+                     randomizable(reals("kp", "1/s^2", {8.0, 8.0, 12.0}, at_least(0.0),
+                                        "trajectory: acceleration per position error, W axes"))};
   RealsParameter kd_{this,
-                     {.name = "kd",
-                      .unit = "1/s",
-                      .values = {4.8, 4.8, 6.5},
-                      .min = 0.0,
-                      .doc = "trajectory: acceleration per velocity error, W axes",
-                      .randomizable = true}};
+                     randomizable(reals("kd", "1/s", {4.8, 4.8, 6.5}, at_least(0.0),
+                                        "trajectory: acceleration per velocity error, W axes"))};
   RealParameter max_error_{
-      this,
-      {.name = "max_error",
-       .unit = "m",
-       .value = 1.0,
-       .min = 1e-3,
-       .doc = "trajectory: limit of the position error in the feedback, each axis"}};
+      this, real("max_error", "m", 1.0, at_least(1e-3),
+                 "trajectory: limit of the position error in the feedback, each axis")};
   RealsParameter max_rate_{this,
-                           {.name = "max_rate",
-                            .unit = "rad/s",
-                            .values = {10.0, 10.0, 5.0},
-                            .min = 1e-6,
-                            .max = 1000.0,
-                            .doc = "limits of the commanded rates, without feed-forward"}};
-  TextParameter error_word_{this,
-                            {.name = "error",
-                             .value = "quaternion",
-                             .choices = {"quaternion", "tilt_priority", "se3"},
-                             .doc = "form of the attitude error"}};
+                           reals("max_rate", "rad/s", {10.0, 10.0, 5.0}, between(1e-6, 1000.0),
+                                 "limits of the commanded rates, without feed-forward")};
+  control::AttitudeErrorChoice error_{this};
   control::LimitReport report_;
   control::AccelerationLimits acceleration_{this, {.side = 20.0, .up = 10.0, .down = 8.0}};
   control::TrajectoryInput trajectory_{this};
   control::AllocationChoice allocation_choice_{this};
 
   Level level_ = Level::kTrajectory;
-  control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   control::Allocation allocation_;
   control::ThrustTorqueLimits limits_;
   control::LowPass filter_;
   RotorEfforts rotors_;
   SymMat3<double> inertia_{};
   int base_ = 0;
-  int force_sensor_ = -1, rate_sensor_ = -1;
   double mass_ = 0.0, interval_ = 0.0, per_interval_ = 0.0;
   double reaction_share_ = 1.0;
   double rate_share_ = 1.0, attitude_share_ = 1.0, kp_share_ = 1.0, kd_share_ = 1.0;

@@ -52,14 +52,14 @@ class Joint : public Controller {
       drive.high = std::fmin(drive.high, limit);
     }
     if (!(drive.low < drive.high)) {
-      throw std::runtime_error("joint `" + name + "` has no range: give `low` and `high`" +
-                               (is_effort ? ", or `effort_limit`" : ""));
+      refuse("joint `", name, "` has no range: give `low` and `high`",
+             (is_effort ? ", or `effort_limit`" : ""));
     }
     if (mode() == SKYBODY_JOINT_POSITION && drive.stiffness <= 0.0) {
-      throw std::runtime_error("`stiffness` is 0: a position drive needs one [N m/rad] or [N/m]");
+      refuse("`stiffness` is 0: a position drive needs one [N m/rad] or [N/m]");
     }
     if (mode() == SKYBODY_JOINT_VELOCITY && drive.damping <= 0.0) {
-      throw std::runtime_error("`damping` is 0: a velocity drive needs one [N m s/rad] or [N s/m]");
+      refuse("`damping` is 0: a velocity drive needs one [N m s/rad] or [N s/m]");
     }
     return drive;
   }
@@ -76,44 +76,22 @@ class Joint : public Controller {
     }
   }
 
-  TextsParameter joints_{this, {.name = "joints", .doc = "names of the joints, in order"}};
-  TextParameter mode_{this,
-                      {.name = "mode",
-                       .value = "effort",
-                       .choices = {"position", "velocity", "effort"},
-                       .doc = "meaning of a command"}};
-  RealParameter stiffness_{this,
-                           {.name = "stiffness",
-                            .unit = "N m/rad or N/m",
-                            .min = 0.0,
-                            .max = 1e6,
-                            .doc = "stiffness of a position drive"}};
-  RealParameter damping_{this,
-                         {.name = "damping",
-                          .unit = "N m s/rad or N s/m",
-                          .min = 0.0,
-                          .max = 1e6,
-                          .doc = "damping of a position or velocity drive"}};
-  RealParameter effort_limit_{this,
-                              {.name = "effort_limit",
-                               .unit = "N m or N",
-                               .min = 0.0,
-                               .max = 1e6,
-                               .doc = "largest effort of a drive; 0: no limit"}};
-  RealParameter tau_{this,
-                     {.name = "tau",
-                      .unit = "s",
-                      .min = 0.0,
-                      .max = 100.0,
-                      .doc = "time constant of the first-order lag of commands; 0: none"}};
+  TextsParameter joints_{this, words("joints", "names of the joints, in order")};
+  TextParameter mode_{
+      this, choice("mode", "effort", {"position", "velocity", "effort"}, "meaning of a command")};
+  RealParameter stiffness_{this, real("stiffness", "N m/rad or N/m", 0.0, between(0.0, 1e6),
+                                      "stiffness of a position drive")};
+  RealParameter damping_{this, real("damping", "N m s/rad or N s/m", 0.0, between(0.0, 1e6),
+                                    "damping of a position or velocity drive")};
+  RealParameter effort_limit_{this, real("effort_limit", "N m or N", 0.0, between(0.0, 1e6),
+                                         "largest effort of a drive; 0: no limit")};
+  RealParameter tau_{this, real("tau", "s", 0.0, between(0.0, 100.0),
+                                "time constant of the first-order lag of commands; 0: none")};
   RealParameter low_bound_{
-      this,
-      {.name = "low",
-       .min = -1e6,
-       .max = 1e6,
-       .doc = "command for action -1; low = high: the joint's limits, or the effort limit"}};
-  RealParameter high_bound_{
-      this, {.name = "high", .min = -1e6, .max = 1e6, .doc = "command for action +1"}};
+      this, real("low", "", 0.0, between(-1e6, 1e6),
+                 "command for action -1; low = high: the joint's limits, or the effort limit")};
+  RealParameter high_bound_{this,
+                            real("high", "", 0.0, between(-1e6, 1e6), "command for action +1")};
 
   int count_ = 0;  ///< number of joints; their drives clamp commands to the bounds
 };

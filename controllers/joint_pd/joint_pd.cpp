@@ -70,8 +70,8 @@ class JointPd : public Controller {
   void check_bandwidths() const {
     const int given = bandwidth_.count(), joints = static_cast<int>(joints_.values().size());
     if (given == 1 || given == joints) return;
-    throw std::runtime_error("`bandwidth` has " + std::to_string(given) + " values, `joints` " +
-                             std::to_string(joints) + ": give one for all, or one for each");
+    refuse("`bandwidth` has ", given, " values, `joints` ", joints,
+           ": give one for all, or one for each");
   }
   double bandwidth_of(std::size_t k) const {
     return bandwidth_.value(bandwidth_.count() == 1 ? 0 : static_cast<int>(k));
@@ -85,7 +85,7 @@ class JointPd : public Controller {
       joint.high = high_.value();
     }
     if (!(joint.low < joint.high)) {
-      throw std::runtime_error("joint `" + name + "` has no range: give `low` and `high`");
+      refuse("joint `", name, "` has no range: give `low` and `high`");
     }
   }
 
@@ -143,47 +143,23 @@ class JointPd : public Controller {
     return inertia * setpoint - (bears_weight_.value() ? weight : Real(0.0));
   }
 
-  TextsParameter joints_{this, {.name = "joints", .doc = "names of the joints, in order"}};
+  TextsParameter joints_{this, words("joints", "names of the joints, in order")};
   RealsParameter bandwidth_{this,
-                            {.name = "bandwidth",
-                             .unit = "rad/s",
-                             .values = {20.0},
-                             .count = -1,
-                             .min = 1e-3,
-                             .max = 1e5,
-                             .doc = "bandwidth of the loop: one for all joints, or one per joint"}};
-  RealParameter damping_{this,
-                         {.name = "damping_ratio",
-                          .value = 1.0,
-                          .min = 0.0,
-                          .max = 100.0,
-                          .doc = "damping ratio of the loop; 1: no overshoot"}};
+                            list("bandwidth", "rad/s", {20.0}, between(1e-3, 1e5),
+                                 "bandwidth of the loop: one for all joints, or one per joint")};
+  RealParameter damping_{this, real("damping_ratio", "", 1.0, between(0.0, 100.0),
+                                    "damping ratio of the loop; 1: no overshoot")};
   BooleanParameter bears_weight_{
-      this, {.name = "gravity", .value = true, .doc = "compensate the weight beyond the joint"}};
-  TextParameter constants_{this,
-                           {.name = "constants",
-                            .value = "nominal",
-                            .choices = {"nominal", "own"},
-                            .doc = "masses and gravity used for gains: the scenario's, or each "
-                                   "environment's randomized ones"}};
-  RealParameter effort_limit_{this,
-                              {.name = "effort_limit",
-                               .unit = "N m or N",
-                               .min = 0.0,
-                               .max = 1e6,
-                               .doc = "largest effort of a drive; 0: no limit"}};
-  RealParameter low_{this,
-                     {.name = "low",
-                      .unit = "rad or m",
-                      .min = -1e6,
-                      .max = 1e6,
-                      .doc = "position for action -1; low = high: the joint's limits"}};
+      this, boolean("gravity", true, "compensate the weight beyond the joint")};
+  TextParameter constants_{this, choice("constants", "nominal", {"nominal", "own"},
+                                        "masses and gravity used for gains: the scenario's, or "
+                                        "each environment's randomized ones")};
+  RealParameter effort_limit_{this, real("effort_limit", "N m or N", 0.0, between(0.0, 1e6),
+                                         "largest effort of a drive; 0: no limit")};
+  RealParameter low_{this, real("low", "rad or m", 0.0, between(-1e6, 1e6),
+                                "position for action -1; low = high: the joint's limits")};
   RealParameter high_{this,
-                      {.name = "high",
-                       .unit = "rad or m",
-                       .min = -1e6,
-                       .max = 1e6,
-                       .doc = "position for action +1"}};
+                      real("high", "rad or m", 0.0, between(-1e6, 1e6), "position for action +1")};
 
   std::vector<Driven> driven_;
   bool own_ = false;

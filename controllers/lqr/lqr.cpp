@@ -9,9 +9,7 @@
 // The feedback (k1, k2, k3, k4) of such a chain is split into guidance, pitch_c = -(k1 x + k2 v) /
 // k3, and an attitude loop, -k3 (pitch - pitch_c) - k4 rate. To first order about hover this equals
 // the linear law, and it is valid for any attitude and heading.
-#include "controllers/common/guidance.h"
-#include "controllers/common/tracking.h"
-#include "controllers/common/trajectory.h"
+#include "controllers/common/trajectory_law.h"
 #include "controllers/lqr/riccati.h"
 
 namespace skybody {
@@ -25,44 +23,26 @@ class Lqr : public Controller {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    const int robot = setup.robot();
-    base_ = control::base_of(setup, robot);
-    mass_ = control::total_mass(setup, robot);
-    torque_for_.configure(setup.bodies()[base_]);
-    drag_.configure(setup, robot);
-    error_ = control::attitude_error_of(error_word_.value());
-    gives_torque_ = output_.value() == "ctbt";
+    law_.configure(setup, output_.value() == "ctbt");
     limits_.configure(setup);
-    report_.configure(setup, 0);
-    setup.buffer(1);
     solve(control::gravity_of(setup));
-    slow_down(setup, robot);
-    trajectory_.configure(setup);
-    setup.output(gives_torque_ ? Signal::kCtbt : Signal::kCtbr, 4);
+    slow_down(setup, setup.robot());
   }
 
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
                Values<Real> buffer) const {
-    const BodyMotion<Real> base = env.body(base_);
-    const ReferencePoint<Real> reference = reference_point(input);
-    const Vec3<Real> z = body_z(base.rotation);
-    const Vec3<Real> feedback = times(gains_.position, reference.position - base.position) +
-                                times(gains_.velocity, reference.velocity - base.velocity);
-    const Vec3<Real> setpoint = feedback + drag_.acceleration(reference, z);
-    const Vec3<Real> held = limits_.held(setpoint), thrust = limits_.thrust_for(held);
-    report_.note(control::differs(held, setpoint), buffer);
-    output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
-
-    const auto track = control::tracking(error_, base, thrust, reference, gives_torque_);
+    const control::Followed<Real> now = law_.followed(env, input);
+    const Vec3<Real> feedback =
+        times(gains_.position, now.offset()) + times(gains_.velocity, now.slip());
+    const auto track = law_.push(now, limits_.thrust(feedback + law_.forward(now), buffer), output);
     const Vec3<Real> rate = track.rates + times(gains_.attitude, track.error);
-    if (!gives_torque_) {
+    if (!law_.gives_torque()) {
       output.set(1, rate);
       return;
     }
-    const Vec3<Real>& w = base.angular_velocity;
-    const Vec3<Real> acceleration = track.acceleration + times(gains_.rate, rate - w);
-    output.set(1, torque_for_(w, acceleration) + drag_.moment(reference, base.rotation));
+    law_.turn(now, track.acceleration + times(gains_.rate, rate - now.base.angular_velocity),
+              output);
   }
 
  private:
@@ -85,7 +65,7 @@ class Lqr : public Controller {
               {x.velocity, y.velocity, height(1)},
               {y.attitude, x.attitude, 0.0},
               {y.rate, x.rate, 0.0}};
-    if (gives_torque_) {
+    if (law_.gives_torque()) {
       const Eigen::VectorXd yaw = control::chain_gain(
           {1.0}, {attitude_weight_.value(2), rate_weight_.value(2)}, torque_weight_.value(2));
       gains_.attitude.z = yaw(0) / yaw(1);
@@ -107,14 +87,14 @@ class Lqr : public Controller {
     std::vector<double> weights = {position_weight_.value(along), velocity_weight_.value(along),
                                    attitude_weight_.value(about)};
     double input = rate_weight_.value(about);
-    if (gives_torque_) {
+    if (law_.gives_torque()) {
       steps.push_back(1.0);
       weights.push_back(input);
       input = torque_weight_.value(about);
     }
     const Eigen::VectorXd k = control::chain_gain(steps, weights, input);
-    return {gravity * k(0) / k(2), gravity * k(1) / k(2), gives_torque_ ? k(2) / k(3) : k(2),
-            gives_torque_ ? k(3) : 0.0};
+    return {gravity * k(0) / k(2), gravity * k(1) / k(2), law_.gives_torque() ? k(2) / k(3) : k(2),
+            law_.gives_torque() ? k(3) : 0.0};
   }
 
   /// Slows the motion down if the rotors are slow and all weights are defaults.
@@ -135,11 +115,7 @@ class Lqr : public Controller {
     return {.name = name, .unit = unit, .values = std::move(values), .min = 1e-9, .doc = doc};
   }
 
-  TextParameter output_{this,
-                        {.name = "output",
-                         .value = "ctbt",
-                         .choices = {"ctbt", "ctbr"},
-                         .doc = "output: torques, or rates for `ctbr`"}};
+  TextParameter output_{this, control::torque_or_rates()};
   RealsParameter position_weight_{this, weight("position_weight", "1/m^2", {40.0, 40.0, 60.0},
                                                "weight of position errors, W axes")};
   RealsParameter velocity_weight_{this, weight("velocity_weight", "s^2/m^2", {10.0, 10.0, 10.0},
@@ -149,29 +125,13 @@ class Lqr : public Controller {
   RealsParameter rate_weight_{
       this, weight("rate_weight", "s^2/rad^2", {1.0, 1.0, 0.5},
                    "weight of rate errors, B axes; ctbr: of the commanded rates")};
-  RealParameter thrust_weight_{this,
-                               {.name = "thrust_weight",
-                                .unit = "s^4/m^2",
-                                .value = 0.7,
-                                .min = 1e-9,
-                                .doc = "weight of thrust per mass"}};
+  RealParameter thrust_weight_{
+      this, real("thrust_weight", "s^4/m^2", 0.7, at_least(1e-9), "weight of thrust per mass")};
   RealsParameter torque_weight_{this, weight("torque_weight", "s^4/rad^2", {0.005, 0.005, 0.01},
                                              "ctbt: weight of angular acceleration, B axes")};
-  control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
-  control::LimitReport report_;
-  TextParameter error_word_{this,
-                            {.name = "error",
-                             .value = "quaternion",
-                             .choices = {"quaternion", "se3", "tilt_priority"},
-                             .doc = "form of the attitude error"}};
-  control::DragFeedforward drag_{this};
-  control::TrajectoryInput trajectory_{this};
+  control::ReportedLimits limits_{this, control::kTrajectoryLimits};
+  control::TrajectoryLaw law_{this};
 
-  control::AttitudeError error_ = control::AttitudeError::kQuaternion;
-  bool gives_torque_ = true;
-  int base_ = 0;
-  double mass_ = 0.0;
-  control::AngularAccelerationToTorque torque_for_;
   Gains gains_{};
 };
 

@@ -2,7 +2,8 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <stdexcept>
+
+#include "plugins/api/refuse.h"
 
 namespace skybody::control {
 namespace {
@@ -49,7 +50,7 @@ Matrix solve_riccati(const Matrix& a, const Matrix& b, const Matrix& q, const Ma
     if (!std::isfinite(change)) break;
     if (change < 1e-15) return 0.5 * (doubling.h + doubling.h.transpose());
   }
-  throw std::runtime_error(
+  refuse(
       "the Riccati equation of these weights has no solution that can be found: weights of "
       "positions and attitudes must be above 0 and of sizes that are nearer to one another");
 }

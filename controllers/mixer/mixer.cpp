@@ -75,18 +75,15 @@ class Mixer : public Controller {
   void require_rows(const char* name, const RealsParameter& matrix, int rows,
                     const std::string& of) const {
     if (matrix.count() == rows * inputs_) return;
-    throw std::runtime_error("`" + std::string(name) + "` has " + std::to_string(matrix.count()) +
-                             " values; allowed: " + std::to_string(rows * inputs_) + ", " +
-                             std::to_string(inputs_) + " for each of the " + std::to_string(rows) +
-                             " " + of);
+    refuse("`", name, "` has ", matrix.count(), " values; allowed: ", rows * inputs_, ", ", inputs_,
+           " for each of the ", rows, " ", of);
   }
 
   void take_rotors(const Setup& setup, int robot, const View<RotorInfo>& rotors) {
     const bool is_given = matrix_.count() > 0;
     if (!is_given && !takes_wrench_) {
-      throw std::runtime_error(
-          "`rotors`, the matrix, is not given: give " + std::to_string(rotors.size()) +
-          " rows of 4 values, or use `ctbt`, which finds its own for rotors on the base");
+      refuse("`rotors`, the matrix, is not given: give ", rotors.size(),
+             " rows of 4 values, or use `ctbt`, which finds its own for rotors on the base");
     }
     if (is_given) require_rows("rotors", matrix_, rotors.size(), "rotors");
     const control::SixAxisInverse inverse =
@@ -111,13 +108,10 @@ class Mixer : public Controller {
   static control::SixAxisInverse inverse_of(const Setup& setup, int robot,
                                             const View<RotorInfo>& rotors) {
     const Vec3<double> com = control::assembly_of(setup, robot).com;
+    control::require_on_base(setup, robot, rotors,
+                             ": give mixer the matrix `rotors`, or use `tilt_allocation`");
     control::SixAxisInverse inverse;
     for (const RotorInfo& rotor : rotors) {
-      if (rotor.body != control::base_of(setup, robot)) {
-        throw std::runtime_error("rotor `" + std::string(rotor.name) +
-                                 "` sits behind a joint, on `" + setup.bodies()[rotor.body].name +
-                                 "`: give mixer the matrix `rotors`, or use `tilt_allocation`");
-      }
       const control::RotorEffect effect = control::effect_about(rotor, com);
       inverse.add(control::vec3(rotor.axis_in_base), effect.torque);
     }
@@ -133,10 +127,9 @@ class Mixer : public Controller {
       const Rotor& rotor = rotors_[static_cast<std::size_t>(i)];
       const double push = rotor.row[2] * weight, slack = 1e-9 * weight;
       if (push >= rotor.least - slack && push <= rotor.full + slack) continue;
-      throw std::runtime_error(
-          "rotor `" + std::string(rotors[i].name) + "` would have to push " + to_text(push) +
-          " N to hover, and can push " + to_text(rotor.least) + " to " + to_text(rotor.full) +
-          " N: give it a `min_speed` below 0 if it turns backwards, or mixer a matrix `rotors`");
+      refuse("rotor `", rotors[i].name, "` would have to push ", push, " N to hover, and can push ",
+             rotor.least, " to ", rotor.full,
+             " N: give it a `min_speed` below 0 if it turns backwards, or mixer a matrix `rotors`");
     }
   }
 
@@ -145,16 +138,15 @@ class Mixer : public Controller {
     const int count = static_cast<int>(names.size());
     require_rows("servos", servo_matrix_, count, "joints");
     if (neutral_.count() != 0 && neutral_.count() != count) {
-      throw std::runtime_error("`neutral` has " + std::to_string(neutral_.count()) +
-                               " values, `joints` " + std::to_string(count) +
-                               ": give one for each, or none");
+      refuse("`neutral` has ", neutral_.count(), " values, `joints` ", count,
+             ": give one for each, or none");
     }
     for (int k = 0; k < count; ++k) {
       const std::string& name = names[static_cast<std::size_t>(k)];
       const control::DrivenJoint joint = control::driven_joint(setup, robot, name);
       for (const ServoRow& other : servos_) {
         if (other.joint.body != joint.body) continue;
-        throw std::runtime_error("`joints` names `" + name + "` twice: name each joint once");
+        refuse("`joints` names `", name, "` twice: name each joint once");
       }
       servo_.declare(setup, joint, control::carried_inertia(setup.bodies()[joint.body], joint));
       servos_.push_back(
@@ -172,9 +164,9 @@ class Mixer : public Controller {
       const double given = torque >= 0 ? max_torque_.value(torque) : max_thrust_.value();
       high.push_back(given > 0.0 ? given : torque >= 0 ? reach(k) : most);
       if (high.back() > 0.0) continue;
-      throw std::runtime_error("no rotor answers to value " + std::to_string(k) +
-                               " of the input, so that it has no range: give `max_thrust` and "
-                               "`max_torque` values above 0");
+      refuse("no rotor answers to value ", k,
+             " of the input, so that it has no range: give `max_thrust` and `max_torque` values "
+             "above 0");
     }
     std::vector<double> low;
     for (const double h : high) low.push_back(-h);
@@ -199,44 +191,26 @@ class Mixer : public Controller {
     return least < kInfinity ? least : 0.0;
   }
 
-  TextParameter signal_{this,
-                        {.name = "signal",
-                         .value = "ctbt",
-                         .choices = {"ctbt", "wrench"},
-                         .doc = "input: thrust along z and torque (4 values), or force and moment "
-                                "(6 values), axes of the base"}};
-  RealsParameter matrix_{this,
-                         {.name = "rotors",
-                          .count = -1,
-                          .doc = "matrix: thrust of each rotor [N] per value of the input, row by "
-                                 "row; none, for `wrench` alone: the pseudo-inverse"}};
-  TextsParameter joints_{this, {.name = "joints", .doc = "revolute and prismatic joints to drive"}};
+  TextParameter signal_{this, choice("signal", "ctbt", {"ctbt", "wrench"},
+                                     "input: thrust along z and torque (4 values), or force and "
+                                     "moment (6 values), axes of the base")};
+  RealsParameter matrix_{this, list("rotors", "", {}, kAny,
+                                    "matrix: thrust of each rotor [N] per value of the input, row "
+                                    "by row; none, for `wrench` alone: the pseudo-inverse")};
+  TextsParameter joints_{this, words("joints", "revolute and prismatic joints to drive")};
   RealsParameter servo_matrix_{
-      this,
-      {.name = "servos",
-       .count = -1,
-       .doc = "matrix: position of each joint [rad] or [m] per value of the input, row by row"}};
-  RealsParameter neutral_{this,
-                          {.name = "neutral",
-                           .unit = "rad or m",
-                           .count = -1,
-                           .doc = "position of each joint for an input of 0; none: 0"}};
+      this, list("servos", "", {}, kAny,
+                 "matrix: position of each joint [rad] or [m] per value of the input, row by row")};
+  RealsParameter neutral_{this, list("neutral", "rad or m", {}, kAny,
+                                     "position of each joint for an input of 0; none: 0")};
   control::Servo servo_{this};
-  RealParameter max_thrust_{
-      this,
-      {.name = "max_thrust",
-       .unit = "N",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "thrust, or force, for action +1; 0: twice the robot's weight"}};
+  RealParameter max_thrust_{this,
+                            real("max_thrust", "N", 0.0, at_least(0.0),
+                                 "thrust, or force, for action +1; 0: twice the robot's weight")};
   RealsParameter max_torque_{
       this,
-      {.name = "max_torque",
-       .unit = "N m",
-       .values = {0.0, 0.0, 0.0},
-       .min = 0.0,
-       .doc =
-           "torques for action +1; 0: the torque at which a rotor or a joint reaches its limit"}};
+      reals("max_torque", "N m", {0.0, 0.0, 0.0}, at_least(0.0),
+            "torques for action +1; 0: the torque at which a rotor or a joint reaches its limit")};
 
   std::vector<Rotor> rotors_;
   std::vector<ServoRow> servos_;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "controllers/common/measured_motion.h"
 #include "controllers/common/trajectory.h"
 #include "controllers/nmpc/solver.h"
 #include "controllers/nmpc/vehicle.h"
@@ -38,19 +39,14 @@ class Nmpc : public Controller {
     first_rotor_ = setup.robots()[robot].first_rotor;
     const int rotors = guide_.model.rotors;
     if (nodes * rotors > kMostInputs) {
-      throw std::runtime_error(
-          "`horizon` " + std::to_string(nodes) + " times " + std::to_string(rotors) +
-          " rotors are " + std::to_string(nodes * rotors) + " inputs; allowed: up to " +
-          std::to_string(kMostInputs) + ": shorten it to " + std::to_string(kMostInputs / rotors));
+      refuse("`horizon` ", nodes, " times ", rotors, " rotors are ", nodes * rotors,
+             " inputs; allowed: up to ", kMostInputs, ": shorten it to ", kMostInputs / rotors);
     }
     for (const RotorInfo& rotor : setup.rotors_of(robot)) {
       rotors_.push_back(
           {control::full_thrust(rotor), rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]});
     }
-    if (measured_.value() == "imu") {
-      force_sensor_ = setup.sensor(imu_.value(), "specific_force");
-      rate_sensor_ = setup.sensor(imu_.value(), "angular_rate");
-    }
+    measured_.configure(setup);
     set_times(setup);
     set_weights();
     declare(setup, nodes, rotors);
@@ -70,15 +66,15 @@ class Nmpc : public Controller {
   /// Not inlined into the kernels, so that it is compiled once for the baseline, like the solver.
   [[gnu::noinline]] void iterate(const EnvView<double>& env, const ConstValues<double>& input,
                                  const Values<double>& output, const Values<double>& buffer) const {
-    const nmpc::Motion now = measured(env);
+    const nmpc::Motion now = motion_of(env);
     nmpc::Disturbance disturbance{buffer.vec3(kAcceleration), buffer.vec3(kAngular)};
     double inputs[kMostInputs];
     load_inputs(buffer, inputs);
     const bool is_first = buffer[kSolves] == 0.0;
     if (!is_first) {
       nmpc::Observed observed = nmpc::observe(guide_, remembered(buffer), inputs, now);
-      if (force_sensor_ >= 0) {
-        const Vec3<double> force = sensed(env, force_sensor_);
+      if (measured_.is_by_imu()) {
+        const Vec3<double> force = measured_.specific_force(env);
         observed.acceleration = nmpc::observe_force(guide_.model, now, force);
       }
       nmpc::follow(guide_, observed, disturbance);
@@ -98,9 +94,8 @@ class Nmpc : public Controller {
     const auto steps = static_cast<int>(period_.value());
     const double period = steps * setup.dt();
     if (period > node_step_.value() * (1.0 + 1e-9)) {
-      throw std::runtime_error("`period` is " + to_text(period) + " s, above `node_step` " +
-                               to_text(node_step_.value()) +
-                               " s: inputs would be used beyond their node; lower `period`");
+      refuse("`period` is ", period, " s, above `node_step` ", node_step_.value(),
+             " s: inputs would be used beyond their node; lower `period`");
     }
     guide_.node = nmpc::step_length(guide_.model, node_step_.value());
     guide_.period = nmpc::step_length(guide_.model, period);
@@ -120,12 +115,9 @@ class Nmpc : public Controller {
   }
 
   void declare(const Setup& setup, int nodes, int rotors) {
-    const Vec3<double> low = position_min_.vec3(), high = position_max_.vec3();
-    control::require_order("position_min[0]", low.x, "position_max[0]", high.x);
-    control::require_order("position_min[1]", low.y, "position_max[1]", high.y);
-    control::require_order("position_min[2]", low.z, "position_max[2]", high.z);
+    box_.configure();
     points_ = preview_.value() ? nodes + 1 : 1;
-    control::declare_trajectory(setup, points_, {low, high});
+    control::declare_trajectory(setup, points_, {box_.low(), box_.high()});
     setup.output(Signal::kSrt, rotors);
     setup.buffer(kShares + rotors + nodes * rotors);
     setup.report("solves", "", 1, kSolves);
@@ -136,14 +128,13 @@ class Nmpc : public Controller {
     setup.report("angular_disturbance", "rad/s^2", 3, kAngular);
   }
 
-  static Vec3<double> sensed(const EnvView<double>& env, int first) {
-    return {env.sensor(first), env.sensor(first + 1), env.sensor(first + 2)};
-  }
-
-  nmpc::Motion measured(const EnvView<double>& env) const {
+  nmpc::Motion motion_of(const EnvView<double>& env) const {
     const BodyMotion<double> base = env.body(base_);
-    nmpc::Motion motion{base.position, base.velocity, base.rotation, base.angular_velocity, {}};
-    if (rate_sensor_ >= 0) motion.rates = sensed(env, rate_sensor_);
+    nmpc::Motion motion{base.position,
+                        base.velocity,
+                        base.rotation,
+                        measured_.rates(env, base.angular_velocity),
+                        {}};
     for (int r = 0; r < guide_.model.rotors; ++r) {
       const RotorScale& scale = rotors_[static_cast<std::size_t>(r)];
       const double speed = env.rotor_speed(first_rotor_ + r);
@@ -213,143 +204,58 @@ class Nmpc : public Controller {
     for (int i = 0; i < guide_.nodes * rotors; ++i) buffer.set(first_input() + i, inputs[i]);
   }
 
-  IntegerParameter horizon_{this,
-                            {.name = "horizon",
-                             .unit = "nodes",
-                             .value = 20,
-                             .min = 2,
-                             .max = kMostNodes,
-                             .doc = "number of predicted steps; times rotors at most 160"}};
-  RealParameter node_step_{this,
-                           {.name = "node_step",
-                            .unit = "s",
-                            .value = 0.05,
-                            .min = 1e-3,
-                            .max = 1.0,
-                            .doc = "time from node to node"}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 10,
-                            .min = 1,
-                            .max = 1000,
-                            .doc = "interval of iterations; at most node_step"}};
+  IntegerParameter horizon_{this, integer("horizon", "nodes", 20, between(2, kMostNodes),
+                                          "number of predicted steps; times rotors at most 160")};
+  RealParameter node_step_{
+      this, real("node_step", "s", 0.05, between(1e-3, 1.0), "time from node to node")};
+  IntegerParameter period_{this, integer("period", "physics steps", 10, between(1, 1000),
+                                         "interval of iterations; at most node_step")};
   BooleanParameter preview_{
-      this,
-      {.name = "preview",
-       .value = false,
-       .doc = "true: the input has horizon + 1 points, one per node_step, the first for now; "
-              "false: one point, extrapolated by its derivatives"}};
-  RealsParameter position_weight_{this,
-                                  {.name = "position_weight",
-                                   .unit = "1/m^2",
-                                   .values = {200.0, 200.0, 200.0},
-                                   .min = 1e-9,
-                                   .max = 1e9,
-                                   .doc = "weight of squared position errors, W axes"}};
-  RealsParameter velocity_weight_{this,
-                                  {.name = "velocity_weight",
-                                   .unit = "s^2/m^2",
-                                   .values = {10.0, 10.0, 10.0},
-                                   .min = 1e-9,
-                                   .max = 1e9,
-                                   .doc = "weight of squared velocity errors, W axes"}};
+      this, boolean("preview", false,
+                    "true: the input has horizon + 1 points, one per node_step, the first for now; "
+                    "false: one point, extrapolated by its derivatives")};
+  RealsParameter position_weight_{
+      this, reals("position_weight", "1/m^2", {200.0, 200.0, 200.0}, between(1e-9, 1e9),
+                  "weight of squared position errors, W axes")};
+  RealsParameter velocity_weight_{
+      this, reals("velocity_weight", "s^2/m^2", {10.0, 10.0, 10.0}, between(1e-9, 1e9),
+                  "weight of squared velocity errors, W axes")};
   RealsParameter attitude_weight_{
-      this,
-      {.name = "attitude_weight",
-       .unit = "1/rad^2",
-       .values = {10.0, 10.0, 10.0},
-       .min = 1e-9,
-       .max = 1e9,
-       .doc = "weight of squared rotations from the reference's attitude, B axes"}};
+      this, reals("attitude_weight", "1/rad^2", {10.0, 10.0, 10.0}, between(1e-9, 1e9),
+                  "weight of squared rotations from the reference's attitude, B axes")};
   RealsParameter rate_weight_{this,
-                              {.name = "rate_weight",
-                               .unit = "s^2/rad^2",
-                               .values = {0.5, 0.5, 0.5},
-                               .min = 1e-9,
-                               .max = 1e9,
-                               .doc = "weight of squared rate errors, B axes"}};
-  RealParameter input_weight_{this,
-                              {.name = "input_weight",
-                               .value = 5.0,
-                               .min = 1e-9,
-                               .max = 1e9,
-                               .doc = "weight of squared shares of a rotor's full thrust, relative "
-                                      "to those of the reference"}};
-  RealParameter terminal_{this,
-                          {.name = "terminal_factor",
-                           .value = 5.0,
-                           .min = 1e-9,
-                           .max = 1e9,
-                           .doc = "factor on the weights of the last node's errors"}};
-  RealParameter least_share_{this,
-                             {.name = "min_share",
-                              .value = 0.0,
-                              .min = 0.0,
-                              .max = 0.9,
-                              .doc = "least share of each rotor's full thrust"}};
-  RealParameter position_error_{this,
-                                {.name = "max_position_error",
-                                 .unit = "m",
-                                 .value = 2.0,
-                                 .min = 1e-3,
-                                 .max = 1e3,
-                                 .doc = "a more distant reference is moved to this distance"}};
+                              reals("rate_weight", "s^2/rad^2", {0.5, 0.5, 0.5}, between(1e-9, 1e9),
+                                    "weight of squared rate errors, B axes")};
+  RealParameter input_weight_{
+      this,
+      real(
+          "input_weight", "", 5.0, between(1e-9, 1e9),
+          "weight of squared shares of a rotor's full thrust, relative to those of the reference")};
+  RealParameter terminal_{this, real("terminal_factor", "", 5.0, between(1e-9, 1e9),
+                                     "factor on the weights of the last node's errors")};
+  RealParameter least_share_{this, real("min_share", "", 0.0, between(0.0, 0.9),
+                                        "least share of each rotor's full thrust")};
+  RealParameter position_error_{this, real("max_position_error", "m", 2.0, between(1e-3, 1e3),
+                                           "a more distant reference is moved to this distance")};
   IntegerParameter iterations_{
-      this,
-      {.name = "max_iterations",
-       .value = 500,
-       .min = 1,
-       .max = 10000,
-       .doc = "limit of changes of the active set; beyond it, the last inputs are kept"}};
-  RealParameter disturbance_time_{this,
-                                  {.name = "disturbance_time",
-                                   .unit = "s",
-                                   .value = 0.1,
-                                   .min = 1e-3,
-                                   .max = 1e6,
-                                   .doc = "time constant of the disturbance estimate"}};
+      this, integer("max_iterations", "", 500, between(1, 10000),
+                    "limit of changes of the active set; beyond it, the last inputs are kept")};
+  RealParameter disturbance_time_{this, real("disturbance_time", "s", 0.1, between(1e-3, 1e6),
+                                             "time constant of the disturbance estimate")};
   RealParameter max_acceleration_{this,
-                                  {.name = "max_disturbance",
-                                   .unit = "m/s^2",
-                                   .value = 5.0,
-                                   .min = 0.0,
-                                   .max = 100.0,
-                                   .doc = "limit of the estimated acceleration; 0: no estimate"}};
+                                  real("max_disturbance", "m/s^2", 5.0, between(0.0, 100.0),
+                                       "limit of the estimated acceleration; 0: no estimate")};
   RealParameter max_angular_{this,
-                             {.name = "max_angular_disturbance",
-                              .unit = "rad/s^2",
-                              .value = 20.0,
-                              .min = 0.0,
-                              .max = 1e4,
-                              .doc = "limit of the estimated angular acceleration"}};
-  TextParameter measured_{this,
-                          {.name = "measured",
-                           .value = "state",
-                           .choices = {"state", "imu"},
-                           .doc = "source of rates and accelerations"}};
-  TextParameter imu_{
-      this,
-      {.name = "imu",
-       .value = "imu",
-       .doc = "measured: imu: name of the sensor, which must be at the base's frame"}};
-  RealsParameter position_min_{this,
-                               {.name = "position_min",
-                                .unit = "m",
-                                .values = {-5.0, -5.0, 0.5},
-                                .doc = "position for action -1 (W)"}};
-  RealsParameter position_max_{this,
-                               {.name = "position_max",
-                                .unit = "m",
-                                .values = {5.0, 5.0, 3.0},
-                                .doc = "position for action +1 (W)"}};
+                             real("max_angular_disturbance", "rad/s^2", 20.0, between(0.0, 1e4),
+                                  "limit of the estimated angular acceleration")};
+  control::MeasuredMotion measured_{this};
+  control::PositionBox box_{this};
 
   nmpc::NmpcProblem guide_;
   std::vector<RotorScale> rotors_;
   int base_ = 0;
   int first_rotor_ = 0;
-  int force_sensor_ = -1, rate_sensor_ = -1;  ///< -1: from the state
-  int points_ = 1;                            ///< of the reference
+  int points_ = 1;  ///< of the reference
 };
 
 }  // namespace

@@ -15,18 +15,14 @@ void set_rotors(const Setup& setup, int robot, double mass, Model& model) {
   const View<RotorInfo> rotors = control::working_rotors(setup, robot, "nmpc");
   const BodyInfo& base = setup.bodies()[control::base_of(setup, robot)];
   if (rotors.size() > kMostRotors) {
-    throw std::runtime_error("robot `" + control::robot_name(setup, robot) + "` has " +
-                             std::to_string(rotors.size()) + " rotors; nmpc takes up to " +
-                             std::to_string(kMostRotors) + ": use another controller");
+    refuse("robot `", control::robot_name(setup, robot), "` has ", rotors.size(),
+           " rotors; nmpc takes up to ", kMostRotors, ": use another controller");
   }
+  control::require_on_base(setup, robot, rotors,
+                           "; nmpc needs rotors fixed to the base: use controller `srt`");
   model.rotors = rotors.size();
   for (int i = 0; i < rotors.size(); ++i) {
     const RotorInfo& rotor = rotors[i];
-    if (rotor.body != control::base_of(setup, robot)) {
-      throw std::runtime_error("rotor `" + std::string(rotor.name) + "` sits behind a joint, on `" +
-                               setup.bodies()[rotor.body].name +
-                               "`; nmpc needs rotors fixed to the base: use controller `srt`");
-    }
     const double full = control::full_thrust(rotor);
     model.rotor[i] = {control::vec3(rotor.axis_in_base) * (full / mass),
                       model.inverse_inertia * (control::effect_of(rotor, base).torque * full),

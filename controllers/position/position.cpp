@@ -16,24 +16,20 @@ class Position : public Controller {
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
     guidance_.configure(setup);
-    low_ = position_min_.vec3();
-    high_ = position_max_.vec3();
-    control::require_order("position_min[0]", low_.x, "position_max[0]", high_.x);
-    control::require_order("position_min[1]", low_.y, "position_max[1]", high_.y);
-    control::require_order("position_min[2]", low_.z, "position_max[2]", high_.z);
+    box_.configure();
     follows_ = signal_.value() == "trajectory";
     if (points_.is_given() && !follows_) {
-      throw std::runtime_error(
+      refuse(
           "`points` is given, but `signal` is `position`, which has none: leave it out, or set "
           "`signal: trajectory`");
     }
     if (follows_) {
-      control::declare_trajectory(setup, static_cast<int>(points_.value()), {low_, high_});
+      control::declare_trajectory(setup, static_cast<int>(points_.value()),
+                                  {box_.low(), box_.high()});
       setup.output(Signal::kAttitude, 8);
       return;
     }
-    setup.input(Signal::kPosition, {low_.x, low_.y, low_.z, -kPi},
-                {high_.x, high_.y, high_.z, kPi});
+    box_.declare_position(setup);
     setup.output(Signal::kAttitude, 5);
   }
 
@@ -45,10 +41,8 @@ class Position : public Controller {
       follow(env, base, reference_point(input), output, buffer);
       return;
     }
-    const Vec3<Real> target{clamp(input[0], Real(low_.x), Real(high_.x)),
-                            clamp(input[1], Real(low_.y), Real(high_.y)),
-                            clamp(input[2], Real(low_.z), Real(high_.z))};
-    const Vec3<Real> force = guidance_.thrust(
+    const Vec3<Real> target = box_.clamped(input.vec3(0));
+    const Vec3<Real> force = guidance_.limits().thrust(
         guidance_.setpoint(env, target - base.position, base.velocity, buffer), buffer);
     const Vec3<Real> up = force / norm(force);
     output.set(0, max(Real(0.0), mass_ * dot(force, body_z(base.rotation))));
@@ -61,7 +55,7 @@ class Position : public Controller {
   SKYBODY_INLINE void follow(const EnvView<Real>& env, const BodyMotion<Real>& base,
                              const ReferencePoint<Real>& reference, Values<Real> output,
                              Values<Real> buffer) const {
-    const Vec3<Real> force = guidance_.thrust(
+    const Vec3<Real> force = guidance_.limits().thrust(
         guidance_.setpoint(env, reference.position - base.position,
                            base.velocity - reference.velocity, reference.acceleration, buffer),
         buffer);
@@ -72,31 +66,14 @@ class Position : public Controller {
   }
 
   TextParameter signal_{this,
-                        {.name = "signal",
-                         .value = "position",
-                         .choices = {"position", "trajectory"},
-                         .doc = "input; a trajectory's acceleration and jerk are fed forward"}};
+                        choice("signal", "position", {"position", "trajectory"},
+                               "input; a trajectory's acceleration and jerk are fed forward")};
   control::Guidance guidance_{this, {4.0, 4.0, 9.0}, {3.2, 3.2, 5.4}, {}};
-  RealsParameter position_min_{this,
-                               {.name = "position_min",
-                                .unit = "m",
-                                .values = {-5.0, -5.0, 0.5},
-                                .doc = "position for action -1 (W)"}};
-  RealsParameter position_max_{this,
-                               {.name = "position_max",
-                                .unit = "m",
-                                .values = {5.0, 5.0, 3.0},
-                                .doc = "position for action +1 (W)"}};
-
+  control::PositionBox box_{this};
   IntegerParameter points_{
-      this,
-      {.name = "points",
-       .value = 1,
-       .min = 1,
-       .max = 1000,
-       .doc = "trajectory: points of the trajectory; only the first one is used"}};
+      this, integer("points", "", 1, between(1, 1000),
+                    "trajectory: points of the trajectory; only the first one is used")};
 
-  Vec3<double> low_{}, high_{};
   bool follows_ = false;
   int base_ = 0;
   double mass_ = 0.0;

@@ -1,7 +1,7 @@
 // Rail: moves a robot's base along a path over time, without an input.
-#include <skybody/plugin.h>
-
 #include <vector>
+
+#include "controllers/common/robot.h"
 
 namespace skybody {
 namespace {
@@ -17,13 +17,8 @@ class Rail : public Controller {
   };
 
   void configure(const Setup& setup) override {
-    const RobotInfo& robot = setup.robots()[setup.robot()];
-    if (robot.fixed_base != 0) {
-      throw std::runtime_error("robot `" + std::string(robot.name) +
-                               "` has a fixed base, which `rail` cannot move: use a floating base "
-                               "in its URDF");
-    }
-    base_ = robot.first_body;
+    control::require_floating_base(setup, setup.robot(), "`rail` cannot move");
+    base_ = control::base_of(setup, setup.robot());
     dt_ = setup.dt();
     check_times();
     check_count("positions", positions_.count(), false);
@@ -49,14 +44,14 @@ class Rail : public Controller {
     Real time = (to_real(env.physics_step()) + 1.0) * dt_;
     const double last = stations_.back().time;
     if (repeat_.value()) time = time - last * floor(time * (1.0 / last));
-    Vec3<Real> shift = constant<Real>(stations_[0].position),
-               turn = constant<Real>(stations_[0].rpy);
+    Vec3<Real> shift = control::lift<Real>(stations_[0].position),
+               turn = control::lift<Real>(stations_[0].rpy);
     for (std::size_t i = 1; i < stations_.size(); ++i) {
       const Station &from = stations_[i - 1], &to = stations_[i];
       const Real share = clamp((time - from.time) * (1.0 / (to.time - from.time)), 0.0, 1.0);
       const Real way = smooth(share);
-      shift += constant<Real>(to.position - from.position) * way;
-      turn += constant<Real>(to.rpy - from.rpy) * way;
+      shift += control::lift<Real>(to.position - from.position) * way;
+      turn += control::lift<Real>(to.rpy - from.rpy) * way;
     }
     output.set(0, state.position + shift);
     output.set(3, from_rpy(turn.x, turn.y, turn.z) * state.rotation);
@@ -68,11 +63,6 @@ class Rail : public Controller {
     Vec3<double> position, rpy;
   };
 
-  template <class Real>
-  static SKYBODY_INLINE Vec3<Real> constant(const Vec3<double>& v) {
-    return {Real(v.x), Real(v.y), Real(v.z)};
-  }
-
   /// Minimum-jerk curve from 0 to 1: velocity and acceleration are 0 at both ends.
   template <class Real>
   static SKYBODY_INLINE Real smooth(const Real& share) {
@@ -81,23 +71,22 @@ class Rail : public Controller {
 
   void check_times() const {
     if (times_.count() < 2 || times_.value(0) != 0.0) {
-      throw std::runtime_error(
-          "`times` has " + std::to_string(times_.count()) + " values" +
-          (times_.count() > 0 ? ", the first " + to_text(times_.value(0)) + " s" : std::string()) +
+      refuse(
+          "`times` has ", times_.count(), " values",
+          (times_.count() > 0 ? ", the first " + to_text(times_.value(0)) + " s" : std::string()),
           ": allowed are two or more, from 0 s on; give a time for each of `positions`");
     }
     for (int i = 1; i < times_.count(); ++i) {
       if (times_.value(i) - times_.value(i - 1) >= dt_) continue;
-      throw std::runtime_error("`times[" + std::to_string(i) + "]` is " + to_text(times_.value(i)) +
-                               " s, less than a physics step after the one before: let times grow");
+      refuse("`times[", i, "]` is ", times_.value(i),
+             " s, less than a physics step after the one before: let times grow");
     }
   }
 
   void check_count(const std::string& name, int count, bool may_be_left_out) const {
     const int needed = 3 * times_.count();
     if (count == needed || (may_be_left_out && count == 0)) return;
-    throw std::runtime_error("`" + name + "` has " + std::to_string(count) + " values; allowed: " +
-                             std::to_string(needed) + ", three for each of `times`");
+    refuse("`", name, "` has ", count, " values; allowed: ", needed, ", three for each of `times`");
   }
 
   void read_stations() {
@@ -116,7 +105,7 @@ class Rail : public Controller {
   /// Positions count from the reset: a first position other than 0 would be a jump.
   void check_start() const {
     if (norm(stations_[0].position) == 0.0 && norm(stations_[0].rpy) == 0.0) return;
-    throw std::runtime_error(
+    refuse(
         "the first of `positions` and `rpy` are not 0, but the base is where it is at the reset: "
         "begin with 0, 0, 0 and move the robot's `pose`");
   }
@@ -125,32 +114,22 @@ class Rail : public Controller {
   void check_loop() const {
     const Station &first = stations_.front(), &last = stations_.back();
     if (norm(first.position - last.position) <= 1e-9 && norm(first.rpy - last.rpy) <= 1e-9) return;
-    throw std::runtime_error(
+    refuse(
         "`repeat` is true, but the last of `positions` and `rpy` are not the first: end where it "
         "begins, or leave `repeat` out");
   }
 
-  RealsParameter times_{this,
-                        {.name = "times",
-                         .unit = "s",
-                         .count = -1,
-                         .min = 0.0,
-                         .doc = "time of each station; the first is 0, the reset",
-                         .required = true}};
+  RealsParameter times_{this, required(list("times", "s", {}, at_least(0.0),
+                                            "time of each station; the first is 0, the reset"))};
   RealsParameter positions_{
       this,
-      {.name = "positions",
-       .unit = "m",
-       .count = -1,
-       .doc = "x, y, z of each station relative to the base's position at the reset, axes of W",
-       .required = true}};
-  RealsParameter rpy_{this,
-                      {.name = "rpy",
-                       .unit = "rad",
-                       .count = -1,
-                       .doc = "roll, pitch, yaw of each station about W's axes, relative to the "
-                              "reset; none: no rotation"}};
-  BooleanParameter repeat_{this, {.name = "repeat", .doc = "start again after the last station"}};
+      required(
+          list("positions", "m", {}, kAny,
+               "x, y, z of each station relative to the base's position at the reset, axes of W"))};
+  RealsParameter rpy_{this, list("rpy", "rad", {}, kAny,
+                                 "roll, pitch, yaw of each station about W's axes, relative to the "
+                                 "reset; none: no rotation")};
+  BooleanParameter repeat_{this, boolean("repeat", false, "start again after the last station")};
 
   int base_ = 0;
   double dt_ = 0.0;

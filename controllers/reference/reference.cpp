@@ -96,8 +96,7 @@ class Reference : public Controller {
     const bool is_trajectory = level == "trajectory";
     count_ = static_cast<int>(points_.value());
     if (!is_trajectory && count_ > 1) {
-      throw std::runtime_error("`points` is " + std::to_string(count_) + ", but `" + level +
-                               "` is of one moment; allowed with it: 1");
+      refuse("`points` is ", count_, ", but `", level, "` is of one moment; allowed with it: 1");
     }
     gives_ = level == "position"            ? Signal::kPosition
              : level == "velocity_tracking" ? Signal::kVelocityTracking
@@ -109,24 +108,13 @@ class Reference : public Controller {
   reference::PathParameters parameters_{this};
   TextParameter gives_name_{
       this,
-      {.name = "gives",
-       .value = "trajectory",
-       .choices = {"trajectory", "position", "velocity_tracking", "acceleration"},
-       .doc = "output signal"}};
+      choice("gives", "trajectory", {"trajectory", "position", "velocity_tracking", "acceleration"},
+             "output signal")};
   IntegerParameter points_{
-      this,
-      {.name = "points",
-       .value = 1,
-       .min = 1,
-       .max = 256,
-       .doc = "number of points of a trajectory ahead in time, the first for now"}};
+      this, integer("points", "", 1, between(1, 256),
+                    "number of points of a trajectory ahead in time, the first for now")};
   RealParameter spacing_{this,
-                         {.name = "spacing",
-                          .unit = "s",
-                          .value = 0.05,
-                          .min = 1e-6,
-                          .max = 1e3,
-                          .doc = "time between two points"}};
+                         real("spacing", "s", 0.05, between(1e-6, 1e3), "time between two points")};
 
   control::PathCheck check_{this};
   reference::Path path_;

@@ -38,18 +38,11 @@ class RotorSpeed : public Controller {
     double low, high;  ///< [rad/s]
   };
 
-  RealParameter min_speed_{this,
-                           {.name = "min_speed",
-                            .unit = "rad/s",
-                            .value = 0.0,
-                            .doc = "speed for action -1; not given: each rotor's own least speed, "
-                                   "which is 0 unless reversible"}};
-  RealParameter max_speed_{this,
-                           {.name = "max_speed",
-                            .unit = "rad/s",
-                            .value = 0.0,
-                            .min = 0.0,
-                            .doc = "speed for action +1; 0: each rotor's own maximum"}};
+  RealParameter min_speed_{this, real("min_speed", "rad/s", 0.0, kAny,
+                                      "speed for action -1; not given: each rotor's own least "
+                                      "speed, which is 0 unless reversible")};
+  RealParameter max_speed_{this, real("max_speed", "rad/s", 0.0, at_least(0.0),
+                                      "speed for action +1; 0: each rotor's own maximum")};
 
   std::vector<Limit> limit_;  ///< one per rotor
 };

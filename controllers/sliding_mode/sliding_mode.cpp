@@ -1,8 +1,6 @@
 // Follows a trajectory in sliding mode: position and attitude are driven onto surfaces on which
 // their errors decay, by switching terms smoothed in a boundary layer. Chain `ctbt` next.
-#include "controllers/common/guidance.h"
-#include "controllers/common/tracking.h"
-#include "controllers/common/trajectory.h"
+#include "controllers/common/trajectory_law.h"
 
 namespace skybody {
 namespace {
@@ -15,40 +13,22 @@ class SlidingMode : public Controller {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    const int robot = setup.robot();
-    base_ = control::base_of(setup, robot);
-    mass_ = control::total_mass(setup, robot);
-    torque_for_.configure(setup.bodies()[base_]);
-    drag_.configure(setup, robot);
-    error_ = control::attitude_error_of(error_word_.value());
-    const double share = control::lag_share(setup, robot, kRateGain);
+    law_.configure(setup, true);
+    const double share = control::lag_share(setup, setup.robot(), kRateGain);
     position_.configure(share);
     attitude_.configure(share);
     limits_.configure(setup);
-    report_.configure(setup, 0);
-    setup.buffer(1);
-    trajectory_.configure(setup);
-    setup.output(Signal::kCtbt, 4);
   }
 
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
                Values<Real> buffer) const {
-    const BodyMotion<Real> base = env.body(base_);
-    const ReferencePoint<Real> reference = reference_point(input);
-    const Vec3<Real> z = body_z(base.rotation);
-    const Vec3<Real> push = position_.drive(env, reference.position - base.position,
-                                            reference.velocity - base.velocity);
-    const Vec3<Real> setpoint = push + drag_.acceleration(reference, z);
-    const Vec3<Real> held = limits_.held(setpoint), thrust = limits_.thrust_for(held);
-    report_.note(control::differs(held, setpoint), buffer);
-    output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
-
-    const auto track = control::tracking(error_, base, thrust, reference, true);
-    const Vec3<Real>& w = base.angular_velocity;
-    const Vec3<Real> turn = attitude_.drive(env, track.error, track.rates - w);
-    output.set(1,
-               torque_for_(w, track.acceleration + turn) + drag_.moment(reference, base.rotation));
+    const control::Followed<Real> now = law_.followed(env, input);
+    const Vec3<Real> push = position_.drive(env, now.offset(), now.slip());
+    const auto track = law_.push(now, limits_.thrust(push + law_.forward(now), buffer), output);
+    const Vec3<Real> turn =
+        attitude_.drive(env, track.error, track.rates - now.base.angular_velocity);
+    law_.turn(now, track.acceleration + turn, output);
   }
 
  private:
@@ -60,23 +40,13 @@ class SlidingMode : public Controller {
     };
     Surface(Plugin* owner, const Names& names, std::vector<double> slope, std::vector<double> gain,
             std::vector<double> boundary)
-        : slope_(owner, {.name = names.slope,
-                         .unit = "1/s",
-                         .values = std::move(slope),
-                         .min = 0.0,
-                         .doc = "rate at which the error decays on the surface",
-                         .randomizable = true}),
-          gain_(owner, {.name = names.gain,
-                        .unit = names.gain_unit,
-                        .values = std::move(gain),
-                        .min = 0.0,
-                        .doc = "acceleration towards the surface outside the boundary layer",
-                        .randomizable = true}),
-          boundary_(owner, {.name = names.boundary,
-                            .unit = names.boundary_unit,
-                            .values = std::move(boundary),
-                            .min = 1e-6,
-                            .doc = "half the boundary layer's thickness"}) {}
+        : slope_(owner, randomizable(reals(names.slope, "1/s", std::move(slope), at_least(0.0),
+                                           "rate at which the error decays on the surface"))),
+          gain_(owner,
+                randomizable(reals(names.gain, names.gain_unit, std::move(gain), at_least(0.0),
+                                   "acceleration towards the surface outside the boundary layer"))),
+          boundary_(owner, reals(names.boundary, names.boundary_unit, std::move(boundary),
+                                 at_least(1e-6), "half the boundary layer's thickness")) {}
 
     /// @param share  factor on default rates (lag_share)
     void configure(double share) {
@@ -115,20 +85,8 @@ class SlidingMode : public Controller {
                     {6.0, 6.0, 3.0},
                     {48.0, 48.0, 12.0},
                     {3.0, 3.0, 2.0}};
-  control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
-  control::LimitReport report_;
-  TextParameter error_word_{this,
-                            {.name = "error",
-                             .value = "quaternion",
-                             .choices = {"quaternion", "se3", "tilt_priority"},
-                             .doc = "form of the attitude error"}};
-  control::DragFeedforward drag_{this};
-  control::TrajectoryInput trajectory_{this};
-
-  control::AttitudeError error_ = control::AttitudeError::kQuaternion;
-  int base_ = 0;
-  double mass_ = 0.0;
-  control::AngularAccelerationToTorque torque_for_;
+  control::ReportedLimits limits_{this, control::kTrajectoryLimits};
+  control::TrajectoryLaw law_{this};
 };
 
 }  // namespace

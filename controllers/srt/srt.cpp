@@ -43,17 +43,10 @@ class Srt : public Controller {
 
   RealParameter min_thrust_{
       this,
-      {.name = "min_thrust",
-       .unit = "N",
-       .value = 0.0,
-       .doc =
-           "thrust for action -1; not given: 0, or a reversible rotor's thrust at its min_speed"}};
-  RealParameter max_thrust_{this,
-                            {.name = "max_thrust",
-                             .unit = "N",
-                             .value = 0.0,
-                             .min = 0.0,
-                             .doc = "thrust for action +1; 0: each rotor's full thrust"}};
+      real("min_thrust", "N", 0.0, kAny,
+           "thrust for action -1; not given: 0, or a reversible rotor's thrust at its min_speed")};
+  RealParameter max_thrust_{this, real("max_thrust", "N", 0.0, at_least(0.0),
+                                       "thrust for action +1; 0: each rotor's full thrust")};
 
   std::vector<Rotor> rotors_;
 };

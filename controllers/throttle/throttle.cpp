@@ -33,17 +33,9 @@ class Throttle : public Controller {
 
  private:
   RealParameter min_{this,
-                     {.name = "min_throttle",
-                      .value = 0.0,
-                      .min = 0.0,
-                      .max = 1.0,
-                      .doc = "throttle for action -1"}};
+                     real("min_throttle", "", 0.0, between(0.0, 1.0), "throttle for action -1")};
   RealParameter max_{this,
-                     {.name = "max_throttle",
-                      .value = 1.0,
-                      .min = 0.0,
-                      .max = 1.0,
-                      .doc = "throttle for action +1"}};
+                     real("max_throttle", "", 1.0, between(0.0, 1.0), "throttle for action +1")};
 
   std::vector<int> max_speed_;  ///< EnvParams, one per rotor
 };

@@ -66,13 +66,9 @@ class TiltAllocation : public Controller {
   }
 
   control::Servo servo_{this};
-  RealParameter least_share_{
-      this,
-      {.name = "least_share",
-       .value = 0.005,
-       .min = 0.0,
-       .max = 0.5,
-       .doc = "share of an arm's full thrust below which its angle is held"}};
+  RealParameter least_share_{this,
+                             real("least_share", "", 0.005, between(0.0, 0.5),
+                                  "share of an arm's full thrust below which its angle is held")};
 
   TiltArms arms_;
   TiltInverse inverse_;

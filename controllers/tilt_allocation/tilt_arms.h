@@ -77,20 +77,17 @@ class TiltArms {
   static void require_small(const RotorInfo& rotor, const BodyInfo& body, double value, double most,
                             const std::string& how) {
     if (value <= most) return;
-    throw std::runtime_error("rotor `" + std::string(rotor.name) + "` pushes " + to_text(value) +
-                             " " + how + " joint `" + body.joint_name +
-                             "`; tilt_allocation allows " + to_text(most) +
-                             ": check `position` and `axis` in the rotors file");
+    refuse("rotor `", rotor.name, "` pushes ", value, " ", how, " joint `", body.joint_name,
+           "`; tilt_allocation allows ", most, ": check `position` and `axis` in the rotors file");
   }
 
   TiltArm& arm_of(const Setup& setup, int robot, const RotorInfo& rotor) {
     const BodyInfo& body = setup.bodies()[rotor.body];
     const int base = control::base_of(setup, robot);
     if (rotor.body == base || body.parent != base || body.joint != SKYBODY_PIN) {
-      throw std::runtime_error(
-          "rotor `" + std::string(rotor.name) + "` sits on `" + body.name +
-          "`, which no revolute joint turns on the base: tilt_allocation is "
-          "for rotors on tilting arms; use `mixer` or `ctbt` for rotors on the base");
+      refuse("rotor `", rotor.name, "` sits on `", body.name,
+             "`, which no revolute joint turns on the base: tilt_allocation is for rotors on "
+             "tilting arms; use `mixer` or `ctbt` for rotors on the base");
     }
     for (TiltArm& arm : arms_) {
       if (arm.joint.body == rotor.body) return arm;

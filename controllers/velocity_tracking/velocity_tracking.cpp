@@ -63,36 +63,19 @@ class VelocityTracking : public Controller {
     return wrap_angle(heading + clamp(ahead, -max_lead_.value(), max_lead_.value()));
   }
 
-  RealsParameter gain_{this,
-                       {.name = "gain",
-                        .unit = "1/s",
-                        .values = {3.0, 3.0, 4.0},
-                        .min = 0.0,
-                        .doc = "acceleration per velocity error, W axes",
-                        .randomizable = true}};
+  RealsParameter gain_{this, randomizable(reals("gain", "1/s", {3.0, 3.0, 4.0}, at_least(0.0),
+                                                "acceleration per velocity error, W axes"))};
   control::Integral integral_{this, "1/s^2",
                               "acceleration per integral of velocity error, W axes; 0: none"};
   control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
   control::LimitReport report_;
   RealsParameter max_velocity_{this,
-                               {.name = "max_velocity",
-                                .unit = "m/s",
-                                .values = {5.0, 5.0, 3.0},
-                                .min = 1e-6,
-                                .doc = "velocities for action +1; commands are clamped to them"}};
-  RealParameter max_yaw_rate_{this,
-                              {.name = "max_yaw_rate",
-                               .unit = "rad/s",
-                               .value = 2.0,
-                               .min = 1e-6,
-                               .doc = "yaw rate for action +1; commands are clamped to it"}};
-  RealParameter max_lead_{this,
-                          {.name = "max_yaw_lead",
-                           .unit = "rad",
-                           .value = 0.5,
-                           .min = 1e-3,
-                           .max = 3.0,
-                           .doc = "largest lead of the desired heading over the body's"}};
+                               reals("max_velocity", "m/s", {5.0, 5.0, 3.0}, at_least(1e-6),
+                                     "velocities for action +1; commands are clamped to them")};
+  RealParameter max_yaw_rate_{this, real("max_yaw_rate", "rad/s", 2.0, at_least(1e-6),
+                                         "yaw rate for action +1; commands are clamped to it")};
+  RealParameter max_lead_{this, real("max_yaw_lead", "rad", 0.5, between(1e-3, 3.0),
+                                     "largest lead of the desired heading over the body's")};
 
   int base_ = 0;
   double dt_ = 0.0, share_ = 1.0;

@@ -14,13 +14,14 @@ class Wrench : public Controller {
     const int robot = setup.robot();
     std::vector<std::string> links = links_.values();
     if (links.empty()) links = {setup.bodies()[control::base_of(setup, robot)].name};
-    force_ = force_limit(setup, robot);
+    const double weight = control::total_mass(setup, robot) * control::gravity_of(setup);
+    force_ = control::force_limit(max_force_, {2.0 * weight, 2.0 * weight, 2.0 * weight});
     moment_ = moment_limit(setup, robot);
     std::vector<double> high;
     for (std::size_t i = 0; i < links.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k) {
         if (links[k] == links[i]) {
-          throw std::runtime_error("`links` names `" + links[i] + "` twice: name each link once");
+          refuse("`links` names `", links[i], "` twice: name each link once");
         }
       }
       const LinkInfo& link = setup.link(robot, links[i]);
@@ -44,56 +45,30 @@ class Wrench : public Controller {
   }
 
  private:
-  static double or_else(double given, double fallback) { return given > 0.0 ? given : fallback; }
-
-  /// Twice the robot's weight by default.
-  Vec3<double> force_limit(const Setup& setup, int robot) const {
-    const double weight = control::total_mass(setup, robot) * control::gravity_of(setup);
-    const Vec3<double> given = max_force_.vec3();
-    const Vec3<double> limit{or_else(given.x, 2.0 * weight), or_else(given.y, 2.0 * weight),
-                             or_else(given.z, 2.0 * weight)};
-    if (!(limit.x > 0.0 && limit.y > 0.0 && limit.z > 0.0)) {
-      throw std::runtime_error(
-          "without gravity `max_force` has no default: give three values above 0");
-    }
-    return limit;
-  }
-
   /// The rotors' largest torques by default.
   Vec3<double> moment_limit(const Setup& setup, int robot) const {
     const Vec3<double> given = max_moment_.vec3();
-    if (given.x > 0.0 && given.y > 0.0 && given.z > 0.0) return given;
+    if (control::all_above_zero(given)) return given;
     const View<RotorInfo> rotors = setup.rotors_of(robot);
     const BodyInfo& base = setup.bodies()[control::base_of(setup, robot)];
     const Vec3<double> possible =
         rotors.size() > 0
             ? control::limits_of(control::working_rotors(setup, robot, "wrench"), base).torque
             : Vec3<double>{0.0, 0.0, 0.0};
-    const Vec3<double> limit{or_else(given.x, possible.x), or_else(given.y, possible.y),
-                             or_else(given.z, possible.z)};
-    if (!(limit.x > 0.0 && limit.y > 0.0 && limit.z > 0.0)) {
-      throw std::runtime_error("the rotors of robot `" + control::robot_name(setup, robot) +
-                               "` give no limits for all three moments: give `max_moment` three "
-                               "values above 0");
+    const Vec3<double> limit = control::or_else(given, possible);
+    if (!control::all_above_zero(limit)) {
+      refuse("the rotors of robot `", control::robot_name(setup, robot),
+             "` give no limits for all three moments: give `max_moment` three values above 0");
     }
     return limit;
   }
 
   TextsParameter links_{
-      this,
-      {.name = "links", .doc = "links with a wrench at their centres of mass; none: the base"}};
-  RealsParameter max_force_{this,
-                            {.name = "max_force",
-                             .unit = "N",
-                             .values = {0.0, 0.0, 0.0},
-                             .min = 0.0,
-                             .doc = "forces for action +1; 0: twice the robot's weight"}};
-  RealsParameter max_moment_{this,
-                             {.name = "max_moment",
-                              .unit = "N m",
-                              .values = {0.0, 0.0, 0.0},
-                              .min = 0.0,
-                              .doc = "moments for action +1; 0: the rotors' largest moments"}};
+      this, words("links", "links with a wrench at their centres of mass; none: the base")};
+  RealsParameter max_force_{this, reals("max_force", "N", {0.0, 0.0, 0.0}, at_least(0.0),
+                                        "forces for action +1; 0: twice the robot's weight")};
+  RealsParameter max_moment_{this, reals("max_moment", "N m", {0.0, 0.0, 0.0}, at_least(0.0),
+                                         "moments for action +1; 0: the rotors' largest moments")};
 
   Vec3<double> force_{}, moment_{};
   int sites_ = 0;

@@ -7,6 +7,7 @@
 
 #include "core/io/yaml/fold_warnings.h"
 #include "core/io/yaml/plausibility_limits.h"
+#include "core/model/model_marks.h"
 #include "core/physics/bodies/default_state.h"
 
 namespace skybody {
@@ -16,7 +17,7 @@ namespace {
 struct Worst {
   double value = 1.0;
   double distance = 0.0;
-  const Rotor* rotor = nullptr;
+  int rotor = -1;
 };
 
 /// The distance of a positive value from its usual range, on a logarithmic scale; 0 inside.
@@ -49,6 +50,22 @@ class RobotCheck {
 
  private:
   const RobotModel& model() const { return use_.model; }
+  const Rotor& rotor(int index) const { return model().rotors[static_cast<std::size_t>(index)]; }
+
+  /// Locations of a rotor's or a body's values; without files they are empty.
+  RotorMarks rotor_marks(int index) const {
+    const auto place = static_cast<std::size_t>(index);
+    return model().marks ? model().marks->rotors.at(place) : RotorMarks{};
+  }
+  BodyMarks body_marks(int index) const {
+    const auto place = static_cast<std::size_t>(index);
+    return model().marks ? model().marks->bodies.at(place) : BodyMarks{};
+  }
+
+  SourceLocation collision_mark(int body, std::size_t shape) const {
+    const BodyMarks marks = body_marks(body);
+    return shape < marks.collisions.size() ? marks.collisions[shape] : SourceLocation{};
+  }
 
   void warn(PlausibilityLimit what, double value, const std::string& name,
             std::initializer_list<GivenValue> given) {
@@ -82,21 +99,24 @@ class RobotCheck {
       up += std::max(thrust.z, 0.0);  // with rotors in all directions only some of them lift
     }
     const Rotor& first = model().rotors[0];
+    const RotorMarks marks = rotor_marks(0);
+    const bool is_backwards = lifts_backwards(first);
     const double lifted = sum.z < 0.0 ? up : std::max(norm(sum), up);
     warn(PlausibilityLimit::kThrustToWeight, lifted / weight, "thrust to weight",
-         {{lifts_backwards(first) ? "min_speed" : "max_speed", lifting_speed(first)},
-          {"mass", model().total_mass()}});
+         {{is_backwards ? "min_speed" : "max_speed", lifting_speed(first),
+           is_backwards ? marks.min_speed : marks.constants[kMaxSpeed]},
+          {"mass", model().total_mass(), body_marks(0).mass}});
   }
 
   /// Finds the rotor whose value is farthest outside its usual range.
   template <class Value>
   Worst worst_rotor(PlausibilityLimit what, Value&& value_of) const {
     Worst worst;
-    for (const Rotor& rotor : model().rotors) {
-      const double value = value_of(rotor);
+    for (std::size_t k = 0; k < model().rotors.size(); ++k) {
+      const double value = value_of(model().rotors[k]);
       if (value == 0.0) continue;  // the model omits the term
       const double distance = distance_from(what, value);
-      if (distance > worst.distance) worst = {value, distance, &rotor};
+      if (distance > worst.distance) worst = {value, distance, static_cast<int>(k)};
     }
     return worst;
   }
@@ -105,35 +125,40 @@ class RobotCheck {
     const Worst worst = worst_rotor(PlausibilityLimit::kMomentArm, [](const Rotor& rotor) {
       return rotor.constants[kMomentConstant] / rotor.constants[kThrustConstant];
     });
-    if (worst.rotor == nullptr) return;
+    if (worst.rotor < 0) return;
+    const Rotor& bad = rotor(worst.rotor);
     warn(PlausibilityLimit::kMomentArm, worst.value,
-         "`moment_constant` [N m s^2/rad^2] by `thrust_constant` of the rotor `" +
-             worst.rotor->name + "`",
-         {{"moment_constant", worst.rotor->constants[kMomentConstant],
-           worst.rotor->constants[kThrustConstant]}});
+         "`moment_constant` [N m s^2/rad^2] by `thrust_constant` of the rotor `" + bad.name + "`",
+         {{"moment_constant", bad.constants[kMomentConstant],
+           rotor_marks(worst.rotor).constants[kMomentConstant], bad.constants[kThrustConstant]}});
   }
 
   void check_lags() {
     for (const RotorParam lag : {kTauUp, kTauDown}) {
       const Worst worst =
           worst_rotor(PlausibilityLimit::kLag, [&](const Rotor& r) { return r.constants[lag]; });
-      if (worst.rotor == nullptr) continue;
+      if (worst.rotor < 0) continue;
+      const char* key = row_at(kRotorConstants, lag).key;
       warn(PlausibilityLimit::kLag, worst.value,
-           "`" + std::string(row_at(kRotorConstants, lag).key) + "` of the rotor `" +
-               worst.rotor->name + "`",
-           {});
+           "`" + std::string(key) + "` of the rotor `" + rotor(worst.rotor).name + "`",
+           {{key, worst.value, rotor_marks(worst.rotor).constants[lag]}});
     }
   }
 
   /// @returns whether all arms are usual; the check of gyration is relative to them
   bool check_arms() {
     double longest = 0.0;
-    for (const Rotor& rotor : model().rotors) {
+    SourceLocation mark;
+    for (std::size_t k = 0; k < model().rotors.size(); ++k) {
+      const Rotor& rotor = model().rotors[k];
       const Pose place = place_at_reset(model(), rotor.body);
       const Vec3<double> hub = place.position + rotate(place.rotation, rotor.position());
-      longest = std::max(longest, norm(hub - model().bodies[0].mass.com));
+      const double arm = norm(hub - model().bodies[0].mass.com);
+      if (arm > longest) mark = rotor_marks(static_cast<int>(k)).constants[kRotorPosition];
+      longest = std::max(longest, arm);
     }
-    warn(PlausibilityLimit::kArm, longest, "the longest arm of a rotor", {{"position", longest}});
+    warn(PlausibilityLimit::kArm, longest, "the longest arm of a rotor",
+         {{"position", longest, mark}});
     return is_plausible(PlausibilityLimit::kArm, longest);
   }
 
@@ -142,9 +167,13 @@ class RobotCheck {
     const MassProperties& mass = model().bodies[static_cast<std::size_t>(body)].mass;
     double arm = 0.0;
     int rotors = 0;
-    for (const Rotor& rotor : model().rotors) {
+    SourceLocation mark;
+    for (std::size_t k = 0; k < model().rotors.size(); ++k) {
+      const Rotor& rotor = model().rotors[k];
       if (rotor.body != body) continue;
-      arm = std::max(arm, norm(rotor.position() - mass.com));
+      const double own = norm(rotor.position() - mass.com);
+      if (own > arm) mark = rotor_marks(static_cast<int>(k)).constants[kRotorPosition];
+      arm = std::max(arm, own);
       ++rotors;
     }
     if (rotors < 3 || !(arm > 0.0)) return;
@@ -155,17 +184,23 @@ class RobotCheck {
       if (is_plausible(PlausibilityLimit::kGyration, ratio)) continue;
       warn(PlausibilityLimit::kGyration, ratio,
            std::string("radius of gyration (") + names[k] + ") by the longest arm",
-           {{"inertia", moments[k]}});
+           {{"inertia", moments[k], body_marks(body).inertia}, {"position", arm, mark}});
       return;
     }
   }
 
   void check_sizes() {
     double largest = 0.0;
-    for (const Body& body : model().bodies) {
-      for (const Shape& shape : body.collisions) largest = std::max(largest, length_of(shape));
+    SourceLocation mark;
+    for (std::size_t b = 0; b < model().bodies.size(); ++b) {
+      const std::vector<Shape>& shapes = model().bodies[b].collisions;
+      for (std::size_t k = 0; k < shapes.size(); ++k) {
+        const double length = length_of(shapes[k]);
+        if (length > largest) mark = collision_mark(static_cast<int>(b), k);
+        largest = std::max(largest, length);
+      }
     }
-    warn(PlausibilityLimit::kSize, largest, "the longest collision shape", {});
+    warn(PlausibilityLimit::kSize, largest, "the longest collision shape", {{"", largest, mark}});
   }
 
   static double length_of(const Shape& shape) {

@@ -6,6 +6,7 @@
 
 #include "core/assemble/check_plausibility.h"
 #include "core/assemble/check_plugin_combinations.h"
+#include "core/assemble/check_scenario_name.h"
 #include "core/assemble/controller_survey.h"
 #include "core/assemble/reference_use.h"
 #include "core/assemble/trajectory_chain.h"
@@ -97,26 +98,6 @@ class RegistryFactory : public PluginFactory {
   const PluginRegistry& registry_;
 };
 
-/// Whether `scenario` exists. If not, and it is an identifier, the error suggests names.
-bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
-  if (scenario.empty()) {
-    diagnostics.error({},
-                      "no scenario is named; give a YAML file or the name of a shipped scenario");
-    return false;
-  }
-  std::error_code ignored;
-  if (!is_identifier(scenario) || std::filesystem::exists(scenario_file(scenario), ignored)) {
-    return true;
-  }
-  const std::string hint = plugin_hint(scenario);
-  diagnostics.error(
-      {scenario, 0, 0},
-      "neither a file nor a shipped scenario" +
-          (hint.empty() ? suggestion(scenario, shipped_scenarios(), "shipped")
-                        : hint + "; `skybody plugins` and `skybody modes` tell more"));
-  return false;
-}
-
 /// @param who  the source of these folders, for messages
 void check_folders(const std::vector<std::filesystem::path>& folders, const std::string& who,
                    Diagnostics& diagnostics) {
@@ -204,7 +185,7 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 
 std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options,
                                                          Diagnostics& diagnostics) {
-  if (!check_name(options.scenario, diagnostics)) return nullptr;
+  if (!check_scenario_name(options.scenario, diagnostics)) return nullptr;
   if (!check_plugin_path(options, diagnostics)) return nullptr;
   return compile_scenario(options, find_plugins(options), diagnostics);
 }

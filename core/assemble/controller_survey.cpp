@@ -201,28 +201,28 @@ class Survey {
     PluginInstance instance;
     instance.kind = SKYBODY_CONTROLLER;
     instance.plugin = entry.name;
-    instance.team = {robot_};
+    instance.controller.team = {robot_};
     const BoundValues bound(values);
     const SkybodyDeclare declare = declare_into(instance);
     const std::string path = "robots." + use.name + ".controllers." + entry.name;
-    const SkybodySetup setup = tables_.setup(path, instance.team, bound.table());
+    const SkybodySetup setup = tables_.setup(path, instance.controller.team, bound.table());
     instance.self = create_instance(entry, setup, declare);
     check_declarations(topology_, plan_.layout, instance);
-    mode.takes = {instance.input_signal, instance.input_count()};
-    mode.gives = {instance.outputs[0].signal, instance.outputs[0].count};
+    mode.takes = {instance.controller.input_signal, instance.controller.input_count()};
+    mode.gives = {instance.controller.outputs[0].signal, instance.controller.outputs[0].count};
     mode.acts = acts(instance);
-    mode.low = instance.low;
-    mode.high = instance.high;
-    mode.passes_on = instance.passes_on;
+    mode.low = instance.controller.low;
+    mode.high = instance.controller.high;
+    mode.passes_on = instance.controller.passes_on;
     if (mode.passes_on) mode.options.clear();
   }
 
   /// A wrench needs a site and a joint command needs a drive. Without them the output is the input
   /// of another controller.
   static bool acts(const PluginInstance& instance) {
-    const int signal = instance.outputs[0].signal;
-    if (signal == SKYBODY_WRENCH) return !instance.sites.empty();
-    if (signal == SKYBODY_JOINT) return !instance.joints.empty();
+    const int signal = instance.controller.outputs[0].signal;
+    if (signal == SKYBODY_WRENCH) return !instance.controller.sites.empty();
+    if (signal == SKYBODY_JOINT) return !instance.controller.joints.empty();
     return actuates(signal);
   }
 

@@ -213,14 +213,14 @@ void set(ConfigNode& map, const std::string& key, ConfigNode value) {
 }
 
 /// The position of the inserted controllers.
-struct Place {
+struct RobotPlace {
   std::size_t robot;       ///< index
   std::size_t controller;  ///< within the robot's controllers
   std::string name;        ///< of the robot
   std::string base;        ///< its base link
 };
 
-Place place_of(const CompiledScenario& compiled, const ControllerChain& chain) {
+RobotPlace place_of(const CompiledScenario& compiled, const ControllerChain& chain) {
   const auto robot = static_cast<std::size_t>(chain.robot);
   const RobotUse& use = compiled.scenario().robots[robot];
   const auto controller = &first_controller(compiled, chain) - use.controllers.data();
@@ -309,7 +309,7 @@ void apply(const TrajectoryChain& open, ConfigNode* chain, const SourceLocation&
 
 /// @param more_controllers  between the reference and the chain
 /// @param parameters        of the controller `reference`, with `gives`
-void put_in(ConfigNode& root, const Place& place, const TrajectoryChain& open,
+void put_in(ConfigNode& root, const RobotPlace& place, const TrajectoryChain& open,
             const std::vector<ConfigNode>& more_controllers, const ConfigNode& parameters,
             const SourceLocation& mark) {
   ConfigNode& controllers = *root.find("robots")->items[place.robot].find("controllers");
@@ -365,7 +365,7 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
     return {};
   }
   const ControllerChain* chain = chains[0];
-  const Place place = place_of(compiled, *chain);
+  const RobotPlace place = place_of(compiled, *chain);
   const TrajectoryChain open =
       open_trajectory_chain(&first_controller(compiled, *chain), chain->count);
   const int signal = open.position ? SKYBODY_TRAJECTORY : chain->signal;

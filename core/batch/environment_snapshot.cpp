@@ -32,11 +32,11 @@ std::vector<std::uint64_t> header(const CompiledScenario& compiled, int envs) {
 }  // namespace
 
 std::vector<std::uint64_t> EnvironmentStates::save() const {
-  std::vector<std::uint64_t> out = header(*compiled_, envs_);
+  std::vector<std::uint64_t> out = header(*compiled_, envs());
   const std::size_t words = compiled_->saved_words();
-  out.reserve(out.size() + index(envs_) * (words + kChainWords));
-  for (int env = 0; env < envs_; ++env) {
-    const std::vector<std::uint64_t> lane_words = state(env).save(lane_of(env));
+  out.reserve(out.size() + index(envs()) * (words + kChainWords));
+  for (int env = 0; env < envs(); ++env) {
+    const std::vector<std::uint64_t> lane_words = state(env).save(places_.lane_of(env));
     out.insert(out.end(), lane_words.begin(), lane_words.end());
     std::uint64_t chain[kChainWords];
     std::memcpy(chain, &chains_[index(env)], sizeof(chain));
@@ -46,7 +46,7 @@ std::vector<std::uint64_t> EnvironmentStates::save() const {
 }
 
 void EnvironmentStates::check_saved(std::span<const std::uint64_t> saved) const {
-  const std::vector<std::uint64_t> expected = header(*compiled_, envs_);
+  const std::vector<std::uint64_t> expected = header(*compiled_, envs());
   const std::size_t words = compiled_->saved_words();
   const std::size_t each = words + kChainWords;
   if (saved.size() < kSavedHeader || saved[kMagicWord] != kMagic) {
@@ -64,11 +64,11 @@ void EnvironmentStates::check_saved(std::span<const std::uint64_t> saved) const 
   }
   if (saved[kEnvsWord] != expected[kEnvsWord]) {
     throw Error("this state is of " + std::to_string(saved[kEnvsWord]) +
-                " environments; here are " + std::to_string(envs_));
+                " environments; here are " + std::to_string(envs()));
   }
-  if (saved.size() != kSavedHeader + index(envs_) * each) {
+  if (saved.size() != kSavedHeader + index(envs()) * each) {
     throw Error("this saved state is cut short: " + std::to_string(saved.size()) + " words of " +
-                std::to_string(kSavedHeader + index(envs_) * each));
+                std::to_string(kSavedHeader + index(envs()) * each));
   }
 }
 
@@ -77,18 +77,11 @@ void EnvironmentStates::restore(std::span<const std::uint64_t> saved) {
   const std::size_t words = compiled_->saved_words();
   const std::size_t each = words + kChainWords;
   const std::uint64_t* from = saved.data() + kSavedHeader;
-  for (int env = 0; env < envs_; ++env, from += each) {
-    state(env).restore(lane_of(env), {from, from + words});
+  for (int env = 0; env < envs(); ++env, from += each) {
+    state(env).restore(places_.lane_of(env), {from, from + words});
     std::memcpy(static_cast<void*>(&chains_[index(env)]), from + words, sizeof(HashChain));
-    refresh_flags(env);
+    flags_.refresh(env, state(env));
   }
-}
-
-/// Sets the flags from the state words.
-void EnvironmentStates::refresh_flags(int env) {
-  const StateGroup& group = state(env);
-  started_.set(group_of(env), bit(env), group.bits(kEpisode)[lane_of(env)] > 0);
-  ended_.set(group_of(env), bit(env), group.bits(kStatus)[lane_of(env)] != kRunning);
 }
 
 }  // namespace skybody

@@ -1,5 +1,7 @@
 #include "core/batch/pool.h"
 
+#include <unistd.h>
+
 #include <string>
 
 #include "core/base/math/hash.h"
@@ -15,18 +17,37 @@ std::uint64_t checksum(std::span<const std::uint64_t> words) {
   return hash_bytes(words.data(), words.size_bytes());
 }
 
-const PoolOptions& checked(const PoolOptions& options) {
+constexpr double kMiB = 1 << 20;
+
+double memory_of_machine() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
+
+/// Refuses images beyond the machine's memory: those of every environment, and of one batch.
+/// Without this, the system ends the process while it fills them.
+void check_images(const CompiledScenario& compiled, int envs) {
+  const double each = 8.0 * static_cast<double>(compiled.model().image_words);
+  const double needed = 2.0 * each * envs, present = memory_of_machine();
+  if (needed <= present) return;
+  const auto whole = [](double bytes) { return std::to_string(static_cast<long>(bytes / kMiB)); };
+  throw Error(std::to_string(envs) + " environments with images of " + whole(each) +
+              " MiB each need " + whole(needed) + " MiB, and this machine has " + whole(present) +
+              " MiB: take fewer environments or smaller images");
+}
+
+const PoolOptions& checked(const CompiledScenario& compiled, const PoolOptions& options) {
   check_range("number of environments", options.envs, 1, kMostEnvs, "take at least one");
   check_range("batch", options.batch, 0, options.envs,
               "take at most the number of environments, or 0 for all of them");
   check_range("threads", options.threads, 0, kMostThreads, "take 0 for one per processor");
+  check_images(compiled, options.envs);
   return options;
 }
 
 }  // namespace
 
 Pool::Pool(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options)
-    : scheduler_(std::make_unique<Scheduler>(std::move(compiled), checked(options))) {}
+    : scheduler_(std::make_unique<Scheduler>(compiled, checked(*compiled, options))) {}
 
 /// A forked child has no worker threads to join, and a lock may be held by a thread that does not
 /// exist there. Nothing can be destroyed safely, so the scheduler is leaked until the end of the
@@ -41,7 +62,7 @@ const std::shared_ptr<const CompiledScenario>& Pool::shared_scenario() const {
 }
 int Pool::envs() const { return scheduler_->options.envs; }
 int Pool::batch() const { return scheduler_->options.batch; }
-int Pool::lanes() const { return scheduler_->states.span(); }
+int Pool::lanes() const { return scheduler_->states.places().span; }
 int Pool::threads() const { return scheduler_->options.threads; }
 int Pool::pinned_threads() const { return scheduler_->threads().pinned(); }
 const PoolOptions& Pool::options() const { return scheduler_->options; }
@@ -158,7 +179,7 @@ void Pool::state(std::string_view path, std::span<double> values) const {
   const StateValue& value = compiled().state_values().at(path);
   check_values("values", values.size(), static_cast<std::size_t>(envs()), value.count());
   for (int env = 0; env < envs(); ++env) {
-    if (scheduler_->states.started(env)) continue;
+    if (scheduler_->states.flags().started(env)) continue;
     throw Error("state() of environment " + std::to_string(env) +
                 ", which has not begun an episode: reset it first");
   }
@@ -194,9 +215,10 @@ void Pool::ask(const PoolRequest& asked) {
   const auto request =
       std::make_shared<const ParamRequest>(compiled(), asked.changes, asked.redraws);
   const bool at_reset = asked.when == RequestTime::kNextReset;
-  for (const std::int32_t env : asked.env_ids) scheduler_->states.ask(env, request, at_reset);
+  for (const std::int32_t env : asked.env_ids)
+    scheduler_->states.requests().ask(env, request, at_reset);
   for (int env = 0; asked.env_ids.empty() && env < envs(); ++env) {
-    scheduler_->states.ask(env, request, at_reset);
+    scheduler_->states.requests().ask(env, request, at_reset);
   }
   if (scheduler_->observer) scheduler_->observer->requested(asked);
 }

@@ -40,13 +40,13 @@ Pool::Scheduler::Scheduler(std::shared_ptr<const CompiledScenario> compiled,
       in_flight_(static_cast<std::size_t>(options.envs)),
       finished_(in_flight_.size()),
       marked_(in_flight_.size()),
-      group_state_(static_cast<std::size_t>(states.groups())),
+      group_state_(static_cast<std::size_t>(states.places().count())),
       buffers_(options.batch, states.widths(), options.autoreset == Autoreset::kSameStep,
                options.debug_buffers),
       staging_(options.envs, states.widths(), options.autoreset == Autoreset::kSameStep),
       done_(options.envs),
       process_(process_id()),
-      threads_(options.threads, states.groups(), options.pin_threads, *this) {
+      threads_(options.threads, states.places().count(), options.pin_threads, *this) {
   arrived_.reserve(in_flight_.size());
   chosen_.reserve(in_flight_.size());
   std::iota(staging_.env_id.begin(), staging_.env_id.end(), 0);
@@ -77,7 +77,7 @@ void Pool::Scheduler::check_id(std::int32_t env) const {
 
 void Pool::Scheduler::settle(int env) {
   const std::atomic<std::uint64_t>& state =
-      group_state_[static_cast<std::size_t>(states.group_of(env))];
+      group_state_[static_cast<std::size_t>(states.places().group_of(env))];
   threads_.wait([&] { return state.load(std::memory_order_acquire) == 0; },
                 ThreadPool::Clock::time_point::max());
 }
@@ -96,8 +96,8 @@ void Pool::Scheduler::send_reset(std::span<const std::uint8_t> mask) {
   open_round(count);
   for (int env = 0; env < states.envs(); ++env) {
     if (mask[static_cast<std::size_t>(env)] == 0) continue;
-    states.want_reset(env);
-    states.hand_over(env);
+    states.flags().want_reset(env);
+    states.requests().hand_over(env);
     enqueue(env);
   }
   threads_.submit();
@@ -110,14 +110,14 @@ void Pool::Scheduler::send_reset(std::uint64_t seed) {
   states.initialize(seed);
   options.seed = seed;
   cursor = 0;
-  for (int env = 0; env < states.envs(); ++env) states.want_reset(env);
+  for (int env = 0; env < states.envs(); ++env) states.flags().want_reset(env);
   enqueue_all();
 }
 
 void Pool::Scheduler::send_steps(std::span<const float> actions,
                                  std::span<const std::int32_t> env_ids) {
   check_alive();
-  if (env_ids.empty() && in_flight_count == 0 && states.can_step_all()) {
+  if (env_ids.empty() && in_flight_count == 0 && states.flags().can_step_all(states.renews())) {
     send_all_steps(actions);
     return;
   }
@@ -128,8 +128,8 @@ void Pool::Scheduler::send_steps(std::span<const float> actions,
   for (std::size_t k = 0; k < count; ++k) {
     const int env = env_ids.empty() ? static_cast<int>(k) : env_ids[k];
     std::copy_n(actions.data() + k * width, width, states.action(env));
-    states.want_step(env);
-    states.hand_over(env);
+    states.flags().want_step(env);
+    states.requests().hand_over(env);
     enqueue(env);
   }
   threads_.submit();
@@ -140,8 +140,8 @@ void Pool::Scheduler::send_all_steps(std::span<const float> actions) {
   check_size(actions, in_flight_.size());
   open_round(states.envs());
   std::copy(actions.begin(), actions.end(), states.action(0));
-  states.want_step_all();
-  states.hand_over_all();
+  states.flags().want_step_all();
+  states.requests().hand_over_all();
   enqueue_all();
 }
 
@@ -173,8 +173,9 @@ void Pool::Scheduler::check_step(std::int32_t env) {
   if (marked_[static_cast<std::size_t>(env)] != 0) refuse_twice("environment", env);
   const auto name = [env] { return "environment " + std::to_string(env); };  // on failure
   if (in_flight(env)) throw Error(name() + " is still in flight: recv() it before the next send()");
-  if (!states.started(env)) throw Error(name() + " has not begun an episode: reset it first");
-  if (options.autoreset == Autoreset::kDisabled && states.ended(env)) {
+  if (!states.flags().started(env))
+    throw Error(name() + " has not begun an episode: reset it first");
+  if (options.autoreset == Autoreset::kDisabled && states.flags().ended(env)) {
     throw Error("the episode of " + name() +
                 " has ended, and autoreset is disabled: reset it first");
   }
@@ -202,8 +203,8 @@ void Pool::Scheduler::open_round(int count) {
 void Pool::Scheduler::enqueue(int env) {
   in_flight_[static_cast<std::size_t>(env)] = 1;
   ++in_flight_count;
-  const int group = states.group_of(env);
-  const std::uint64_t lane = std::uint64_t{1} << states.lane_of(env);
+  const int group = states.places().group_of(env);
+  const std::uint64_t lane = std::uint64_t{1} << states.places().lane_of(env);
   const std::uint64_t before = group_state_[static_cast<std::size_t>(group)].fetch_or(
       lane | kOwned, std::memory_order_acq_rel);
   if ((before & kOwned) == 0) threads_.add(group);
@@ -213,9 +214,9 @@ void Pool::Scheduler::enqueue(int env) {
 void Pool::Scheduler::enqueue_all() {
   std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{1});
   in_flight_count = states.envs();
-  for (int group = 0; group < states.groups(); ++group) {
+  for (int group = 0; group < states.places().count(); ++group) {
     // No thread reads a group that is not owned: the queue publishes it.
-    group_state_[static_cast<std::size_t>(group)].store(states.all_lanes(group) | kOwned,
+    group_state_[static_cast<std::size_t>(group)].store(states.places().all_lanes(group) | kOwned,
                                                         std::memory_order_relaxed);
     if (!round_) threads_.add(group);
   }
@@ -231,7 +232,7 @@ void Pool::Scheduler::run(const int* groups, int count, int thread) {
   }
   int envs = 0;
   for (int k = 0; k < count; ++k) {
-    const std::uint32_t lanes = states.all_lanes(groups[k]);
+    const std::uint32_t lanes = states.places().all_lanes(groups[k]);
     states.transition(groups[k], lanes, *target_, thread);
     group_state_[static_cast<std::size_t>(groups[k])].store(0, std::memory_order_relaxed);
     envs += std::popcount(lanes);
@@ -262,7 +263,7 @@ void Pool::Scheduler::drain() {
   std::uint32_t lanes = 0;
   while (done_.pop(group, lanes)) {
     for (; lanes != 0; lanes &= lanes - 1) {
-      const int env = states.env_of(group, std::countr_zero(lanes));
+      const int env = states.places().env_of(group, std::countr_zero(lanes));
       finished_[static_cast<std::size_t>(env)] = 1;
       if (options.order == Order::kArrival) arrived_.push_back(env);
     }

@@ -10,14 +10,14 @@ DualGroup::DualGroup(const CompiledScenario& compiled)
       observation_(layout_.words),
       observed_(compiled.task().channel_count()),
       rows_(reward() + 1 +
-            (compiled.bodies_are_coordinates()
+            (compiled.model().physics->bodies_are_coordinates()
                  ? 0
                  : 13 * static_cast<int>(compiled.world().bodies.size()))),
-      bodies_(compiled.bodies_are_coordinates() ? layout_.q.offset : reward() + 1),
+      bodies_(compiled.model().physics->bodies_are_coordinates() ? layout_.q.offset : reward() + 1),
       data_(static_cast<std::size_t>(2 * rows_) * kGroupLanes) {
   int most = 0;
   for (const SkybodyKind kind : {SKYBODY_CONTROLLER, SKYBODY_EFFECT, SKYBODY_TASK}) {
-    for (const PluginInstance& p : compiled.plugins(kind)) most = std::max(most, p.scratch);
+    for (const PluginInstance& p : compiled.plugins(kind)) most = std::max(most, p.memory.scratch);
   }
   scratch_ = AlignedArray<double>(static_cast<std::size_t>(2 * most) * kGroupLanes);
 }

@@ -31,10 +31,10 @@ DualTransition::DualTransition(const CompiledScenario& compiled, const StepPlan&
       no_bodies_(dual_rows(13 * compiled.world().bodies.size())),
       end_(kGroupLanes),
       robot_rewards_(dual_rows(compiled.world().layout.robots.size())),
-      infos_(dual_rows(static_cast<std::size_t>(value_count(compiled.task().infos)))),
+      infos_(dual_rows(static_cast<std::size_t>(value_count(compiled.task().task.infos)))),
       scratch_(dual_scratch_bytes(plan)) {
   for (auto& s : signal_) {
-    s = AlignedArray<double>(dual_rows(static_cast<std::size_t>(compiled.signal_size_ + 1)));
+    s = AlignedArray<double>(dual_rows(static_cast<std::size_t>(compiled.model().signal_size + 1)));
   }
   const auto place = [&](const Block& block) { return dual.value(block.offset); };
   blocks_.lanes = kGroupLanes;
@@ -77,8 +77,8 @@ void DualTransition::evaluate(const RecordedStep& step) {
                               infos_.data(),
                               0u};
   const int state = layout_.plugin_state.offset;
-  task.dual_kernels.evaluate(task.self.get(), &v, dual_.words(state + task.state),
-                             dual_.value(state + task.buffer), &out);
+  task.dual_kernels.evaluate(task.self.get(), &v, dual_.words(state + task.memory.state),
+                             dual_.value(state + task.memory.buffer), &out);
   step.records.show_plugin_state(step.t, step.k, dual_);
 }
 
@@ -98,13 +98,13 @@ void DualTransition::control(const ControllerChain& chain, const SkybodyLanes& v
     v.active = due(c, view);
     double* const output = signal_[i & 1].data();
     if (v.active != 0) {
-      c.dual_kernels.control(c.self.get(), &v, dual_.words(state + c.state),
-                             dual_.value(state + c.buffer), input, output);
+      c.dual_kernels.control(c.self.get(), &v, dual_.words(state + c.memory.state),
+                             dual_.value(state + c.memory.buffer), input, output);
     }
     input = output;
-    if (c.last_output.size > 0) {
-      double* const held = dual_.value(c.last_output.offset);
-      keep(v.active, output, c.last_output.size, held);
+    if (c.controller.last_output.size > 0) {
+      double* const held = dual_.value(c.controller.last_output.offset);
+      keep(v.active, output, c.controller.last_output.size, held);
       input = held;
     }
     if (i + 1 < chain.count) continue;
@@ -126,14 +126,14 @@ void DualTransition::apply_effects(const RecordedStep& step) {
     if (v.active == 0) continue;
     SkybodyHeld held{};
     for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
-      const Block& block = e.held[static_cast<std::size_t>(i)];
+      const Block& block = e.effect.held[static_cast<std::size_t>(i)];
       if (block.size == 0) continue;
       set_neutral(i, block, v.active);
       held.input[i] = dual_.value(block.offset);
       if (block.offset != layout_.held[static_cast<std::size_t>(i)].offset) changed[i] |= v.active;
     }
-    e.dual_kernels.apply(e.self.get(), &v, dual_.words(state + e.state),
-                         dual_.value(state + e.buffer), &held);
+    e.dual_kernels.apply(e.self.get(), &v, dual_.words(state + e.memory.state),
+                         dual_.value(state + e.memory.buffer), &held);
   }
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     if (changed[i] != 0) add_up_held(i, changed[i]);
@@ -159,11 +159,11 @@ void DualTransition::add_up_held(int input, std::uint32_t lanes) {
   const int size = kHeldInputs[i].size;
   set_neutral(input, block, lanes);
   for (const PluginInstance& e : compiled_.plugins(SKYBODY_EFFECT)) {
-    if (!e.holds[i]) continue;
+    if (!e.effect.holds[i]) continue;
     for (int k = 0; k < block.size; ++k) {
       double *const value = dual_.value(block.offset + k), *const tangent = value + kGroupLanes;
-      const double *const own = dual_.value(e.held[i].offset + k), *const turned =
-                                                                       own + kGroupLanes;
+      const double *const own = dual_.value(e.effect.held[i].offset + k), *const turned =
+                                                                              own + kGroupLanes;
       each_lane(lanes, [&](int l) {
         const Dual<double> sum = held_together(input, k % size, Dual<double>(value[l], tangent[l]),
                                                Dual<double>(own[l], turned[l]));

@@ -18,8 +18,8 @@ void add_block(std::vector<int>& rows, const Block& block) {
 }
 
 void add_state(std::vector<int>& rows, const StateLayout& layout, const PluginInstance& p) {
-  add_rows(rows, layout.plugin_state.offset + p.state, p.state_words);
-  add_rows(rows, layout.plugin_state.offset + p.buffer, p.buffer_words);
+  add_rows(rows, layout.plugin_state.offset + p.memory.state, p.memory.state_words);
+  add_rows(rows, layout.plugin_state.offset + p.memory.buffer, p.memory.buffer_words);
 }
 
 /// The outputs of controllers.
@@ -54,7 +54,7 @@ SparseJacobian chain_map(const CompiledScenario& c, const DualGroup& dual) {
   for (const PluginInstance& p : c.plugins(SKYBODY_CONTROLLER)) {
     for (std::vector<int>* rows : {&inputs, &outputs}) {
       add_state(*rows, l, p);
-      add_block(*rows, p.last_output);
+      add_block(*rows, p.controller.last_output);
     }
   }
   for (const auto block : kCommandBlocks) {
@@ -73,8 +73,8 @@ SparseJacobian effects_map(const CompiledScenario& c, const DualGroup& dual) {
     for (const Block& held : l.held) add_block(*rows, held);
     for (const PluginInstance& e : c.plugins(SKYBODY_EFFECT)) {
       add_state(*rows, l, e);
-      for (std::size_t i = 0; i < e.held.size(); ++i) {
-        if (e.held[i].offset != l.held[i].offset) add_block(*rows, e.held[i]);
+      for (std::size_t i = 0; i < e.effect.held.size(); ++i) {
+        if (e.effect.held[i].offset != l.held[i].offset) add_block(*rows, e.effect.held[i]);
       }
     }
   }
@@ -123,7 +123,7 @@ TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps
       derived_(step_adjoint_.make_derived()),
       goal_motion_values_(6 * kGroupLanes) {
   require_smooth();
-  goal_motion_ += 13 * compiled.task().goals[0].body;
+  goal_motion_ += 13 * compiled.task().task.goals[0].body;
 }
 
 void TransitionAdjoint::require(const PluginInstance& plugin, bool is_there,
@@ -137,8 +137,9 @@ void TransitionAdjoint::require(const PluginInstance& plugin, bool is_there,
 void TransitionAdjoint::require_smooth() const {
   const PluginInstance& task = compiled_.task();
   require(task, task.dual_kernels.evaluate != nullptr, "declare it smooth (docs/plugins.md)");
-  require(task, task.kernels.goal != nullptr && task.goals.size() == 1, "let it have one goal");
-  require(task, task.kernels.process == nullptr && !task.interpolates && task.period == 0,
+  require(task, task.kernels.goal != nullptr && task.task.goals.size() == 1,
+          "let it have one goal");
+  require(task, task.kernels.process == nullptr && !task.task.interpolates && task.period == 0,
           "leave the command to the controllers");
   for (const PluginInstance& c : compiled_.plugins(SKYBODY_CONTROLLER)) {
     require(c, c.dual_kernels.control != nullptr, "declare it smooth (docs/plugins.md)");
@@ -156,16 +157,16 @@ void TransitionAdjoint::require_smooth() const {
     }
   }
   for (const PluginInstance& r : compiled_.plugins(SKYBODY_RANDOMIZER)) {
-    require(r, !r.draws_in_time, "draw at resets only");
+    require(r, !r.randomizer.draws_in_time, "draw at resets only");
   }
 }
 
 /// Whether any of a sensor's values are in a row of observations.
 bool TransitionAdjoint::is_observed(const PluginInstance& sensor) const {
-  const auto& parts = compiled_.plan_.parts;
+  const auto& parts = compiled_.model().observation.parts;
   return std::any_of(parts.begin(), parts.end(), [&](const ObservationPart& part) {
-    return !part.is_of_task && part.from < sensor.output + sensor.channel_count() &&
-           sensor.output < part.from + part.count;
+    return !part.is_of_task && part.from < sensor.sensor.output + sensor.channel_count() &&
+           sensor.sensor.output < part.from + part.count;
   });
 }
 
@@ -173,32 +174,33 @@ bool TransitionAdjoint::is_observed(const PluginInstance& sensor) const {
 
 void TransitionAdjoint::step(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                              const float* actions, int action_stride, const Rows& rows, int t) {
-  const CompiledScenario& c = compiled_;
+  const TransitionPhases& phases = compiled_.phases();
   // Without effects, and with controllers that read the command only, the motion is a full record.
-  const bool is_short = is_chain_constant_ && c.plugins(SKYBODY_EFFECT).empty();
-  work.clear_faults();
+  const bool is_short = is_chain_constant_ && compiled_.plugins(SKYBODY_EFFECT).empty();
+  work.faults.clear();
   group.refresh(mask, work.physics);
-  SkybodyLanes lanes = c.view(group, work, mask);
-  c.apply_action(group, work, lanes, actions, action_stride);
-  c.make_command(group, work, lanes);
+  SkybodyLanes lanes = compiled_.model().view(group, work, mask);
+  phases.control.apply_action(group, work, lanes, actions, action_stride);
+  phases.control.make_command(group, work, lanes);
   for (int k = 0; k < repeat_ && lanes.active != 0; ++k) {
     records_.remember(group, t, k, k == 0 || !is_short ? RecordPart::kAll : RecordPart::kMotion);
-    c.control(group, work, lanes);
-    c.apply_effects(group, lanes);
+    phases.control.control(group, work, lanes);
+    phases.effects.apply(group, lanes);
     records_.remember(group, t, k, RecordPart::kCommands);
-    lanes.active = c.advance(group, work, lanes.active);
-    c.sense(group, lanes, repeat_ - 1 - k);
+    const int steps_left = repeat_ - 1 - k;
+    lanes.active = phases.physics.advance(group, work, lanes.active, steps_left);
+    phases.sensing.sense_due(group, lanes, steps_left);
   }
   count(group, kStep, mask);
   records_.remember(group, t, repeat_, RecordPart::kAll);
-  c.evaluate(group, work, lanes, rows.info != nullptr);
-  c.finish_transition(group, work, mask, false, rows);
+  phases.outcome.evaluate(group, work, lanes, rows.info != nullptr);
+  phases.outcome.finish(group, work, mask, false, rows);
 }
 
 void TransitionAdjoint::goal(StateGroup& group, GroupWorkspace& work, std::uint32_t mask,
                              double* out) {
   const PluginInstance& task = compiled_.task();
-  const SkybodyLanes v = compiled_.view(group, work, mask);
+  const SkybodyLanes v = compiled_.model().view(group, work, mask);
   call_plugin(task.kernels.goal, task, group, v, no_sizes, out);
   if (task.kernels.goal_motion == nullptr) return;  // at rest: the caller's zeros
   double* const motion = goal_motion_values_.data();

@@ -39,31 +39,35 @@ void check_size(const PluginInstance& p, int signal, int count, const char* verb
 }
 
 void check_controller(const PluginInstance& p) {
-  const bool is_none = p.input_signal == SKYBODY_NONE;
-  if (!is_signal(p.input_signal) || p.low.empty() != is_none) {
+  const bool is_none = p.controller.input_signal == SKYBODY_NONE;
+  if (!is_signal(p.controller.input_signal) || p.controller.low.empty() != is_none) {
     refuse(p, "declares no input that there is");
   }
-  if (p.inputs > 1) refuse(p, "declares its input " + std::to_string(p.inputs) + " times");
-  check_size(p, p.input_signal, p.input_count(), "takes");
-  if (p.outputs.empty()) refuse(p, "declares no output that there is");
-  for (std::size_t i = 0; i < p.outputs.size(); ++i) {
-    const PluginOutput& output = p.outputs[i];
+  if (p.controller.input_calls > 1)
+    refuse(p, "declares its input " + std::to_string(p.controller.input_calls) + " times");
+  check_size(p, p.controller.input_signal, p.controller.input_count(), "takes");
+  if (p.controller.outputs.empty()) refuse(p, "declares no output that there is");
+  for (std::size_t i = 0; i < p.controller.outputs.size(); ++i) {
+    const PluginOutput& output = p.controller.outputs[i];
     if (!is_signal(output.signal) || output.signal == SKYBODY_NONE || output.count < 1) {
       refuse(p, "declares no output that there is");
     }
-    if (!p.serves(output.robot)) {
+    if (!p.controller.serves(output.robot)) {
       refuse(p, "declares an output to robot " + std::to_string(output.robot) +
                     ", which it does not serve");
     }
     check_size(p, output.signal, output.count, "gives");
     for (std::size_t k = 0; k < i; ++k) {
-      if (p.outputs[k].signal != output.signal || p.outputs[k].robot != output.robot) continue;
+      if (p.controller.outputs[k].signal != output.signal ||
+          p.controller.outputs[k].robot != output.robot)
+        continue;
       refuse(p, std::string("declares its output ") + signal_name(output.signal) +
                     " twice; one call of output() names all of its values");
     }
   }
-  for (std::size_t k = 0; k < p.low.size(); ++k) {
-    if (!std::isfinite(p.low[k]) || !std::isfinite(p.high[k]) || p.low[k] > p.high[k]) {
+  for (std::size_t k = 0; k < p.controller.low.size(); ++k) {
+    if (!std::isfinite(p.controller.low[k]) || !std::isfinite(p.controller.high[k]) ||
+        p.controller.low[k] > p.controller.high[k]) {
       refuse(p, "declares an input range that is not finite or upside down, component " +
                     std::to_string(k));
     }
@@ -117,7 +121,7 @@ void check_joint(const PluginInstance& p, const JointDrive& j, const Topology& t
     refuse(p, name + "coordinate " + std::to_string(j.coordinate) +
                   "; allowed: coordinates of pin, slider and universal joints");
   }
-  if (!p.serves(body.robot)) refuse(p, name + "which is another robot's");
+  if (!p.controller.serves(body.robot)) refuse(p, name + "which is another robot's");
   const bool is_sound = j.stiffness >= 0.0 && j.damping >= 0.0 && j.effort_limit > 0.0 &&
                         j.tau >= 0.0 && std::isfinite(j.stiffness) && std::isfinite(j.damping) &&
                         std::isfinite(j.tau) && j.low <= j.high;
@@ -148,11 +152,26 @@ void check_asked(const PluginInstance& p, const Topology& topology) {
   }
 }
 
+/// Checks that values of effects for sensors lie in the buffer, and belong to robots.
+void check_offers(const PluginInstance& p, int robots) {
+  for (const Offer& offer : p.effect.offers) {
+    const bool is_inside =
+        offer.count > 0 && offer.word >= 0 && offer.word + offer.count <= p.memory.buffer_words;
+    if (is_inside && offer.robot >= 0 && offer.robot < robots) continue;
+    refuse(p,
+           "offers `" + offer.name + "` of a robot or of words of its buffer that there are not");
+  }
+  for (const OfferRequest& request : p.sensor.requests) {
+    if (request.count > 0 && request.robot >= 0 && request.robot < robots) continue;
+    refuse(p, "asks for `" + request.name + "` of a robot that there is not");
+  }
+}
+
 /// Checks a task's own action: in robot order, with finite ranges, and with a process() that
 /// converts it to commands.
 void check_actions(const PluginInstance& p, int robots) {
   int robot = 0;
-  for (const Channel& c : p.actions) {
+  for (const Channel& c : p.task.actions) {
     if (c.robot < robot || c.robot >= robots || c.count < 1 || !std::isfinite(c.low) ||
         !std::isfinite(c.high) || c.low > c.high) {
       refuse(p, "declares action `" + c.name +
@@ -160,7 +179,7 @@ void check_actions(const PluginInstance& p, int robots) {
     }
     robot = c.robot;
   }
-  if (!p.actions.empty() && p.kernels.process == nullptr) {
+  if (!p.task.actions.empty() && p.kernels.process == nullptr) {
     refuse(p, "declares an action of its own, but has no process() that makes commands of it");
   }
 }
@@ -173,18 +192,23 @@ void check_kind(const PluginInstance& p) {
     }
   };
   const bool is_task = p.kind == SKYBODY_TASK, is_controller = p.kind == SKYBODY_CONTROLLER;
-  const bool holds = std::any_of(p.holds.begin(), p.holds.end(), [](bool held) { return held; });
-  demand(p.inputs > 0 || !p.outputs.empty(), is_controller, "an input or output");
-  demand(!p.sites.empty() || !p.joints.empty(), is_controller, "a site or joint");
+  const bool holds =
+      std::any_of(p.effect.holds.begin(), p.effect.holds.end(), [](bool held) { return held; });
+  demand(p.controller.input_calls > 0 || !p.controller.outputs.empty(), is_controller,
+         "an input or output");
+  demand(!p.controller.sites.empty() || !p.controller.joints.empty(), is_controller,
+         "a site or joint");
   demand(!p.channels.empty(), is_task || p.kind == SKYBODY_SENSOR, "a channel");
   demand(holds, p.kind == SKYBODY_EFFECT, "a held input");
-  demand(p.is_steady, p.kind == SKYBODY_EFFECT, "that it is steady");
+  demand(p.effect.is_steady, p.kind == SKYBODY_EFFECT, "that it is steady");
+  demand(!p.effect.offers.empty(), p.kind == SKYBODY_EFFECT, "values for sensors");
+  demand(!p.sensor.requests.empty(), p.kind == SKYBODY_SENSOR, "that it reads values of an effect");
   demand(!p.writes.empty(), is_task || p.kind == SKYBODY_RANDOMIZER, "what it writes");
   demand(p.period > 0, p.kind != SKYBODY_RANDOMIZER, "a period");
   demand(!p.reports.empty(), !is_task, "a report (a task has info)");
-  demand(!p.infos.empty() || !p.goals.empty() || p.robot_rewards, is_task,
+  demand(!p.task.infos.empty() || !p.task.goals.empty() || p.task.robot_rewards, is_task,
          "info, goals or robots' rewards");
-  demand(!p.actions.empty() || p.interpolates, is_task, "an action");
+  demand(!p.task.actions.empty() || p.task.interpolates, is_task, "an action");
 }
 
 void check_reports(const PluginInstance& p) {
@@ -196,9 +220,9 @@ void check_reports(const PluginInstance& p) {
   }
   for (const Report& report : p.reports) {
     if (report.info.count < 1 || report.word < 0 ||
-        report.word + report.info.count > p.buffer_words) {
+        report.word + report.info.count > p.memory.buffer_words) {
       refuse(p, "reports `" + report.info.name + "` from words " + std::to_string(report.word) +
-                    ".. of a buffer of " + std::to_string(p.buffer_words));
+                    ".. of a buffer of " + std::to_string(p.memory.buffer_words));
     }
   }
 }
@@ -228,7 +252,7 @@ std::vector<bool> values_of_policy(const PluginInstance& p) {
 }
 
 void check_repeats(const PluginInstance& p) {
-  if (p.repeats.empty()) return;
+  if (p.task.repeats.empty()) return;
   if (p.kind != SKYBODY_TASK) refuse(p, "repeats values of an observation, which tasks alone have");
   const std::vector<bool> is_of_policy = values_of_policy(p);
   const int size = static_cast<int>(is_of_policy.size());
@@ -244,7 +268,7 @@ void check_repeats(const PluginInstance& p) {
     refuse(p, "repeats " + std::to_string(copy.count) + " values from " +
                   std::to_string(copy.from) + " on at " + std::to_string(copy.to) + ", " + why);
   };
-  for (const ValueCopy& copy : p.repeats) {
+  for (const ValueCopy& copy : p.task.repeats) {
     const bool is_new = each_value(copy.to, copy.count, [&](std::size_t k) {
       const bool may = is_of_policy[k] && !is_copy[k];
       is_copy[k] = true;
@@ -252,10 +276,25 @@ void check_repeats(const PluginInstance& p) {
     });
     if (!is_new) refuse_copy(copy, "which are no values that a policy sees, or repeat others");
   }
-  for (const ValueCopy& copy : p.repeats) {
+  for (const ValueCopy& copy : p.task.repeats) {
     const bool is_source = each_value(
         copy.from, copy.count, [&](std::size_t k) { return is_of_policy[k] && !is_copy[k]; });
     if (!is_source) refuse_copy(copy, "of which some repeat others, or no policy sees them");
+  }
+}
+
+void check_goals(const PluginInstance& p, int bodies, int robots) {
+  for (const Goal& goal : p.task.goals) {
+    if (goal.robot < 0 || goal.robot >= robots || goal.body < 0 || goal.body >= bodies) {
+      refuse(p, "declares a goal about robot " + std::to_string(goal.robot) + ", body " +
+                    std::to_string(goal.body) + ", which there is not");
+    }
+  }
+  if (!p.task.goals.empty() && p.kernels.goal == nullptr) {
+    refuse(p, "declares a goal, but has no goal() that says where it is");
+  }
+  if (p.task.goals.empty() && p.kernels.goal_motion != nullptr) {
+    refuse(p, "says by goal_motion() how goals move, but declares none by Setup::goal()");
   }
 }
 
@@ -268,40 +307,31 @@ void check_declarations(const Topology& topology, const StateLayout& layout,
   const auto params = static_cast<int>(layout.param_info.size());
   check_kind(p);
   if (p.kind == SKYBODY_CONTROLLER) check_controller(p);
-  if (p.buffer_words < 0)
-    refuse(p, "asks for a buffer of " + std::to_string(p.buffer_words) + " words");
-  for (const WrenchSite& site : p.sites) {
+  if (p.memory.buffer_words < 0)
+    refuse(p, "asks for a buffer of " + std::to_string(p.memory.buffer_words) + " words");
+  for (const WrenchSite& site : p.controller.sites) {
     if (site.body < 0 || site.body >= bodies) {
       refuse(p, "names body " + std::to_string(site.body) + " of " + std::to_string(bodies));
     }
   }
-  for (const Goal& goal : p.goals) {
-    if (goal.robot < 0 || goal.robot >= robots || goal.body < 0 || goal.body >= bodies) {
-      refuse(p, "declares a goal about robot " + std::to_string(goal.robot) + ", body " +
-                    std::to_string(goal.body) + ", which there is not");
-    }
-  }
-  if (!p.goals.empty() && p.kernels.goal == nullptr) {
-    refuse(p, "declares a goal, but has no goal() that says where it is");
-  }
-  if (p.goals.empty() && p.kernels.goal_motion != nullptr) {
-    refuse(p, "says by goal_motion() how goals move, but declares none by Setup::goal()");
-  }
+  check_goals(p, bodies, robots);
   if (p.kind == SKYBODY_TASK && !p.writes.empty() && p.kernels.randomize == nullptr) {
     refuse(p, "announces that it draws parameters, but has no randomize() that does");
   }
-  for (const JointDrive& joint : p.joints) check_joint(p, joint, topology);
+  for (const JointDrive& joint : p.controller.joints) check_joint(p, joint, topology);
   check_asked(p, topology);
+  check_offers(p, static_cast<int>(topology.scenario.robots.size()));
   check_actions(p, robots);
-  check_names(p, p.actions);
+  check_names(p, p.task.actions);
   check_reports(p);
-  if (p.scratch < 0) refuse(p, "asks for " + std::to_string(p.scratch) + " values of scratch");
-  if (p.is_steady && p.period > 0) {
+  if (p.memory.scratch < 0)
+    refuse(p, "asks for " + std::to_string(p.memory.scratch) + " values of scratch");
+  if (p.effect.is_steady && p.period > 0) {
     refuse(p,
            "declares a period and that it is steady: what is steady is called where parameters "
            "change");
   }
-  if (p.memo < 0) refuse(p, "asks for " + std::to_string(p.memo) + " values of memo");
+  if (p.memory.memo < 0) refuse(p, "asks for " + std::to_string(p.memory.memo) + " values of memo");
   if (p.kind == SKYBODY_TASK && p.period > 0 &&
       topology.scenario.stepping.action_repeat % p.period != 0) {
     refuse(p, "wants process() every " + std::to_string(p.period) +
@@ -314,9 +344,9 @@ void check_declarations(const Topology& topology, const StateLayout& layout,
     }
   }
   for (const Channel& c : p.channels) check_channel(p, c, robots);
-  for (const Channel& c : p.infos) check_channel(p, c, robots);
+  for (const Channel& c : p.task.infos) check_channel(p, c, robots);
   check_names(p, p.channels);
-  check_names(p, p.infos);
+  check_names(p, p.task.infos);
   check_repeats(p);
   if (p.kind == SKYBODY_SENSOR && p.channels.empty()) refuse(p, "declares no output");
   if (p.kind == SKYBODY_TASK) check_observation(p);

@@ -67,7 +67,7 @@ void check_single(const Writers& w) {
 /// Starts are read at resets only: rejects draws of starts during an episode.
 void check_starts_in_time(const Writers& w) {
   for (const PluginInstance& r : w.randomizers) {
-    if (!r.draws_in_time) continue;
+    if (!r.randomizer.draws_in_time) continue;
     for (const int param : r.writes) {
       if (!w.starts.has(param)) continue;
       throw LocatedError(mark_of(w, r, param),

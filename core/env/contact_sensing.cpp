@@ -1,8 +1,6 @@
-// Contact forces summed by body and by pair, and joint reactions, for plugins that request them.
-// Computed lane by lane after each physics step and kept in state words until the next.
-#include "core/base/simd/fp_environment.h"
+#include "core/env/contact_sensing.h"
+
 #include "core/base/simd/lane_mask.h"
-#include "core/env/compiled_scenario.h"
 #include "core/env/group_workspace.h"
 
 namespace skybody {
@@ -47,42 +45,79 @@ bool comes_through(const Find& find) {
   }
 }
 
+/// The lanes in which a plugin that `wants` something is called before the next physics step.
+template <class Wants>
+std::uint32_t lanes_of(const ScenarioModel& model, const StateGroup& group, std::uint32_t mask,
+                       std::int64_t steps_left, const Wants& wants) {
+  std::uint32_t lanes = 0;
+  for (const auto& list : model.plugins) {
+    for (const PluginInstance& p : list) {
+      if (!wants(p)) continue;
+      if (p.kind != SKYBODY_SENSOR) return mask;
+      if (!is_left_out(p, steps_left)) lanes |= due(p, group, mask);
+    }
+  }
+  return lanes;
+}
+
 void clear(double* values, int count, int lanes) {
   for (int k = 0; k < count; ++k) values[k * lanes] = 0.0;
 }
 
 }  // namespace
 
-std::vector<Contact> CompiledScenario::contacts(StateGroup& group, GroupWorkspace& work,
-                                                int lane) const {
-  const FpEnvironment guard;
-  update(group, work, 1u << lane);
-  find_contacts(group, work, lane);
-  return work.contacts;
+std::uint32_t ContactSensing::lanes_of_contacts(const StateGroup& group, std::uint32_t mask,
+                                                std::int64_t steps_left) const {
+  if (!model_.senses_contacts()) return 0;
+  return lanes_of(model_, group, mask, steps_left, [](const PluginInstance& p) {
+    return p.needs_contacts || !p.contact_pairs.empty();
+  });
 }
 
-/// Computes the contacts of a lane that is up to date, into the workspace.
-void CompiledScenario::find_contacts(StateGroup& group, GroupWorkspace& work, int lane) const {
+std::uint32_t ContactSensing::lanes_of_reactions(const StateGroup& group, std::uint32_t mask,
+                                                 std::int64_t steps_left) const {
+  if (model_.joint_reactions.empty()) return 0;
+  return lanes_of(model_, group, mask, steps_left,
+                  [](const PluginInstance& p) { return !p.joint_reactions.empty(); });
+}
+
+void ContactSensing::find(StateGroup& group, GroupWorkspace& work, int lane) {
   work.contacts.clear();
   group.add_contacts(lane, work.physics, work.contacts);
 }
 
-void CompiledScenario::sense_contacts(StateGroup& group, GroupWorkspace& work,
-                                      std::uint32_t mask) const {
-  if (!senses_contacts()) return;
+void ContactSensing::sense(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const {
+  if (!model_.senses_contacts()) return;
   each_lane(mask, [&](int lane) {
-    if (!comes_through([&] { find_contacts(group, work, lane); })) return;
+    if (!comes_through([&] { find(group, work, lane); })) return;
     add_up_bodies(group, work.contacts, lane);
     add_up_pairs(group, work.contacts, lane);
   });
 }
 
-void CompiledScenario::add_up_bodies(StateGroup& group, const std::vector<Contact>& contacts,
-                                     int lane) const {
-  if (!needs_contacts_) return;
+void ContactSensing::sense_after_step(StateGroup& group, GroupWorkspace& work,
+                                      std::uint32_t mask) const {
+  if (mask == 0) return;
+  const std::uint32_t close = mask & (group.may_touch(mask, work.physics) | group.unphysical());
+  set_free(group, mask & ~close);
+  sense(group, work, close);
+}
+
+/// Writes that nothing touches.
+void ContactSensing::set_free(StateGroup& group, std::uint32_t mask) const {
   const int lanes = group.lanes();
-  double* const sums = group.writable(layout().contacts, 1u << lane) + lane;
-  clear(sums, layout().contacts.size, lanes);
+  for (const Block& block : {model_.layout().contacts, model_.layout().contact_pairs}) {
+    double* const values = group.writable(block, mask);
+    each_lane(mask, [&](int lane) { clear(values + lane, block.size, lanes); });
+  }
+}
+
+void ContactSensing::add_up_bodies(StateGroup& group, const std::vector<Contact>& contacts,
+                                   int lane) const {
+  if (!model_.needs_contacts) return;
+  const int lanes = group.lanes();
+  double* const sums = group.writable(model_.layout().contacts, 1u << lane) + lane;
+  clear(sums, model_.layout().contacts.size, lanes);
   const auto of = [&](int body) { return sums + SKYBODY_CONTACT_VALUES * body * lanes; };
   for (const Contact& c : contacts) {
     add_contact(c, {c.body, 1.0}, group, lane, of(c.body));
@@ -90,13 +125,13 @@ void CompiledScenario::add_up_bodies(StateGroup& group, const std::vector<Contac
   }
 }
 
-void CompiledScenario::add_up_pairs(StateGroup& group, const std::vector<Contact>& contacts,
-                                    int lane) const {
-  if (contact_pairs_.empty()) return;
+void ContactSensing::add_up_pairs(StateGroup& group, const std::vector<Contact>& contacts,
+                                  int lane) const {
+  if (model_.contact_pairs.empty()) return;
   const int lanes = group.lanes();
-  double* sum = group.writable(layout().contact_pairs, 1u << lane) + lane;
-  clear(sum, layout().contact_pairs.size, lanes);
-  for (const ContactPair& pair : contact_pairs_) {
+  double* sum = group.writable(model_.layout().contact_pairs, 1u << lane) + lane;
+  clear(sum, model_.layout().contact_pairs.size, lanes);
+  for (const ContactPair& pair : model_.contact_pairs) {
     const int partner = partner_of(pair);
     for (const Contact& c : contacts) {
       if (c.body == pair.body && c.other == partner) {
@@ -109,17 +144,17 @@ void CompiledScenario::add_up_pairs(StateGroup& group, const std::vector<Contact
   }
 }
 
-void CompiledScenario::sense_joint_reactions(StateGroup& group, GroupWorkspace& work,
-                                             std::uint32_t mask) const {
-  if (joint_reactions_.empty()) return;
+void ContactSensing::sense_joint_reactions(StateGroup& group, GroupWorkspace& work,
+                                           std::uint32_t mask) const {
+  if (model_.joint_reactions.empty()) return;
   const int lanes = group.lanes();
   each_lane(mask, [&](int lane) {
     const auto find = [&] {
       group.joint_reactions(lane, work.physics, work.joint_reactions.data());
     };
     if (!comes_through(find)) return;
-    double* to = group.writable(layout().joint_reactions, 1u << lane) + lane;
-    for (const int body : joint_reactions_) {
+    double* to = group.writable(model_.layout().joint_reactions, 1u << lane) + lane;
+    for (const int body : model_.joint_reactions) {
       const SpatialForce<double>& f = work.joint_reactions[static_cast<std::size_t>(body)];
       for (const double value :
            {f.force.x, f.force.y, f.force.z, f.moment.x, f.moment.y, f.moment.z}) {

@@ -69,8 +69,8 @@ class ChainMaker {
 
   /// The robot's own chain that takes a team's output, or null.
   ControllerChain* fed_by(const PluginInstance& c, const PluginOutput& output) const {
-    const bool has_ends = (output.signal == SKYBODY_WRENCH && !c.sites.empty()) ||
-                          (output.signal == SKYBODY_JOINT && !c.joints.empty());
+    const bool has_ends = (output.signal == SKYBODY_WRENCH && !c.controller.sites.empty()) ||
+                          (output.signal == SKYBODY_JOINT && !c.controller.joints.empty());
     if (team_ < 0 || has_ends) return nullptr;
     for (ControllerChain& chain : all_.of_robots) {
       if (chain.robot == output.robot && chain.signal == output.signal &&
@@ -93,38 +93,40 @@ class ChainMaker {
   /// signal.
   bool is_end(int i) const {
     const PluginInstance &c = at(i), &after = at(i + 1);
-    const PluginOutput& given = c.outputs[0];
-    if (!c.sites.empty() || !c.joints.empty()) return true;
-    if (team_ >= 0 && c.outputs.size() > 1) return true;
-    const bool is_taken = after.input_signal == given.signal && after.input_count() == given.count;
+    const PluginOutput& given = c.controller.outputs[0];
+    if (!c.controller.sites.empty() || !c.controller.joints.empty()) return true;
+    if (team_ >= 0 && c.controller.outputs.size() > 1) return true;
+    const bool is_taken = after.controller.input_signal == given.signal &&
+                          after.controller.input_count() == given.count;
     return !is_taken && (actuates(given.signal) || fed_by(c, given) != nullptr);
   }
 
   /// Checks that controller i's output matches the next controller's input.
   void check_link(int i) const {
     const PluginInstance &c = at(i), &after = at(i + 1);
-    if (c.outputs.size() > 1) {
-      refuse(i, "controller `" + c.name + "` gives " + std::to_string(c.outputs.size()) +
+    if (c.controller.outputs.size() > 1) {
+      refuse(i, "controller `" + c.name + "` gives " + std::to_string(c.controller.outputs.size()) +
                     " signals, but is not the last one of its chain: only actuators take several");
     }
-    const PluginOutput& given = c.outputs[0];
-    if (after.input_signal != given.signal || after.input_count() != given.count) {
+    const PluginOutput& given = c.controller.outputs[0];
+    if (after.controller.input_signal != given.signal ||
+        after.controller.input_count() != given.count) {
       const std::string remedy =
-          after.input_signal == given.signal
-              ? size_mismatch_hint(given.signal, given.count, after.input_count())
+          after.controller.input_signal == given.signal
+              ? size_mismatch_hint(given.signal, given.count, after.controller.input_count())
               : "";
-      throw ChainMismatchError(uses_[static_cast<std::size_t>(i) + 1].mark,
-                               "controller `" + after.name + "` takes " +
-                                   with_size(after.input_signal, after.input_count()) + ", but `" +
-                                   c.name + "` before it gives " +
-                                   with_size(given.signal, given.count) + remedy,
-                               given.signal, after.input_signal);
+      throw ChainMismatchError(
+          uses_[static_cast<std::size_t>(i) + 1].mark,
+          "controller `" + after.name + "` takes " +
+              with_size(after.controller.input_signal, after.controller.input_count()) + ", but `" +
+              c.name + "` before it gives " + with_size(given.signal, given.count) + remedy,
+          given.signal, after.controller.input_signal);
     }
   }
 
   void check_last(int i) const {
     const PluginInstance& c = at(i);
-    for (const PluginOutput& output : c.outputs) {
+    for (const PluginOutput& output : c.controller.outputs) {
       if (fed_by(c, output) != nullptr) continue;
       if (team_ >= 0 && is_fed_already(output)) {
         refuse(i, "controller `" + c.name + "` gives " + with_size(output.signal, output.count) +
@@ -144,8 +146,8 @@ class ChainMaker {
       }
       check_actuator(i, output);
     }
-    check_used(i, c.sites, SKYBODY_WRENCH, "wrench sites");
-    check_used(i, c.joints, SKYBODY_JOINT, "joint drives");
+    check_used(i, c.controller.sites, SKYBODY_WRENCH, "wrench sites");
+    check_used(i, c.controller.joints, SKYBODY_JOINT, "joint drives");
   }
 
   /// Checks that each site has a wrench and each drive a command, from an output to its own robot.
@@ -153,14 +155,15 @@ class ChainMaker {
   void check_used(int i, const std::vector<T>& all, int signal, const char* what) const {
     const PluginInstance& c = at(i);
     std::size_t used = 0;
-    for (const PluginOutput& output : c.outputs) {
+    for (const PluginOutput& output : c.controller.outputs) {
       if (output.signal == signal) used += of_robot(all, output).size();
     }
     if (used == all.size()) return;
     const std::string word = signal_name(signal);
     refuse(i, "controller `" + c.name + "` declares " + what + ", but gives " +
-                  (c.gives(signal) ? "no " + word + " to the robot that has them"
-                                   : signal_name(c.outputs[0].signal) + (" and no " + word)));
+                  (c.controller.gives(signal)
+                       ? "no " + word + " to the robot that has them"
+                       : signal_name(c.controller.outputs[0].signal) + (" and no " + word)));
   }
 
   void check_actuator(int i, const PluginOutput& output) const {
@@ -193,9 +196,9 @@ class ChainMaker {
       case SKYBODY_ROTOR_SPEED:
         return layout(output).rotor_count;
       case SKYBODY_WRENCH:
-        return 6 * static_cast<int>(of_robot(c.sites, output).size());
+        return 6 * static_cast<int>(of_robot(c.controller.sites, output).size());
       case SKYBODY_JOINT:
-        return static_cast<int>(of_robot(c.joints, output).size());
+        return static_cast<int>(of_robot(c.controller.joints, output).size());
       case SKYBODY_VELOCITY:
         return 6;
       default:
@@ -206,29 +209,29 @@ class ChainMaker {
   /// A controller that passes its command on gets the range of the first one after it with a range.
   void take_range(int begin, int end) const {
     int from = begin;
-    while (from < end && at(from).passes_on) ++from;
-    if (at(from).passes_on) {
+    while (from < end && at(from).controller.passes_on) ++from;
+    if (at(from).controller.passes_on) {
       refuse(begin,
              "controller `" + at(begin).name +
                  "` passes its command on, but nothing behind it says what actions -1 and +1 "
                  "mean: add a controller behind it that takes " +
-                 signal_name(at(begin).input_signal));
+                 signal_name(at(begin).controller.input_signal));
     }
-    controllers_[begin].low = at(from).low;
-    controllers_[begin].high = at(from).high;
+    controllers_[begin].controller.low = at(from).controller.low;
+    controllers_[begin].controller.high = at(from).controller.high;
   }
 
   ControllerChain make_chain(int begin, int end) {
     take_range(begin, end);
     const PluginInstance& first = at(begin);
     ControllerChain chain;
-    chain.robot = first.team.front();
+    chain.robot = first.controller.team.front();
     chain.team = team_;
     chain.first = first_ + begin;
     chain.count = end + 1 - begin;
-    chain.signal = first.input_signal;
-    chain.inputs = first.input_count();
-    for (const PluginOutput& output : at(end).outputs) {
+    chain.signal = first.controller.input_signal;
+    chain.inputs = first.controller.input_count();
+    for (const PluginOutput& output : at(end).controller.outputs) {
       chain.ends.push_back(make_end(end, at(end), output));
     }
     return chain;
@@ -268,7 +271,8 @@ class ChainMaker {
       case SKYBODY_WRENCH:
         end.block = &StateLayout::wrench;
         end.first = 6 * static_cast<int>(plan_.sites.size());
-        for (const WrenchSite& site : of_robot(c.sites, output)) plan_.sites.push_back(site);
+        for (const WrenchSite& site : of_robot(c.controller.sites, output))
+          plan_.sites.push_back(site);
         break;
       case SKYBODY_JOINT:
         add_joints(i, c, output, end);
@@ -282,7 +286,7 @@ class ChainMaker {
   void add_joints(int i, const PluginInstance& c, const PluginOutput& output, ChainEnd& end) {
     end.block = &StateLayout::joint_command;
     end.first = static_cast<int>(plan_.joint_drives.size());
-    for (const JointDrive& drive : of_robot(c.joints, output)) {
+    for (const JointDrive& drive : of_robot(c.controller.joints, output)) {
       check_joint(i, c, output, drive);
       plan_.joint_drives.push_back(drive);
     }

@@ -74,7 +74,7 @@ class Planner {
 
   /// Determines the written and the copied parts of a row of observations.
   void place_repeats() {
-    std::vector<ValueCopy> copies = task_.repeats;
+    std::vector<ValueCopy> copies = task_.task.repeats;
     std::sort(copies.begin(), copies.end(),
               [](const ValueCopy& a, const ValueCopy& b) { return a.to < b.to; });
     plan.row.size = plan.observation_size;
@@ -154,7 +154,7 @@ class Planner {
     column.image = static_cast<int>(plan.images.size());
     const auto index = static_cast<int>(&column - plan.columns.data());
     plan.images.push_back(
-        {index, sensor.images + image_bytes(before), channel_of(column.source).bytes()});
+        {index, sensor.sensor.images + image_bytes(before), channel_of(column.source).bytes()});
   }
 
   /// A column's first value within the whole observation.
@@ -169,7 +169,7 @@ class Planner {
         is_of_task ? task_ : sensors_[static_cast<std::size_t>(column.source.sensor)];
     const auto first = owner.channels.begin();
     const std::vector<Channel> before(first, first + column.source.channel);
-    return (is_of_task ? 0 : owner.output) + value_count(before);
+    return (is_of_task ? 0 : owner.sensor.output) + value_count(before);
   }
 
   /// Merges consecutive runs into one part.

@@ -122,7 +122,7 @@ ParamRequest::ParamRequest(const CompiledScenario& compiled, std::span<const Par
   }
   std::vector<int> written;
   for (const Target& t : targets_) written.push_back(t.param);
-  starts_ = compiled.starts().places_of(written);
+  starts_ = compiled.model().starts.places_of(written);
 }
 
 void ParamRequest::add(const EnvParam& info, int param, std::size_t change, bool is_first) {

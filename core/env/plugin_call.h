@@ -16,10 +16,11 @@
 namespace skybody {
 
 /// Throws a LocatedError at the line that names the plugin.
-/// @param what  the predicate of the message, such as "throws `x`"
-[[noreturn]] inline void throw_plugin_error(const PluginInstance& plugin, const std::string& what) {
-  throw LocatedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name + ") " + what +
-                                      "; this is a mistake in the plugin");
+/// @param predicate  the predicate of the message, such as "throws `x`"
+[[noreturn]] inline void throw_plugin_error(const PluginInstance& plugin,
+                                            const std::string& predicate) {
+  throw LocatedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name + ") " +
+                                      predicate + "; this is a mistake in the plugin");
 }
 
 /// Sizes and buffers of a call, for checked mode.
@@ -64,11 +65,13 @@ class CheckedCall {
     checks.contacts = plugin.needs_contacts ? checks.bodies : 0;
     const auto pairs = static_cast<int>(plugin.contact_pairs.size());
     const auto reactions = static_cast<int>(plugin.joint_reactions.size());
-    checks.contact_pairs = pairs > 0 ? plugin.first_contact_pair + pairs : 0;
-    checks.joint_reactions = reactions > 0 ? plugin.first_joint_reaction + reactions : 0;
-    checks.buffer = plugin.buffer_words;
-    checks.scratch = plugin.scratch;
-    checks.memo = plugin.memo;
+    checks.contact_pairs = pairs > 0 ? plugin.memory.first_contact_pair + pairs : 0;
+    checks.joint_reactions = reactions > 0 ? plugin.memory.first_joint_reaction + reactions : 0;
+    const int offered = plugin.sensor.requested();
+    checks.offered = offered > 0 ? plugin.memory.first_offered + offered : 0;
+    checks.buffer = plugin.memory.buffer_words;
+    checks.scratch = plugin.memory.scratch;
+    checks.memo = plugin.memory.memo;
     checks.input = sizes.input;
     checks.output = sizes.output;
     checks.info = sizes.info;
@@ -154,13 +157,14 @@ void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& g
   std::optional<CheckedCall> checked;
   if (view.checks != nullptr) checked.emplace(plugin, *view.checks, sizes());
   SkybodyLanes own;
-  if (plugin.memo > 0) {
+  if (plugin.memory.memo > 0) {
     own = view;
-    own.memo = group.memo(plugin.first_memo);
+    own.memo = group.memo(plugin.memory.first_memo);
   }
   try {
-    function(plugin.self.get(), plugin.memo > 0 ? &own : &view, group.plugin_bits(plugin.state),
-             group.plugin_reals(plugin.buffer), arguments...);
+    function(plugin.self.get(), plugin.memory.memo > 0 ? &own : &view,
+             group.plugin_bits(plugin.memory.state), group.plugin_reals(plugin.memory.buffer),
+             arguments...);
   } catch (const std::exception& error) {
     throw_plugin_error(plugin, "throws in a step: " + std::string(error.what()));
   } catch (...) {

@@ -77,66 +77,43 @@ struct Report {
   int word = 0;  ///< first word of the buffer
 };
 
-/// A plugin instance. Immutable once the CompiledScenario is built.
-struct PluginInstance {
-  SkybodyKind kind = SKYBODY_CONTROLLER;
-  std::string name;       ///< instance name, as in paths
-  std::string plugin;     ///< the plugin's own name
-  std::vector<int> team;  ///< controllers: the robots that they serve, in order
-  SourceLocation mark;    ///< the scenario's line that names it
-  std::string file;       ///< its library; empty: an instance made by a test
+/// Values of an effect that sensors may read.
+struct Offer {
+  std::string name;
+  int robot = 0, count = 0;
+  int word = 0;  ///< first word of the buffer
+};
 
-  std::shared_ptr<const void> self;  ///< keeps the library loaded
-  SkybodyKernels kernels{};          ///< for the chosen instruction set
-  SkybodyKernels dual_kernels{};     ///< for dual numbers; null: the plugin is not smooth
+/// Values of an effect that a sensor reads.
+struct OfferRequest {
+  std::string name;
+  int robot = 0, count = 0;
+};
 
-  // Declared in configure():
-  int inputs = 0;                     ///< number of calls of input()
-  int input_signal = -1;              ///< SkybodySignal, controllers only
+/// A plugin's places within an environment's words and within scratch of all plugins.
+struct PluginMemory {
+  int state = 0, state_words = 0;    ///< within the block plugin_state
+  int buffer = 0, buffer_words = 0;  ///< as above
+  int first_memo = 0, memo = 0;      ///< doubles within StateGroup::memo(): not part of the state
+  int scratch = 0;                   ///< doubles for a call
+  /// First among those of all plugins.
+  int first_contact_pair = 0, first_joint_reaction = 0, first_offered = 0;
+};
+
+/// Declarations of a controller.
+struct ControllerPart {
+  std::vector<int> team;              ///< the robots that it serves, in order
+  int input_calls = 0;                ///< number of calls of input()
+  int input_signal = -1;              ///< SkybodySignal
   std::vector<PluginOutput> outputs;  ///< one; the last controller of a chain may have several
   std::vector<double> low, high;      ///< range of the input: the values of actions -1 and +1
   bool passes_on = false;             ///< its range is that of the next controller
   std::vector<WrenchSite> sites;
   std::vector<JointDrive> joints;
-  std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< effects: the inputs that apply() writes
-  bool is_steady = false;                        ///< effects: the output depends on EnvParams only
-  std::vector<Channel> channels;
-  std::vector<ValueCopy> repeats;  ///< tasks: values of the observation that are copies
-  std::vector<Channel> infos;      ///< tasks: values beside the observation
-  std::vector<Goal> goals;
-  bool robot_rewards = false;  ///< tasks: evaluate() gives each robot its own reward
-  std::vector<int> writes;     ///< EnvParams that a randomizer or the task writes
-  std::vector<int> starts;     ///< places of InitialStates that these EnvParams belong to
-  bool draws_in_time = false;  ///< randomizers: also called before every physics step
-  std::vector<int> reads;      ///< sensor values that it reads, the first of each channel
-  std::vector<Report> reports;
-  std::vector<Channel> actions;  ///< tasks: parts of the action; none: the chains' commands
-  bool interpolates = false;     ///< tasks: commands change over the steps of an action
-  int period = 0;                ///< physics steps between calls, 0: the default of its kind
-  int scratch = 0;               ///< doubles of memory for a call
-  int memo = 0;                  ///< doubles of memory that persist but are not state
-  bool needs_bodies_before = false;
-  bool needs_contacts = false;
-  std::vector<ContactPair> contact_pairs;
-  std::vector<int> joint_reactions;  ///< world body indices
-  /// Sensors: called only if the output is read before the next call. Set if it is declared and no
-  /// plugin reads the sensor between the physics steps of an action.
-  bool is_only_when_read = false;
-
-  // Places within the blocks plugin_state and sensors:
-  int state = 0, state_words = 0;
-  int buffer = 0, buffer_words = 0;
-  int first_memo = 0;  ///< within StateGroup::memo()
-  int output = 0;      ///< sensors: first word of the output
-  /// State words: the last output of a controller that others follow and that is not called in
-  /// every physics step; and, per held input, the contribution of this effect.
+  /// State words of the last output, if others follow and it is not called in every physics step.
   Block last_output;
-  std::array<Block, SKYBODY_HELD_COUNT> held;
-  int first_contact_pair = 0, first_joint_reaction = 0;  ///< first among those of all plugins
-  int images = 0;  ///< sensors: first byte within an environment's image memory
 
   int input_count() const { return static_cast<int>(low.size()); }
-  int channel_count() const { return value_count(channels); }
   int output_count() const {
     int sum = 0;
     for (const PluginOutput& given : outputs) sum += given.count;
@@ -147,6 +124,82 @@ struct PluginInstance {
     return std::any_of(outputs.begin(), outputs.end(),
                        [signal](const PluginOutput& o) { return o.signal == signal; });
   }
+};
+
+/// Declarations of a sensor.
+struct SensorPart {
+  int output = 0;  ///< first word of the output, within the block sensors
+  int images = 0;  ///< first byte within an environment's image memory
+  /// Called only if the output is read before the next call. Set if it is declared and no plugin
+  /// reads the sensor between the physics steps of an action.
+  bool is_only_when_read = false;
+  bool has_observed_image = false;  ///< an image of it is a column of the observation
+  std::vector<OfferRequest> requests;
+
+  /// Number of values that it reads from effects.
+  int requested() const {
+    int sum = 0;
+    for (const OfferRequest& r : requests) sum += r.count;
+    return sum;
+  }
+};
+
+/// Declarations of an effect.
+struct EffectPart {
+  std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< the inputs that apply() writes
+  std::array<Block, SKYBODY_HELD_COUNT> held;    ///< state words of its contribution to each
+  bool is_steady = false;                        ///< the output depends on EnvParams only
+  std::vector<Offer> offers;                     ///< values for sensors
+};
+
+/// Declarations of a randomizer.
+struct RandomizerPart {
+  std::vector<int> starts;     ///< places of InitialStates that its EnvParams belong to
+  bool draws_in_time = false;  ///< also called before every physics step
+};
+
+/// Declarations of a task.
+struct TaskPart {
+  std::vector<ValueCopy> repeats;  ///< values of the observation that are copies
+  std::vector<Channel> infos;      ///< values beside the observation
+  std::vector<Channel> actions;    ///< parts of the action; none: the chains' commands
+  std::vector<Goal> goals;
+  bool robot_rewards = false;  ///< evaluate() gives each robot its own reward
+  bool interpolates = false;   ///< commands change over the steps of an action
+};
+
+/// A plugin instance. Immutable once the ScenarioModel is built. Besides the common members, only
+/// the part of its kind has a meaning.
+struct PluginInstance {
+  SkybodyKind kind = SKYBODY_CONTROLLER;
+  std::string name;     ///< instance name, as in paths
+  std::string plugin;   ///< the plugin's own name
+  SourceLocation mark;  ///< the scenario's line that names it
+  std::string file;     ///< its library; empty: an instance made by a test
+
+  std::shared_ptr<const void> self;  ///< keeps the library loaded
+  SkybodyKernels kernels{};          ///< for the chosen instruction set
+  SkybodyKernels dual_kernels{};     ///< for dual numbers; null: the plugin is not smooth
+
+  // Declared in configure():
+  int period = 0;                 ///< physics steps between calls, 0: the default of its kind
+  std::vector<Channel> channels;  ///< sensors: outputs; tasks: the observation
+  std::vector<Report> reports;
+  std::vector<int> reads;   ///< sensor values that it reads, the first of each channel
+  std::vector<int> writes;  ///< EnvParams that a randomizer or the task writes
+  bool needs_bodies_before = false;
+  bool needs_contacts = false;
+  std::vector<ContactPair> contact_pairs;
+  std::vector<int> joint_reactions;  ///< world body indices
+
+  ControllerPart controller;
+  SensorPart sensor;
+  EffectPart effect;
+  RandomizerPart randomizer;
+  TaskPart task;
+  PluginMemory memory;
+
+  int channel_count() const { return value_count(channels); }
 };
 
 /// Makes instances: implemented by the plugin host, or by a test. Called once per use, in the order

@@ -164,6 +164,101 @@ Channel to_channel(const SkybodyChannel& c) {
   return channel;
 }
 
+/// Calls of controllers.
+void declare_commands(SkybodyDeclare& d) {
+  d.input = [](void* host, int32_t signal, int32_t count, const double* low, const double* high) {
+    PluginInstance& p = instance_of(host);
+    p.controller.input_signal = signal;
+    ++p.controller.input_calls;
+    p.controller.passes_on = count > 0 && (low == nullptr || high == nullptr);
+    p.controller.low.assign(static_cast<std::size_t>(std::max(count, 0)), -1.0);
+    p.controller.high.assign(p.controller.low.size(), 1.0);
+    if (p.controller.passes_on) return;  // until the chain is known
+    p.controller.low.assign(low, low + count);
+    p.controller.high.assign(high, high + count);
+  };
+  d.output = [](void* host, int32_t robot, int32_t signal, int32_t count) {
+    instance_of(host).controller.outputs.push_back({robot, signal, count});
+  };
+  d.site = [](void* host, const SkybodySite* site) {
+    instance_of(host).controller.sites.push_back({site->body,
+                                                  {site->point[0], site->point[1], site->point[2]},
+                                                  site->at_com != 0,
+                                                  site->world_axes != 0});
+  };
+  d.joint = [](void* host, const SkybodyJointDrive* j) {
+    instance_of(host).controller.joints.push_back(
+        {j->body, j->coordinate, static_cast<JointMode>(j->mode), j->stiffness, j->damping,
+         j->effort_limit, j->tau, j->low, j->high});
+  };
+}
+
+/// Calls of effects, sensors and randomizers.
+void declare_effects(SkybodyDeclare& d) {
+  d.holds = [](void* host, int32_t input) {
+    if (input < 0 || input >= SKYBODY_HELD_COUNT) return;
+    instance_of(host).effect.holds[static_cast<std::size_t>(input)] = true;
+  };
+  d.steady = [](void* host) { instance_of(host).effect.is_steady = true; };
+  d.only_when_read = [](void* host) { instance_of(host).sensor.is_only_when_read = true; };
+  d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
+  d.offers = [](void* host, const char* name, int32_t robot, int32_t count, int32_t word) {
+    instance_of(host).effect.offers.push_back({name, robot, count, word});
+  };
+  d.offered = [](void* host, const char* name, int32_t robot, int32_t count) {
+    PluginInstance& p = instance_of(host);
+    const int place = p.memory.first_offered + p.sensor.requested();
+    p.sensor.requests.push_back({name, robot, count});
+    return static_cast<int32_t>(place);
+  };
+  d.draws_in_time = [](void* host) { instance_of(host).randomizer.draws_in_time = true; };
+}
+
+/// Calls of tasks.
+void declare_task(SkybodyDeclare& d) {
+  d.action = [](void* host, const SkybodyChannel* c) {
+    instance_of(host).task.actions.push_back(to_channel(*c));
+  };
+  d.interpolate = [](void* host) { instance_of(host).task.interpolates = true; };
+  d.goal = [](void* host, int32_t robot, int32_t body, const double* point) {
+    instance_of(host).task.goals.push_back({robot, body, {point[0], point[1], point[2]}});
+  };
+  d.robot_rewards = [](void* host) { instance_of(host).task.robot_rewards = true; };
+  d.info = [](void* host, const SkybodyChannel* c) {
+    instance_of(host).task.infos.push_back(to_channel(*c));
+  };
+  d.repeat = [](void* host, int32_t to, int32_t from, int32_t count) {
+    instance_of(host).task.repeats.push_back({from, to, count});
+  };
+}
+
+/// Calls of every kind.
+void declare_common(SkybodyDeclare& d) {
+  d.channel = [](void* host, const SkybodyChannel* c) {
+    instance_of(host).channels.push_back(to_channel(*c));
+  };
+  d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
+  d.scratch = [](void* host, int32_t values) { instance_of(host).memory.scratch = values; };
+  d.memo = [](void* host, int32_t values) { instance_of(host).memory.memo = values; };
+  d.report = [](void* host, const SkybodyChannel* c, int32_t word) {
+    instance_of(host).reports.push_back({to_channel(*c), word});
+  };
+  d.contacts = [](void* host) { instance_of(host).needs_contacts = true; };
+  d.contact_pair = [](void* host, int32_t body, int32_t partner, int32_t other) {
+    PluginInstance& p = instance_of(host);
+    p.contact_pairs.push_back({body, static_cast<SkybodyPartner>(partner), other});
+    return p.memory.first_contact_pair + static_cast<int32_t>(p.contact_pairs.size()) - 1;
+  };
+  d.joint_reaction = [](void* host, int32_t body) {
+    PluginInstance& p = instance_of(host);
+    p.joint_reactions.push_back(body);
+    return p.memory.first_joint_reaction + static_cast<int32_t>(p.joint_reactions.size()) - 1;
+  };
+  d.buffer = [](void* host, int32_t words) { instance_of(host).memory.buffer_words = words; };
+  d.bodies_before = [](void* host) { instance_of(host).needs_bodies_before = true; };
+  d.reads = [](void* host, int32_t first) { instance_of(host).reads.push_back(first); };
+}
+
 }  // namespace
 
 BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
@@ -200,6 +295,14 @@ SetupTables::SetupTables(const Topology& topology, const StateLayout& layout)
   for (int i = 0; i < static_cast<int>(topology.rotors.size()); ++i) {
     rotors_.push_back(rotor_info(topology, layout, i));
   }
+  add_shapes(topology);
+  add_visuals(topology);
+  for (const EnvParam& p : layout.param_info) {
+    params_.push_back({p.path.c_str(), p.alias.c_str(), p.nominal, p.min, p.max});
+  }
+}
+
+void SetupTables::add_shapes(const Topology& topology) {
   for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
     const WorldBody& body = topology.bodies[static_cast<std::size_t>(i)];
     for (const Shape& shape : body.model->collisions) {
@@ -212,11 +315,29 @@ SetupTables::SetupTables(const Topology& topology, const StateLayout& layout)
     const Obstacle& obstacle = scenario_.obstacles[static_cast<std::size_t>(i)];
     shapes_.push_back(shape_info(obstacle.shape, obstacle.name));
     shapes_.back().obstacle = i;
-    shapes_.back().first_param = layout.obstacle_params[static_cast<std::size_t>(i)];
+    shapes_.back().first_param = layout_.obstacle_params[static_cast<std::size_t>(i)];
     if (obstacle.is_gate) shapes_.back().kind = SKYBODY_GATE;
   }
-  for (const EnvParam& p : layout.param_info) {
-    params_.push_back({p.path.c_str(), p.alias.c_str(), p.nominal, p.min, p.max});
+}
+
+/// Meshes of visuals are not read: a body with one is drawn by its collision shapes, in the colour
+/// of its first visual.
+void SetupTables::add_visuals(const Topology& topology) {
+  const auto is_mesh = [](const Shape& shape) { return shape.type == ShapeType::kMesh; };
+  for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
+    const Body& body = *topology.bodies[static_cast<std::size_t>(i)].model;
+    const bool has_closed_forms =
+        !body.visuals.empty() && std::none_of(body.visuals.begin(), body.visuals.end(), is_mesh);
+    for (const Shape& shape : has_closed_forms ? body.visuals : body.collisions) {
+      SkybodyVisualInfo& info = visuals_.emplace_back();
+      info.shape = shape_info(contact_shape(shape), body.name);
+      info.shape.mesh = "";
+      info.shape.robot = topology.bodies[static_cast<std::size_t>(i)].robot;
+      info.shape.body = i;
+      const Shape& painted =
+          has_closed_forms || body.visuals.empty() ? shape : body.visuals.front();
+      std::copy(painted.rgba.begin(), painted.rgba.end(), info.color);
+    }
   }
 }
 
@@ -245,6 +366,8 @@ SkybodySetup SetupTables::setup(const std::string& instance, const std::vector<i
   s.chain_count = static_cast<int>(chains_.size());
   s.shapes = shapes_.data();
   s.shape_count = static_cast<int>(shapes_.size());
+  s.visuals = visuals_.data();
+  s.visual_count = static_cast<int>(visuals_.size());
   s.params = params_.data();
   s.param_count = static_cast<int>(params_.size());
   s.values = values.data();
@@ -253,7 +376,7 @@ SkybodySetup SetupTables::setup(const std::string& instance, const std::vector<i
 }
 
 void SetupTables::add_sensor(const PluginInstance& sensor) {
-  int first = sensor.output;
+  int first = sensor.sensor.output;
   for (const Channel& channel : sensor.channels) {
     if (channel.is_image()) continue;
     names_.push_back(std::make_unique<std::string>(sensor.name));
@@ -280,76 +403,10 @@ void SetupTables::set_chains(const std::vector<ControllerChain>& chains) {
 SkybodyDeclare declare_into(PluginInstance& instance) {
   SkybodyDeclare d{};
   d.host = &instance;
-  d.input = [](void* host, int32_t signal, int32_t count, const double* low, const double* high) {
-    PluginInstance& p = instance_of(host);
-    p.input_signal = signal;
-    ++p.inputs;
-    p.passes_on = count > 0 && (low == nullptr || high == nullptr);
-    p.low.assign(static_cast<std::size_t>(std::max(count, 0)), -1.0);
-    p.high.assign(p.low.size(), 1.0);
-    if (p.passes_on) return;  // until the chain is known
-    p.low.assign(low, low + count);
-    p.high.assign(high, high + count);
-  };
-  d.output = [](void* host, int32_t robot, int32_t signal, int32_t count) {
-    instance_of(host).outputs.push_back({robot, signal, count});
-  };
-  d.site = [](void* host, const SkybodySite* site) {
-    instance_of(host).sites.push_back({site->body,
-                                       {site->point[0], site->point[1], site->point[2]},
-                                       site->at_com != 0,
-                                       site->world_axes != 0});
-  };
-  d.joint = [](void* host, const SkybodyJointDrive* j) {
-    instance_of(host).joints.push_back({j->body, j->coordinate, static_cast<JointMode>(j->mode),
-                                        j->stiffness, j->damping, j->effort_limit, j->tau, j->low,
-                                        j->high});
-  };
-  d.channel = [](void* host, const SkybodyChannel* c) {
-    instance_of(host).channels.push_back(to_channel(*c));
-  };
-  d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
-  d.scratch = [](void* host, int32_t values) { instance_of(host).scratch = values; };
-  d.memo = [](void* host, int32_t values) { instance_of(host).memo = values; };
-  d.holds = [](void* host, int32_t input) {
-    if (input < 0 || input >= SKYBODY_HELD_COUNT) return;
-    instance_of(host).holds[static_cast<std::size_t>(input)] = true;
-  };
-  d.steady = [](void* host) { instance_of(host).is_steady = true; };
-  d.report = [](void* host, const SkybodyChannel* c, int32_t word) {
-    instance_of(host).reports.push_back({to_channel(*c), word});
-  };
-  d.contacts = [](void* host) { instance_of(host).needs_contacts = true; };
-  d.contact_pair = [](void* host, int32_t body, int32_t partner, int32_t other) {
-    PluginInstance& p = instance_of(host);
-    p.contact_pairs.push_back({body, static_cast<SkybodyPartner>(partner), other});
-    return p.first_contact_pair + static_cast<int32_t>(p.contact_pairs.size()) - 1;
-  };
-  d.joint_reaction = [](void* host, int32_t body) {
-    PluginInstance& p = instance_of(host);
-    p.joint_reactions.push_back(body);
-    return p.first_joint_reaction + static_cast<int32_t>(p.joint_reactions.size()) - 1;
-  };
-  d.action = [](void* host, const SkybodyChannel* c) {
-    instance_of(host).actions.push_back(to_channel(*c));
-  };
-  d.interpolate = [](void* host) { instance_of(host).interpolates = true; };
-  d.buffer = [](void* host, int32_t words) { instance_of(host).buffer_words = words; };
-  d.bodies_before = [](void* host) { instance_of(host).needs_bodies_before = true; };
-  d.reads = [](void* host, int32_t first) { instance_of(host).reads.push_back(first); };
-  d.only_when_read = [](void* host) { instance_of(host).is_only_when_read = true; };
-  d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
-  d.draws_in_time = [](void* host) { instance_of(host).draws_in_time = true; };
-  d.goal = [](void* host, int32_t robot, int32_t body, const double* point) {
-    instance_of(host).goals.push_back({robot, body, {point[0], point[1], point[2]}});
-  };
-  d.robot_rewards = [](void* host) { instance_of(host).robot_rewards = true; };
-  d.info = [](void* host, const SkybodyChannel* c) {
-    instance_of(host).infos.push_back(to_channel(*c));
-  };
-  d.repeat = [](void* host, int32_t to, int32_t from, int32_t count) {
-    instance_of(host).repeats.push_back({from, to, count});
-  };
+  declare_commands(d);
+  declare_effects(d);
+  declare_task(d);
+  declare_common(d);
   return d;
 }
 

@@ -46,6 +46,9 @@ class SetupTables {
   void set_chains(const std::vector<ControllerChain>& chains);
 
  private:
+  void add_shapes(const Topology& topology);
+  void add_visuals(const Topology& topology);
+
   const Scenario& scenario_;
   const StateLayout& layout_;
   std::vector<SkybodyRobotInfo> robots_;
@@ -55,6 +58,7 @@ class SetupTables {
   std::vector<SkybodySensorInfo> sensors_;
   std::vector<SkybodyChainInfo> chains_;
   std::vector<SkybodyShapeInfo> shapes_;
+  std::vector<SkybodyVisualInfo> visuals_;
   std::vector<SkybodyEnvParamInfo> params_;
   std::vector<std::unique_ptr<std::string>> names_;  ///< texts referenced by sensors_
 };

@@ -169,7 +169,7 @@ class List {
       add_contact(prefix, place.first_body + b);
     }
     add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count}, use.model.rotors);
-    const Block command = compiled_.commands_of(robot);
+    const Block command = compiled_.model().commands_of(robot);
     add_words_if_any(prefix + "command", "", "", command, {command.size},
                      "commands of its chains of controllers, and of teams whose first robot it is, "
                      "physical units (docs/control-modes.md)");
@@ -268,7 +268,7 @@ class List {
 
   void add_sensors() {
     for (const PluginInstance& sensor : compiled_.plugins(SKYBODY_SENSOR)) {
-      int word = layout_.sensors.offset + sensor.output;
+      int word = layout_.sensors.offset + sensor.sensor.output;
       for (const Channel& channel : sensor.channels) {
         if (channel.is_image()) continue;
         add_words_if_any("sensors." + sensor.name + "." + channel.name, channel.unit, "",

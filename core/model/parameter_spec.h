@@ -28,6 +28,7 @@ struct ParameterSpec {
   std::vector<std::string> choices;                       ///< of texts; empty: any
   bool is_file = false;       ///< texts are names of files; values are their paths
   bool randomizable = false;  ///< one value per environment, which randomizers may draw
+  bool when_given = false;    ///< randomizable only where the scenario sets it
 
   /// Whether the value is written as one scalar rather than as a list.
   bool is_scalar() const { return min_count == 1 && max_count == 1; }

@@ -15,6 +15,8 @@
 
 namespace skybody {
 
+struct ModelMarks;
+
 /// A rigid transform: `rotation` maps vectors of the inner frame to the outer frame, `position` is
 /// the inner frame's origin in the outer frame [m].
 struct Pose {
@@ -165,6 +167,7 @@ struct RobotModel {
   std::vector<Body> bodies;
   std::vector<Link> links;
   std::vector<Rotor> rotors;
+  std::shared_ptr<const ModelMarks> marks;  ///< locations in its files; null: not from files
 
   /// Sum of the bodies' nominal masses [kg].
   double total_mass() const;

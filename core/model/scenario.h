@@ -9,15 +9,9 @@
 #include <vector>
 
 #include "core/model/robot_model.h"
+#include "core/model/source_location.h"
 
 namespace skybody {
-
-/// The location of a value: file and position, or "--set path=value" with line 0.
-struct SourceLocation {
-  std::string file;
-  int line = 0;    ///< from 1; 0: not from a file
-  int column = 0;  ///< from 1
-};
 
 enum class ParameterType { kReal, kInteger, kBoolean, kText };
 

@@ -33,11 +33,12 @@ extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 7u
+#define SKYBODY_ABI_VERSION 8u
 #define SKYBODY_GROUP_LANES 32u   /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_CONTACT_VALUES 7  /* per body in SkybodyLanes::contacts */
 #define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
 #define SKYBODY_LONGEST_LEFT_OUT 1024 /* physics steps, see SkybodyDeclare::only_when_read */
+#define SKYBODY_NEVER_READ UINT64_MAX /* see SkybodyLanes::steps_to_read */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 
 enum SkybodyParameterType {
@@ -57,7 +58,8 @@ typedef struct SkybodyParameter {
   int32_t min_count;
   int32_t max_count;
   uint32_t required;     /* 1: no default */
-  uint32_t randomizable; /* 1: one value per environment, in state words; reals only */
+  uint32_t randomizable; /* 1: one value per environment, in state words; 2: only where the scenario
+                            sets it, otherwise the default for all; reals only */
   uint32_t is_file;      /* 1: the texts are file names; the host passes paths that can be opened */
   double min;            /* inclusive */
   double max;            /* inclusive */
@@ -202,6 +204,13 @@ typedef struct SkybodyShapeInfo {
   double rotation[4];  /* body frame (obstacles: W) from the shape's frame, w x y z */
 } SkybodyShapeInfo;
 
+/* A shape to draw: a visual of a body, or a collision shape of a body without visuals. Obstacles
+ * are drawn as in SkybodySetup::shapes. */
+typedef struct SkybodyVisualInfo {
+  SkybodyShapeInfo shape; /* `obstacle` and `first_param` are -1 */
+  double color[4];        /* red, green, blue, opacity, each in [0, 1] */
+} SkybodyVisualInfo;
+
 /* A randomizable value. */
 typedef struct SkybodyEnvParamInfo {
   const char* path;  /* such as robots.quad.rotors[2].thrust_constant */
@@ -236,6 +245,8 @@ typedef struct SkybodySetup {
   int32_t chain_count;
   const SkybodyShapeInfo* shapes; /* of bodies, in body order, then obstacles */
   int32_t shape_count;
+  const SkybodyVisualInfo* visuals; /* in body order */
+  int32_t visual_count;
   const SkybodyEnvParamInfo* params;
   int32_t param_count;
   const SkybodyValue* values; /* this plugin's parameters */
@@ -373,6 +384,12 @@ typedef struct SkybodyDeclare {
   /* Tasks: `count` values of the observation from `to` on repeat those from `from` on. Packs of
    * lanes may leave them unwritten; single lanes and dual numbers write them. */
   void (*repeat)(void* host, int32_t to, int32_t from, int32_t count);
+  /* Effects: the buffer's words from `first_word` on are `name` of `robot`, for sensors. The name
+   * begins with that of the plugin, such as battery.charge. */
+  void (*offers)(void* host, const char* name, int32_t robot, int32_t count, int32_t first_word);
+  /* Sensors: requests values that an effect offers; without such an effect the scenario is refused.
+   * Returns the place of the first in SkybodyLanes::offered. */
+  int32_t (*offered)(void* host, const char* name, int32_t robot, int32_t count);
 } SkybodyDeclare;
 
 /* Checked mode, for groups of one lane: the number of values that a call may access, and the first
@@ -385,6 +402,7 @@ typedef struct SkybodyChecks {
       joint_reactions;           /* those of all plugins; 0 if the plugin did not request them */
   int32_t buffer, scratch, memo; /* of the called plugin */
   int32_t input, output, info;   /* of this call; `output` also stands for the observation */
+  int32_t offered;               /* those of all plugins; 0 if the plugin did not request them */
   const char* what; /* array of the first access out of range, such as "output"; NULL: none */
   int32_t index, size;
   double nothing;
@@ -417,10 +435,14 @@ typedef struct SkybodyLanes {
                                     about the body's origin (W) [N, N m] */
   double* scratch;               /* of this call, see SkybodyDeclare::scratch */
   double* memo;                  /* of this plugin, see SkybodyDeclare::memo */
-  unsigned char* images; /* in sense: the images of this sensor in lane 0, in the order of their
-                            declaration, each at a multiple of 8 bytes; otherwise NULL */
-  uint64_t image_stride; /* bytes between the images of neighbouring lanes */
-  SkybodyChecks* checks; /* NULL: not checked */
+  unsigned char* images;  /* in sense: the images of this sensor in lane 0, in the order of their
+                             declaration, each at a multiple of 8 bytes; otherwise NULL */
+  uint64_t image_stride;  /* bytes between the images of neighbouring lanes */
+  uint64_t steps_to_read; /* in sense: physics steps after this one before the images of this sensor
+                             are read, 0: they are read next; SKYBODY_NEVER_READ: no reader */
+  SkybodyChecks* checks;  /* NULL: not checked */
+  const double* plugin_words; /* words of all plugins, or NULL */
+  const int32_t* offered;     /* 1 per value requested by offered(): its row in plugin_words */
 } SkybodyLanes;
 
 /* Reason for a call of a randomizer. */

@@ -217,6 +217,7 @@ std::vector<ParameterSpec> parameter_specs(const SkybodyPlugin& plugin) {
     spec.max_count = p.max_count;
     spec.required = p.required != 0;
     spec.randomizable = p.randomizable != 0;
+    spec.when_given = p.randomizable == 2;
     spec.is_file = p.is_file != 0;
     spec.choices.assign(p.choices, p.choices + p.choice_count);
     if (p.type != SKYBODY_TEXT) {

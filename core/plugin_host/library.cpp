@@ -58,6 +58,41 @@ void check_sizes(const std::filesystem::path& file, const SkybodyPluginLibrary& 
   }
 }
 
+/// Checks the library's description of itself, in the order in which its parts can be trusted.
+void check_header(const std::filesystem::path& file, const SkybodyPluginLibrary& found) {
+  if (found.magic != SKYBODY_ABI_MAGIC) {
+    refuse(LoadFailure::kWrongMagic, file,
+           "is no plugin: `" SKYBODY_LIBRARY_SYMBOL "` begins with " + to_hex(found.magic) +
+               " instead of " + to_hex(SKYBODY_ABI_MAGIC) + kRebuild);
+  }
+  if (found.abi_version != SKYBODY_ABI_VERSION) {
+    refuse(LoadFailure::kWrongVersion, file,
+           "was built for plugin API " + std::to_string(found.abi_version) + ", this Skybody has " +
+               std::to_string(SKYBODY_ABI_VERSION) + kRebuild);
+  }
+  check_sizes(file, found);
+  const std::uint64_t probe = found.fp_probe != nullptr ? found.fp_probe() : ~kFpProbeExpected;
+  if (probe != kFpProbeExpected) {
+    refuse(LoadFailure::kFloatingPoint, file,
+           "was compiled with other floating-point flags (its probe gives " + to_hex(probe) +
+               " instead of " + to_hex(kFpProbeExpected) +
+               "): link Skybody::plugin_api, and do not use -ffast-math, -Ofast or "
+               "-ffp-contract=fast");
+  }
+  if (found.failure != nullptr) {
+    refuse(LoadFailure::kBadDescription, file,
+           "its constructor failed: " + std::string(found.failure));
+  }
+  if (found.plugin_count == 0 || found.plugins == nullptr) {
+    refuse(LoadFailure::kBadDescription, file, "describes no plugin");
+  }
+  if (found.plugin_count > kMostPlugins) {
+    refuse(LoadFailure::kBadDescription, file,
+           "says that it holds " + std::to_string(found.plugin_count) +
+               " plugins; allowed: at most " + std::to_string(kMostPlugins));
+  }
+}
+
 }  // namespace
 
 /// Unloads the library in its destructor, also if the constructor of PluginLibrary throws.
@@ -114,37 +149,7 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
     refuse(LoadFailure::kNoPlugin, file_, kNoPluginSymbol);
   }
   const auto& found = handle_->library.get<const SkybodyPluginLibrary>(SKYBODY_LIBRARY_SYMBOL);
-  if (found.magic != SKYBODY_ABI_MAGIC) {
-    refuse(LoadFailure::kWrongMagic, file_,
-           "is no plugin: `" SKYBODY_LIBRARY_SYMBOL "` begins with " + to_hex(found.magic) +
-               " instead of " + to_hex(SKYBODY_ABI_MAGIC) + kRebuild);
-  }
-  if (found.abi_version != SKYBODY_ABI_VERSION) {
-    refuse(LoadFailure::kWrongVersion, file_,
-           "was built for plugin API " + std::to_string(found.abi_version) + ", this Skybody has " +
-               std::to_string(SKYBODY_ABI_VERSION) + kRebuild);
-  }
-  check_sizes(file_, found);
-  const std::uint64_t probe = found.fp_probe != nullptr ? found.fp_probe() : ~kFpProbeExpected;
-  if (probe != kFpProbeExpected) {
-    refuse(LoadFailure::kFloatingPoint, file_,
-           "was compiled with other floating-point flags (its probe gives " + to_hex(probe) +
-               " instead of " + to_hex(kFpProbeExpected) +
-               "): link Skybody::plugin_api, and do not use -ffast-math, -Ofast or "
-               "-ffp-contract=fast");
-  }
-  if (found.failure != nullptr) {
-    refuse(LoadFailure::kBadDescription, file_,
-           "its constructor failed: " + std::string(found.failure));
-  }
-  if (found.plugin_count == 0 || found.plugins == nullptr) {
-    refuse(LoadFailure::kBadDescription, file_, "describes no plugin");
-  }
-  if (found.plugin_count > kMostPlugins) {
-    refuse(LoadFailure::kBadDescription, file_,
-           "says that it holds " + std::to_string(found.plugin_count) +
-               " plugins; allowed: at most " + std::to_string(kMostPlugins));
-  }
+  check_header(file_, found);
   for (std::uint32_t i = 0; i < found.plugin_count; ++i) {
     const std::string problem =
         found.plugins[i] == nullptr ? "describes no plugin" : descriptor_problem(*found.plugins[i]);

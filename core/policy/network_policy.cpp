@@ -8,29 +8,10 @@
 #include "core/base/math/math.h"
 #include "core/base/simd/fp_environment.h"
 #include "core/base/system/error.h"
+#include "core/policy/activations.h"
 
 namespace skybody {
 namespace {
-
-/// tanh |x| = (1 - e^(-2|x|)) / (1 + e^(-2|x|)), by expm1 to keep the precision of small x.
-double tanh(double x) {
-  const double t = expm1(-2.0 * abs(x));
-  return copysign(-t / (t + 2.0), x);
-}
-
-double activate(double x, Activation activation) {
-  switch (activation) {
-    case Activation::kTanh:
-      return tanh(x);
-    case Activation::kRelu:
-      return x < 0.0 ? 0.0 : x;
-    case Activation::kElu:
-      return x > 0.0 ? x : expm1(x);
-    case Activation::kNone:
-      break;
-  }
-  return x;
-}
 
 double sigmoid(double x) { return 1.0 / (1.0 + exp(-x)); }
 
@@ -54,12 +35,37 @@ void evaluate(const PolicyLayer& layer, const std::vector<double>& in, std::vect
   }
 }
 
-void check_size(const char* what, int trained, int needed, const std::filesystem::path& file,
-                const CompiledScenario& compiled) {
-  if (trained == needed) return;
-  throw Error(std::string("the policy ") + file.string() + " has " + what + " of " +
-              std::to_string(trained) + " values; " + compiled.scenario().file + " has " +
-              std::to_string(needed) + ": fly it in the scenario that it was trained on");
+std::string sizes_text(int observations, int actions) {
+  return std::to_string(observations) + (observations == 1 ? " observation" : " observations") +
+         " and " + std::to_string(actions) + (actions == 1 ? " action" : " actions");
+}
+
+/// The scenario's column of an image, or null.
+const ObservationColumn* column_of(const PolicyImage& image, const CompiledScenario& compiled) {
+  for (const ObservationColumn& column : compiled.columns()) {
+    if (column.image >= 0 && column.name == image.column) return &column;
+  }
+  return nullptr;
+}
+
+void check_image(const PolicyImage& image, const std::filesystem::path& file,
+                 const CompiledScenario& compiled) {
+  const std::string who = "the policy " + file.string() + " sees `" + image.column + "` of " +
+                          std::to_string(image.height) + " x " + std::to_string(image.width) +
+                          " x " + std::to_string(image.channels) + " values; ";
+  const ObservationColumn* column = column_of(image, compiled);
+  if (column == nullptr) {
+    throw Error(who + compiled.scenario().file +
+                " observes no such image: fly it in the scenario that it was trained on");
+  }
+  std::vector<int> shape = column->shape;
+  if (shape.size() == 2) shape.push_back(1);
+  if (shape == std::vector<int>{image.height, image.width, image.channels}) return;
+  std::string extents;
+  for (const int extent : column->shape)
+    extents += (extents.empty() ? "" : " x ") + std::to_string(extent);
+  throw Error(who + compiled.scenario().file + " has " + extents +
+              ": fly it in the scenario that it was trained on");
 }
 
 }  // namespace
@@ -72,7 +78,10 @@ NetworkPolicy::NetworkPolicy(const std::filesystem::path& path)
 NetworkPolicy::NetworkPolicy(PolicyFile policy) : policy_(std::move(policy)) { prepare(); }
 
 void NetworkPolicy::prepare() {
-  int width = policy_.input_size();
+  int width = policy_.input_size() + policy_.feature_size();
+  for (const PolicyImage& image : policy_.images) image_features_.emplace_back(image);
+  views_.resize(policy_.images.size());
+  features_.resize(static_cast<std::size_t>(policy_.feature_size()));
   for (const PolicyLayer& layer : policy_.layers) width = std::max(width, layer.outputs);
   values_.resize(static_cast<std::size_t>(width));
   next_.resize(values_.size());
@@ -93,13 +102,26 @@ void NetworkPolicy::prepare() {
 }
 
 std::string NetworkPolicy::check_fits(const CompiledScenario& compiled) const {
-  check_size("observations", policy_.observation_size, compiled.observation_size(), file_,
-             compiled);
-  check_size("actions", policy_.action_size, compiled.action_size(), file_, compiled);
-  const std::string hash = to_hex(compiled.scenario().hash);
-  if (policy_.scenario_hash == hash) return "";
-  return "the policy " + file_.string() + " was trained on `" + policy_.scenario + "` with hash " +
-         policy_.scenario_hash + "; this is `" + compiled.scenario().name + "` with hash " + hash;
+  const Scenario& scenario = compiled.scenario();
+  const bool is_named = !policy_.scenario.empty();
+  const std::string trained = is_named ? "`" + policy_.scenario + "`" : "another scenario";
+  const std::string subject = "the policy " + file_.string() + " was trained on " + trained;
+  const std::string sizes = sizes_text(policy_.observation_size, policy_.action_size);
+  if (policy_.observation_size != compiled.observation_size() ||
+      policy_.action_size != compiled.action_size()) {
+    throw Error(subject + " with " + sizes + "; `" + scenario.name + "` has " +
+                sizes_text(compiled.observation_size(), compiled.action_size()) + ": fly it in " +
+                (is_named ? trained : "the scenario that it was trained on"));
+  }
+  for (const PolicyImage& image : policy_.images) check_image(image, file_, compiled);
+  if (policy_.scenario_hash == to_hex(scenario.hash)) return "";
+  if (policy_.scenario == scenario.name) {
+    return subject +
+           ", whose values have changed since: observations and actions have the same "
+           "size, their meaning and the flight may differ";
+  }
+  return subject + ", and flies `" + scenario.name + "`: both have " + sizes +
+         ", their meaning and the flight may differ";
 }
 
 void NetworkPolicy::reset() {
@@ -120,19 +142,31 @@ NetworkPolicy::Memory& NetworkPolicy::memory_of(const Simulation& simulation) {
 }
 
 void NetworkPolicy::act(const Simulation& simulation, std::span<float> action) {
-  act(simulation.observation(), state_size_ > 0 ? memory_of(simulation) : own_, action);
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const ObservationColumn* column = column_of(policy_.images[k], simulation.compiled());
+    SKYBODY_DEMAND(column != nullptr, "a policy flies a scenario that it fits");
+    views_[k] = {column->type, simulation.image(column->image).data()};
+  }
+  act(simulation.observation(), views_, state_size_ > 0 ? memory_of(simulation) : own_, action);
 }
 
-void NetworkPolicy::act(std::span<const float> observation, std::span<float> action) {
-  act(observation, own_, action);
+void NetworkPolicy::act(std::span<const float> observation, std::span<float> action,
+                        std::span<const ImageView> images) {
+  act(observation, images, own_, action);
 }
 
-void NetworkPolicy::act(std::span<const float> observation, Memory& memory,
-                        std::span<float> action) {
+void NetworkPolicy::act(std::span<const float> observation, std::span<const ImageView> images,
+                        Memory& memory, std::span<float> action) {
   SKYBODY_DEMAND(static_cast<int>(observation.size()) == policy_.observation_size &&
-                     static_cast<int>(action.size()) == policy_.action_size,
+                     static_cast<int>(action.size()) == policy_.action_size &&
+                     images.size() == policy_.images.size(),
                  "a policy's rows have the wrong width");
   const FpEnvironment guard;
+  double* feature = features_.data();
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    image_features_[k].evaluate(images[k].type, images[k].pixels, feature);
+    feature += image_features_[k].features();
+  }
   double* states = memory.states.data();
   if (policy_.agents.empty()) {
     act(all_, observation, states, action);
@@ -153,7 +187,8 @@ void NetworkPolicy::advance(const PolicyLayer& layer, double* state) {
   for (std::size_t u = 0; u < units; ++u) {
     const double reset = sigmoid(from_input_[u] + from_state_[u]);
     const double update = sigmoid(from_input_[units + u] + from_state_[units + u]);
-    const double candidate = tanh(from_input_[2 * units + u] + reset * from_state_[2 * units + u]);
+    const double candidate =
+        tanh_of(from_input_[2 * units + u] + reset * from_state_[2 * units + u]);
     state[u] = (1.0 - update) * candidate + update * state[u];
     next_[u] = state[u];
   }
@@ -169,6 +204,8 @@ void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observa
     values_[k] =
         static_cast<double>(static_cast<float>(clamp(centred, -policy_.clip, policy_.clip)));
   }
+  std::copy(features_.begin(), features_.end(),
+            values_.begin() + static_cast<std::ptrdiff_t>(agent.observation.size()));
   for (const PolicyLayer& layer : policy_.layers) {
     if (layer.kind == LayerKind::kGru) {
       advance(layer, states);
@@ -179,7 +216,7 @@ void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observa
     values_.swap(next_);
   }
   for (std::size_t k = 0; k < agent.action.size(); ++k) {
-    const double value = policy_.squash == ActionSquash::kTanh ? tanh(values_[k]) : values_[k];
+    const double value = policy_.squash == ActionSquash::kTanh ? tanh_of(values_[k]) : values_[k];
     action[static_cast<std::size_t>(agent.action[k])] = held(value);
   }
 }

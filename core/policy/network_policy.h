@@ -1,4 +1,4 @@
-// Flies policies trained in Python: a multilayer perceptron read from policy.h5.
+// Flies trained policies: networks read from policy.h5.
 #pragma once
 
 #include <filesystem>
@@ -6,10 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "core/env/column_type.h"
 #include "core/io/files/policy_file.h"
+#include "core/policy/image_features.h"
 #include "core/policy/policy.h"
 
 namespace skybody {
+
+/// An image in memory: height x width x channels values of a type.
+struct ImageView {
+  ColumnType type = ColumnType::kUint8;
+  const std::uint8_t* pixels = nullptr;
+};
 
 /// The deterministic policy: the mean of the action distribution. Evaluated in double with sums
 /// from left to right and bit-stable functions: equal observations give equal actions on every
@@ -34,7 +42,9 @@ class NetworkPolicy : public Policy {
   /// A recurrent network keeps a memory of these calls since reset().
   /// @param observation  observation_size values
   /// @param action  action_size values in [-1, 1]
-  void act(std::span<const float> observation, std::span<float> action);
+  /// @param images  one for each of policy().images
+  void act(std::span<const float> observation, std::span<float> action,
+           std::span<const ImageView> images = {});
   /// Allocates only in the first call with a simulation, and only for recurrent networks.
   void act(const Simulation& simulation, std::span<float> action) override;
   /// Clears the memory of act(observation, action).
@@ -48,7 +58,8 @@ class NetworkPolicy : public Policy {
   };
   void prepare();
   Memory& memory_of(const Simulation& simulation);
-  void act(std::span<const float> observation, Memory& memory, std::span<float> action);
+  void act(std::span<const float> observation, std::span<const ImageView> images, Memory& memory,
+           std::span<float> action);
   void act(const PolicyAgent& agent, std::span<const float> observation, double* states,
            std::span<float> action);
   void advance(const PolicyLayer& layer, double* state);
@@ -59,6 +70,9 @@ class NetworkPolicy : public Policy {
   std::vector<double> values_, next_;            ///< between two layers, as wide as the widest
   int state_size_ = 0;                           ///< of all recurrent layers, for one robot
   std::vector<double> from_input_, from_state_;  ///< a recurrent layer's sums
+  std::vector<ImageFeatures> image_features_;    ///< of each image
+  std::vector<ImageView> views_;                 ///< of a simulation's images
+  std::vector<double> features_;                 ///< of all images
   Memory own_;                                   ///< without a simulation
   std::vector<Memory> memories_;                 ///< one per simulation
 };

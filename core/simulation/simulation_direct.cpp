@@ -66,7 +66,7 @@ void Simulation::demand_started(const char* call) const {
 
 int Simulation::command_size(const std::string& robot) const {
   const auto r = static_cast<std::size_t>(robot_index(robot));
-  const int size = compiled_->commands_of(static_cast<int>(r)).size;
+  const int size = compiled_->model().commands_of(static_cast<int>(r)).size;
   if (size == 0) {
     const bool is_fed = !scenario().robots[r].controllers.empty();
     throw Error("robot `" + scenario().robots[r].name + "` takes no commands: " +
@@ -82,7 +82,7 @@ void Simulation::command(const std::string& robot, std::span<const double> value
   const auto r = static_cast<std::size_t>(robot_index(robot));
   check_values("command", values.size(), 1, size);
   demand_finite("command", values);
-  data_->group.scatter(0, compiled_->commands_of(static_cast<int>(r)), values.data());
+  data_->group.scatter(0, compiled_->model().commands_of(static_cast<int>(r)), values.data());
 }
 
 bool Simulation::advance(std::int64_t physics_steps) {

@@ -15,12 +15,12 @@ class Battery : public Effect {
     dt_ = setup.dt();
     read_curve();
     if (!(initial_charge_.value() > 0.0)) {
-      throw std::runtime_error(
+      refuse(
           "`initial_charge` is 0, an empty pack whose rotors never turn: allowed are shares of the "
           "capacity above 0, up to 1");
     }
     for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`battery`")) {
-      Pack pack;
+      Pack pack{robot, {}};
       for (const RotorInfo& rotor : setup.rotors_of(robot)) {
         pack.rotors.push_back(
             {static_cast<int>(&rotor - setup.rotors().begin()), rotor.first_param});
@@ -31,6 +31,12 @@ class Battery : public Effect {
     const auto count = static_cast<int>(packs_.size());
     setup.holds(HeldInput::kRotorLimit);
     setup.buffer(3 * count);
+    for (int p = 0; p < count; ++p) {
+      const int robot = packs_[static_cast<std::size_t>(p)].robot;
+      setup.offers("battery.charge", robot, p);
+      setup.offers("battery.voltage", robot, count + p);
+      setup.offers("battery.current", robot, 2 * count + p);
+    }
     setup.report("charge", "", count, 0);
     setup.report("voltage", "V", count, count);
     setup.report("current", "A", count, 2 * count);
@@ -70,6 +76,7 @@ class Battery : public Effect {
     int first_param;  ///< first of its constants
   };
   struct Pack {
+    int robot;
     std::vector<Rotor> rotors;
   };
   /// A linear section of the open-circuit voltage curve.
@@ -134,19 +141,16 @@ class Battery : public Effect {
   void read_curve() {
     const int count = open_circuit_.count();
     if (count < 2) {
-      throw std::runtime_error("`open_circuit` has " + std::to_string(count) +
-                               " values; allowed: at least two, the voltage of an empty and of a "
-                               "full cell");
+      refuse("`open_circuit` has ", count,
+             " values; allowed: at least two, the voltage of an empty and of a full cell");
     }
     const auto cells = static_cast<double>(cells_.value());
     double lowest = cells * open_circuit_.value(0);
     for (int i = 1; i < count; ++i) {
       const double from = open_circuit_.value(i - 1), to = open_circuit_.value(i);
       if (to < from) {
-        throw std::runtime_error("`open_circuit[" + std::to_string(i) + "]` is " + to_text(to) +
-                                 " V, below the " + to_text(from) +
-                                 " V before it: voltages rise with the charge, from an empty cell "
-                                 "to a full one");
+        refuse("`open_circuit[", i, "]` is ", to, " V, below the ", from,
+               " V before it: voltages rise with the charge, from an empty cell to a full one");
       }
       sections_.push_back({static_cast<double>(i - 1), lowest, cells * (to - from)});
       lowest += sections_.back().rise;
@@ -166,74 +170,38 @@ class Battery : public Effect {
     }
     const double resistance = internal_resistance_.value();
     if (needed * 4.0 * resistance <= full_ * full_) return;
-    throw std::runtime_error("a full pack gives " + to_text(full_ * full_ / (4.0 * resistance)) +
-                             " W at most (" + to_text(full_) + " V, `internal_resistance` " +
-                             to_text(resistance) + " ohm), and robot `" +
-                             setup.robots()[robot].name + "` takes " + to_text(needed) +
-                             " W to hover: lower `internal_resistance`, or raise `cells`");
+    refuse("a full pack gives ", full_ * full_ / (4.0 * resistance), " W at most (", full_,
+           " V, `internal_resistance` ", resistance, " ohm), and robot `",
+           setup.robots()[robot].name, "` takes ", needed,
+           " W to hover: lower `internal_resistance`, or raise `cells`");
   }
 
-  TextsParameter robots_{
-      this, {.name = "robots", .doc = "robots with a pack, one each; empty: all with rotors"}};
-  IntegerParameter cells_{
-      this,
-      {.name = "cells", .value = 4, .min = 1, .max = 1000, .doc = "number of cells in series"}};
+  TextsParameter robots_{this,
+                         words("robots", "robots with a pack, one each; empty: all with rotors")};
+  IntegerParameter cells_{this,
+                          integer("cells", "", 4, between(1, 1000), "number of cells in series")};
   RealsParameter open_circuit_{
       this,
-      {.name = "open_circuit",
-       .unit = "V",
-       .values = {3.27, 3.69, 3.73, 3.77, 3.8, 3.84, 3.87, 3.95, 4.02, 4.11, 4.2},
-       .count = -1,
-       .min = 0.1,
-       .max = 100.0,
-       .doc = "voltage of a cell without current, at equally spaced charges from empty to full"}};
-  RealParameter capacity_{this,
-                          {.name = "capacity",
-                           .unit = "A h",
-                           .value = 3.0,
-                           .min = 1e-6,
-                           .max = 1e6,
-                           .doc = "capacity of the pack, from full to empty",
-                           .randomizable = true}};
-  RealParameter internal_resistance_{this,
-                                     {.name = "internal_resistance",
-                                      .unit = "ohm",
-                                      .value = 0.02,
-                                      .min = 0.0,
-                                      .max = 1000.0,
-                                      .doc = "internal resistance of the pack",
-                                      .randomizable = true}};
-  RealParameter initial_charge_{this,
-                                {.name = "initial_charge",
-                                 .value = 1.0,
-                                 .min = 0.0,
-                                 .max = 1.0,
-                                 .doc = "charge at the beginning of an episode; 1: full",
-                                 .randomizable = true}};
+      list("open_circuit", "V", {3.27, 3.69, 3.73, 3.77, 3.8, 3.84, 3.87, 3.95, 4.02, 4.11, 4.2},
+           between(0.1, 100.0),
+           "voltage of a cell without current, at equally spaced charges from empty to full")};
+  RealParameter capacity_{this, randomizable(real("capacity", "A h", 3.0, between(1e-6, 1e6),
+                                                  "capacity of the pack, from full to empty"))};
+  RealParameter internal_resistance_{
+      this, randomizable(real("internal_resistance", "ohm", 0.02, between(0.0, 1000.0),
+                              "internal resistance of the pack"))};
+  RealParameter initial_charge_{
+      this, randomizable(real("initial_charge", "", 1.0, between(0.0, 1.0),
+                              "charge at the beginning of an episode; 1: full"))};
   RealParameter efficiency_{
-      this,
-      {.name = "efficiency",
-       .value = 0.7,
-       .min = 0.01,
-       .max = 1.0,
-       .doc = "aerodynamic power of the rotors over their power from the pack",
-       .randomizable = true}};
-  RealParameter hotel_power_{this,
-                             {.name = "hotel_power",
-                              .unit = "W",
-                              .value = 0.0,
-                              .min = 0.0,
-                              .max = 1e6,
-                              .doc = "power of all consumers except the rotors",
-                              .randomizable = true}};
+      this, randomizable(real("efficiency", "", 0.7, between(0.01, 1.0),
+                              "aerodynamic power of the rotors over their power from the pack"))};
+  RealParameter hotel_power_{this, randomizable(real("hotel_power", "W", 0.0, between(0.0, 1e6),
+                                                     "power of all consumers except the rotors"))};
   RealParameter speed_per_volt_{
       this,
-      {.name = "speed_per_volt",
-       .unit = "rad/(s V)",
-       .value = 0.0,
-       .min = 0.0,
-       .max = 1e5,
-       .doc = "largest speed of a rotor per volt; 0: `max_speed` over the voltage of a full pack"}};
+      real("speed_per_volt", "rad/(s V)", 0.0, between(0.0, 1e5),
+           "largest speed of a rotor per volt; 0: `max_speed` over the voltage of a full pack")};
 
   double dt_ = 0.0;
   double full_ = 0.0;              ///< open-circuit voltage of the full pack [V]

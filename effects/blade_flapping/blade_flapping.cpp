@@ -31,28 +31,16 @@ class BladeFlapping : public Effect {
 
  private:
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "robots whose rotors are affected; empty: all with rotors"}};
-  RealParameter axial_drag_{this,
-                            {.name = "axial_drag",
-                             .unit = "N s^2/(m rad)",
-                             .min = 0.0,
-                             .max = 1.0,
-                             .doc = "axial drag force per rotor speed and axial hub velocity",
-                             .randomizable = true}};
-  RealParameter flapping_{this,
-                          {.name = "flapping",
-                           .unit = "N s^2/rad",
-                           .min = 0.0,
-                           .max = 1.0,
-                           .doc = "moment per rotor speed and hub velocity across the axis",
-                           .randomizable = true}};
-  RealParameter lift_{this,
-                      {.name = "translational_lift",
-                       .unit = "N s^2/m^2",
-                       .min = 0.0,
-                       .max = 1000.0,
-                       .doc = "added thrust per squared air speed across the axis",
-                       .randomizable = true}};
+      this, words("robots", "robots whose rotors are affected; empty: all with rotors")};
+  RealParameter axial_drag_{
+      this, randomizable(real("axial_drag", "N s^2/(m rad)", 0.0, between(0.0, 1.0),
+                              "axial drag force per rotor speed and axial hub velocity"))};
+  RealParameter flapping_{
+      this, randomizable(real("flapping", "N s^2/rad", 0.0, between(0.0, 1.0),
+                              "moment per rotor speed and hub velocity across the axis"))};
+  RealParameter lift_{
+      this, randomizable(real("translational_lift", "N s^2/m^2", 0.0, between(0.0, 1000.0),
+                              "added thrust per squared air speed across the axis"))};
 
   std::vector<int> rotors_;
 };

@@ -29,26 +29,16 @@ class BodyDrag : public Effect {
   }
 
  private:
-  TextsParameter robots_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
+  TextsParameter robots_{this, words("robots", "affected robots; empty: all")};
   TextParameter link_{
-      this, {.name = "link", .doc = "link of the affected body, of each robot; empty: the base"}};
-  RealsParameter linear_{this,
-                         {.name = "linear",
-                          .unit = "N s/m",
-                          .values = {0.0, 0.0, 0.0},
-                          .min = 0.0,
-                          .max = 1e6,
-                          .doc = "linear coefficients along the body's x, y and z axis",
-                          .randomizable = true}};
+      this, word("link", "", "link of the affected body, of each robot; empty: the base")};
+  RealsParameter linear_{
+      this, randomizable(reals("linear", "N s/m", {0.0, 0.0, 0.0}, between(0.0, 1e6),
+                               "linear coefficients along the body's x, y and z axis"))};
   RealsParameter quadratic_{
-      this,
-      {.name = "quadratic",
-       .unit = "N s^2/m^2",
-       .values = {0.0, 0.0, 0.0},
-       .min = 0.0,
-       .max = 1e6,
-       .doc = "coefficients along these axes, of the speed times the velocity along the axis",
-       .randomizable = true}};
+      this, randomizable(reals(
+                "quadratic", "N s^2/m^2", {0.0, 0.0, 0.0}, between(0.0, 1e6),
+                "coefficients along these axes, of the speed times the velocity along the axis"))};
 
   std::vector<int> bodies_;
 };

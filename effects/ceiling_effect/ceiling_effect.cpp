@@ -50,14 +50,14 @@ class CeilingEffect : public Effect {
       lowest = min(lowest, setup.robots()[carrier.robot].position[2]);
     }
     if (height_.value() > 0.0 || height_.value() > lowest) return;
-    throw std::runtime_error("`height` is " + to_text(height_.value()) +
-                             " m, below the ground z = 0 and all robots (the lowest begins at " +
-                             to_text(lowest) + " m): raise it");
+    refuse("`height` is ", height_.value(),
+           " m, below the ground z = 0 and all robots (the lowest begins at ", lowest,
+           " m): raise it");
   }
 
   void check_fit() const {
     if (a1_.value() == 0.0) {
-      throw std::runtime_error(
+      refuse(
           "`a1` is 0, but `form: fitted` needs it: allowed are values above 0; take those of a fit "
           "to measurements with these rotors");
     }
@@ -65,12 +65,10 @@ class CeilingEffect : public Effect {
         radius_.value() / (least_distance_ratio_.value() * radius_.value() + a2_.value());
     const double share = ratio * ratio / a1_.value();
     if (share > kLargestShare) {
-      throw std::runtime_error(
-          "with `a1` " + to_text(a1_.value()) + " and `a2` " + to_text(a2_.value()) +
-          " m the thrust grows by " +
-          (share < 1.0 ? to_text(1.0 / (1.0 - share)) : "more than any factor") +
-          " at the least distance: allowed are factors up to 4; raise `a1`, "
-          "`a2` or `least_distance_ratio`");
+      refuse("with `a1` ", a1_.value(), " and `a2` ", a2_.value(), " m the thrust grows by ",
+             (share < 1.0 ? to_text(1.0 / (1.0 - share)) : "more than any factor"),
+             " at the least distance: allowed are factors up to 4; raise `a1`, `a2` or "
+             "`least_distance_ratio`");
     }
   }
 
@@ -89,49 +87,21 @@ class CeilingEffect : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "robots whose rotors are affected; empty: all with rotors"}};
+      this, words("robots", "robots whose rotors are affected; empty: all with rotors")};
   RealParameter height_{this,
-                        {.name = "height",
-                         .unit = "m",
-                         .min = -1000.0,
-                         .max = 1000.0,
-                         .doc = "z of the level ceiling in W",
-                         .randomizable = true,
-                         .required = true}};
-  TextParameter form_{this,
-                      {.name = "form",
-                       .value = "constant_power",
-                       .choices = {"constant_power", "fitted"},
-                       .doc = "equation of the gain"}};
-  RealParameter radius_{this,
-                        {.name = "radius",
-                         .unit = "m",
-                         .min = 0.0001,
-                         .max = 100.0,
-                         .doc = "radius of each rotor",
-                         .randomizable = true,
-                         .required = true}};
+                        randomizable(required(real("height", "m", 0.0, between(-1000.0, 1000.0),
+                                                   "z of the level ceiling in W")))};
+  TextParameter form_{
+      this, choice("form", "constant_power", {"constant_power", "fitted"}, "equation of the gain")};
+  RealParameter radius_{this, randomizable(required(real("radius", "m", 0.0, between(0.0001, 100.0),
+                                                         "radius of each rotor")))};
   RealParameter least_distance_ratio_{
-      this,
-      {.name = "least_distance_ratio",
-       .value = 0.2,
-       .min = 0.01,
-       .max = 10.0,
-       .doc = "distance over radius below which the gain is constant",
-       .randomizable = true}};
-  RealParameter a1_{this,
-                    {.name = "a1",
-                     .min = 0.0,
-                     .max = 1e6,
-                     .doc = "coefficient of the fit; above 0 with form fitted",
-                     .randomizable = true}};
-  RealParameter a2_{this,
-                    {.name = "a2",
-                     .unit = "m",
-                     .min = 0.0,
-                     .max = 100.0,
-                     .doc = "coefficient of the fit, added to the distance",
-                     .randomizable = true}};
+      this, randomizable(real("least_distance_ratio", "", 0.2, between(0.01, 10.0),
+                              "distance over radius below which the gain is constant"))};
+  RealParameter a1_{this, randomizable(real("a1", "", 0.0, between(0.0, 1e6),
+                                            "coefficient of the fit; above 0 with form fitted"))};
+  RealParameter a2_{this, randomizable(real("a2", "m", 0.0, between(0.0, 100.0),
+                                            "coefficient of the fit, added to the distance"))};
 
   std::vector<effect::Carrier> carriers_;
   bool is_fitted_ = false;

@@ -10,22 +10,22 @@
 namespace skybody::effect {
 
 /// Indices of the robots called `names`, in their order; without names all with rotors.
-/// @param what  name of the effect, for messages
+/// @param effect  name of the effect, for messages
 /// @throws std::runtime_error if one of them has no rotors, is unknown or named twice, or if no
 ///     robot has rotors
 inline std::vector<int> robots_with_rotors(const Setup& setup,
                                            const std::vector<std::string>& names,
-                                           const std::string& what) {
+                                           const std::string& effect) {
   std::vector<int> chosen;
   for (const std::string& name : names) {
     const int robot = setup.robot(name);
     for (const int other : chosen) {
       if (other != robot) continue;
-      throw std::runtime_error("`robots` names `" + name + "` twice: name each robot once");
+      refuse("`robots` names `", name, "` twice: name each robot once");
     }
     if (setup.robots()[robot].rotor_count == 0) {
-      throw std::runtime_error("robot `" + name + "` has no rotors, which " + what +
-                               " acts on: leave it out of `robots`, or give it a rotors file");
+      refuse("robot `", name, "` has no rotors, which ", effect,
+             " acts on: leave it out of `robots`, or give it a rotors file");
     }
     chosen.push_back(robot);
   }
@@ -33,8 +33,8 @@ inline std::vector<int> robots_with_rotors(const Setup& setup,
     if (setup.robots()[r].rotor_count > 0) chosen.push_back(r);
   }
   if (chosen.empty()) {
-    throw std::runtime_error("no robot has rotors, which " + what +
-                             " acts on: give one a rotors file, or leave the effect out");
+    refuse("no robot has rotors, which ", effect,
+           " acts on: give one a rotors file, or leave the effect out");
   }
   return chosen;
 }
@@ -43,15 +43,14 @@ inline std::vector<int> robots_with_rotors(const Setup& setup,
 /// @throws std::runtime_error as above, or if one of the robots has a reversible rotor
 inline std::vector<int> robots_with_one_way_rotors(const Setup& setup,
                                                    const std::vector<std::string>& names,
-                                                   const std::string& what) {
-  const std::vector<int> chosen = robots_with_rotors(setup, names, what);
+                                                   const std::string& effect) {
+  const std::vector<int> chosen = robots_with_rotors(setup, names, effect);
   for (const int robot : chosen) {
     for (const RotorInfo& rotor : setup.rotors_of(robot)) {
       if (!(rotor.min_speed < 0.0)) continue;
-      throw std::runtime_error("rotor `" + std::string(rotor.name) + "` of robot `" +
-                               setup.robots()[robot].name + "` turns backwards, too (min_speed " +
-                               to_text(rotor.min_speed) + "), which " + what +
-                               " does not know: leave the robot out of `robots`");
+      refuse("rotor `", rotor.name, "` of robot `", setup.robots()[robot].name,
+             "` turns backwards, too (min_speed ", rotor.min_speed, "), which ", effect,
+             " does not know: leave the robot out of `robots`");
     }
   }
   return chosen;

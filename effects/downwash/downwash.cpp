@@ -29,7 +29,7 @@ class Downwash : public Effect {
     for (const Jet& jet : jets_) {
       if (!jet.targets.empty()) return setup.holds(HeldInput::kWrench);
     }
-    throw std::runtime_error(
+    refuse(
         "there is nothing that downwash could push: add a robot, name links in `own_links`, or "
         "leave the effect out");
   }
@@ -74,14 +74,13 @@ class Downwash : public Effect {
   void check_form() const {
     const auto demand = [&](const RealParameter& parameter, const char* name, const char* unit) {
       if (parameter.value() > 0.0) return;
-      throw std::runtime_error(std::string("`") + name + "` is 0, but `form: " + form_.value() +
-                               "` needs it: allowed are values above 0 " + unit);
+      refuse("`", name, "` is 0, but `form: ", form_.value(),
+             "` needs it: allowed are values above 0 ", unit);
     };
     if (is_gzdrl_) {
       demand(force_, "force", "N");
       if (spread_.value() == 0.0 && start_.value() == 0.0) {
-        throw std::runtime_error(
-            "`spread` and `start` are both 0, so the jet has no width: raise one of them");
+        refuse("`spread` and `start` are both 0, so the jet has no width: raise one of them");
       }
     } else {
       demand(radius_, "radius", "m");
@@ -94,8 +93,8 @@ class Downwash : public Effect {
     for (const std::string& name : own_links_.values()) {
       const std::size_t dot = name.find('.');
       if (dot == std::string::npos) {
-        throw std::runtime_error("`own_links` has `" + name +
-                                 "`: allowed are names as ROBOT.LINK, such as quad.payload");
+        refuse("`own_links` has `", name,
+               "`: allowed are names as ROBOT.LINK, such as quad.payload");
       }
       bodies.push_back(setup.link(setup.robot(name.substr(0, dot)), name.substr(dot + 1)).body);
     }
@@ -121,9 +120,9 @@ class Downwash : public Effect {
       axis += hub.axis * k;
     }
     if (norm(axis) < 1e-6 * here) {
-      throw std::runtime_error("the rotors of robot `" + std::string(robot.name) +
-                               "` push against one another, so that their jet has no direction: "
-                               "leave the robot out of `robots`");
+      refuse("the rotors of robot `", robot.name,
+             "` push against one another, so that their jet has no direction: leave the robot out "
+             "of `robots`");
     }
     for (int b = 0; b < robot.body_count; ++b) mass += setup.bodies()[robot.first_body + b].mass;
     const double* g = setup.gravity();
@@ -132,7 +131,7 @@ class Downwash : public Effect {
     jet.weight = mass * norm(Vec3<double>{g[0], g[1], g[2]});
     jet.share = here / all;
     if (by_thrust_.value() && jet.weight == 0.0) {
-      throw std::runtime_error(
+      refuse(
           "`by_thrust` compares with the thrust in hover, which is 0 without gravity: set it to "
           "false");
     }
@@ -195,90 +194,38 @@ class Downwash : public Effect {
     held.add_wrench(target, axis * select(is_hit, -force, Real(0.0)), no_moment);
   }
 
-  TextsParameter robots_{
-      this, {.name = "robots", .doc = "robots whose rotors blow; empty: all with rotors"}};
+  TextsParameter robots_{this, words("robots", "robots whose rotors blow; empty: all with rotors")};
   TextsParameter own_links_{
-      this,
-      {.name = "own_links",
-       .doc = "links, as ROBOT.LINK, pushed by jets of their own robot as well: payloads"}};
-  TextParameter form_{this,
-                      {.name = "form",
-                       .value = "gym_pybullet_drones",
-                       .choices = {"gym_pybullet_drones", "gzdrl"},
-                       .doc = "equation of the force"}};
-  BooleanParameter by_thrust_{this,
-                              {.name = "by_thrust",
-                               .value = true,
-                               .doc = "the force is proportional to the upper robot's thrust over "
-                                      "its weight; false: it is constant"}};
-  RealParameter reach_{this,
-                       {.name = "reach",
-                        .unit = "m",
-                        .value = 10.0,
-                        .min = 0.01,
-                        .max = 1000.0,
-                        .doc = "length of the jet",
-                        .randomizable = true}};
-  RealParameter radius_{this,
-                        {.name = "radius",
-                         .unit = "m",
-                         .min = 0.0,
-                         .max = 100.0,
-                         .doc = "radius R of a rotor; above 0 with form gym_pybullet_drones",
-                         .randomizable = true}};
-  RealParameter k1_{this,
-                    {.name = "k1",
-                     .unit = "N",
-                     .value = 2267.18,
-                     .min = 0.0,
-                     .max = 1e9,
-                     .doc = "gym_pybullet_drones: force at the distance R/4",
-                     .randomizable = true}};
+      this, words("own_links",
+                  "links, as ROBOT.LINK, pushed by jets of their own robot as well: payloads")};
+  TextParameter form_{this, choice("form", "gym_pybullet_drones", {"gym_pybullet_drones", "gzdrl"},
+                                   "equation of the force")};
+  BooleanParameter by_thrust_{this, boolean("by_thrust", true,
+                                            "the force is proportional to the upper robot's thrust "
+                                            "over its weight; false: it is constant")};
+  RealParameter reach_{
+      this, randomizable(real("reach", "m", 10.0, between(0.01, 1000.0), "length of the jet"))};
+  RealParameter radius_{
+      this, randomizable(real("radius", "m", 0.0, between(0.0, 100.0),
+                              "radius R of a rotor; above 0 with form gym_pybullet_drones"))};
+  RealParameter k1_{this, randomizable(real("k1", "N", 2267.18, between(0.0, 1e9),
+                                            "gym_pybullet_drones: force at the distance R/4"))};
   RealParameter k2_{this,
-                    {.name = "k2",
-                     .value = 0.16,
-                     .min = -100.0,
-                     .max = 100.0,
-                     .doc = "gym_pybullet_drones: growth of the width per distance",
-                     .randomizable = true}};
-  RealParameter k3_{this,
-                    {.name = "k3",
-                     .unit = "m",
-                     .value = -0.11,
-                     .min = -100.0,
-                     .max = 100.0,
-                     .doc = "gym_pybullet_drones: width at distance 0",
-                     .randomizable = true}};
+                    randomizable(real("k2", "", 0.16, between(-100.0, 100.0),
+                                      "gym_pybullet_drones: growth of the width per distance"))};
+  RealParameter k3_{this, randomizable(real("k3", "m", -0.11, between(-100.0, 100.0),
+                                            "gym_pybullet_drones: width at distance 0"))};
   RealParameter least_distance_{
-      this,
-      {.name = "least_distance",
-       .unit = "m",
-       .value = 0.5,
-       .min = 0.001,
-       .max = 1000.0,
-       .doc = "gym_pybullet_drones: distance below which the central force is constant",
-       .randomizable = true}};
-  RealParameter force_{this,
-                       {.name = "force",
-                        .unit = "N",
-                        .min = 0.0,
-                        .max = 1e6,
-                        .doc = "gzdrl: force at the jet's axis; must be above 0",
-                        .randomizable = true}};
-  RealParameter spread_{this,
-                        {.name = "spread",
-                         .unit = "m",
-                         .min = 0.0,
-                         .max = 1e6,
-                         .doc = "gzdrl: growth of the jet's squared radius per distance",
-                         .randomizable = true}};
-  RealParameter start_{this,
-                       {.name = "start",
-                        .unit = "m^2",
-                        .min = 0.0,
-                        .max = 1e6,
-                        .doc = "gzdrl: the jet's squared radius at distance 0",
-                        .randomizable = true}};
+      this, randomizable(
+                real("least_distance", "m", 0.5, between(0.001, 1000.0),
+                     "gym_pybullet_drones: distance below which the central force is constant"))};
+  RealParameter force_{this, randomizable(real("force", "N", 0.0, between(0.0, 1e6),
+                                               "gzdrl: force at the jet's axis; must be above 0"))};
+  RealParameter spread_{
+      this, randomizable(real("spread", "m", 0.0, between(0.0, 1e6),
+                              "gzdrl: growth of the jet's squared radius per distance"))};
+  RealParameter start_{this, randomizable(real("start", "m^2", 0.0, between(0.0, 1e6),
+                                               "gzdrl: the jet's squared radius at distance 0"))};
 
   std::vector<Jet> jets_;
   bool is_gzdrl_ = false;

@@ -303,57 +303,30 @@ class Dryden : public Effect {
     return kRoot3 * x[0] + (1.0 - kRoot3) * x[1];
   }
 
-  TextsParameter names_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
-  RealParameter wind_at_20_feet_{this,
-                                 {.name = "wind_at_20_feet",
-                                  .unit = "m/s",
-                                  .value = 7.72,
-                                  .min = 0.0,
-                                  .max = 100.0,
-                                  .doc = "mean wind 6.1 m above ground, which determines "
-                                         "turbulence below 2000 ft; 15 knots are light",
-                                  .randomizable = true}};
+  TextsParameter names_{this, words("robots", "affected robots; empty: all")};
+  RealParameter wind_at_20_feet_{
+      this, randomizable(real("wind_at_20_feet", "m/s", 7.72, between(0.0, 100.0),
+                              "mean wind 6.1 m above ground, which determines turbulence below "
+                              "2000 ft; 15 knots are light"))};
   RealParameter sigma_{this,
-                       {.name = "sigma",
-                        .unit = "m/s",
-                        .value = 1.5,
-                        .min = 0.0,
-                        .max = 100.0,
-                        .doc = "standard deviation of each component above 2000 ft",
-                        .randomizable = true}};
-  RealParameter heading_{this,
-                         {.name = "heading",
-                          .unit = "rad",
-                          .min = -100.0,
-                          .max = 100.0,
-                          .doc = "direction to which the mean wind blows, from x of W towards y",
-                          .randomizable = true}};
-  RealParameter airspeed_{this,
-                          {.name = "airspeed",
-                           .unit = "m/s",
-                           .value = 5.0,
-                           .min = 0.01,
-                           .max = 1000.0,
-                           .doc = "speed at which the frozen turbulence passes the robot",
-                           .randomizable = true}};
-  BooleanParameter follows_{this,
-                            {.name = "follows",
-                             .doc = "the turbulence passes at the speed of the robot's base, but "
-                                    "no slower than `airspeed`"}};
-  RealParameter height_{
+                       randomizable(real("sigma", "m/s", 1.5, between(0.0, 100.0),
+                                         "standard deviation of each component above 2000 ft"))};
+  RealParameter heading_{
+      this, randomizable(real("heading", "rad", 0.0, between(-100.0, 100.0),
+                              "direction to which the mean wind blows, from x of W towards y"))};
+  RealParameter airspeed_{
+      this, randomizable(real("airspeed", "m/s", 5.0, between(0.01, 1000.0),
+                              "speed at which the frozen turbulence passes the robot"))};
+  BooleanParameter follows_{
       this,
-      {.name = "height",
-       .unit = "m",
-       .min = 0.0,
-       .max = 100000.0,
-       .doc = "height above ground for scales and intensities; 0: z of the robot's base in W"}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 10,
-                            .min = 1,
-                            .max = 1000000,
-                            .doc = "interval of new turbulence values"}};
+      boolean(
+          "follows", false,
+          "the turbulence passes at the speed of the robot's base, but no slower than `airspeed`")};
+  RealParameter height_{
+      this, real("height", "m", 0.0, between(0.0, 100000.0),
+                 "height above ground for scales and intensities; 0: z of the robot's base in W")};
+  IntegerParameter period_{this, integer("period", "physics steps", 10, between(1, 1000000),
+                                         "interval of new turbulence values")};
 
   std::vector<Robot> robots_;
   Scale<double> fixed_scale_{};

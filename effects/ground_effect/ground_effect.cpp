@@ -19,12 +19,12 @@ class GroundEffect : public Effect {
         setup, effect::robots_with_one_way_rotors(setup, robots_.values(), "the ground effect"));
     is_gzdrl_ = form_.value() == "gzdrl";
     if (is_gzdrl_ && ground_constant_.value() == 0.0) {
-      throw std::runtime_error(
+      refuse(
           "`ground_constant` is 0, but `form: gzdrl` needs it: allowed are values above 0, such as "
           "the thrust constant times the rotor's squared radius over 16");
     }
     if (!is_gzdrl_ && radius_.value() == 0.0) {
-      throw std::runtime_error(
+      refuse(
           "`radius` is 0, but `form: cheeseman_bennett` needs it: allowed are values above 0; give "
           "the rotors' radius [m]");
     }
@@ -67,34 +67,19 @@ class GroundEffect : public Effect {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "robots whose rotors are affected; empty: all with rotors"}};
-  TextParameter form_{this,
-                      {.name = "form",
-                       .value = "cheeseman_bennett",
-                       .choices = {"cheeseman_bennett", "gzdrl"},
-                       .doc = "equation of the gain"}};
-  RealParameter radius_{this,
-                        {.name = "radius",
-                         .unit = "m",
-                         .min = 0.0,
-                         .max = 100.0,
-                         .doc = "radius of each rotor; above 0 with form cheeseman_bennett",
-                         .randomizable = true}};
-  RealParameter least_height_ratio_{this,
-                                    {.name = "least_height_ratio",
-                                     .value = 0.5,
-                                     .min = 0.3,
-                                     .max = 10.0,
-                                     .doc = "height over radius below which the gain is constant",
-                                     .randomizable = true}};
+      this, words("robots", "robots whose rotors are affected; empty: all with rotors")};
+  TextParameter form_{this, choice("form", "cheeseman_bennett", {"cheeseman_bennett", "gzdrl"},
+                                   "equation of the gain")};
+  RealParameter radius_{
+      this, randomizable(real("radius", "m", 0.0, between(0.0, 100.0),
+                              "radius of each rotor; above 0 with form cheeseman_bennett"))};
+  RealParameter least_height_ratio_{
+      this, randomizable(real("least_height_ratio", "", 0.5, between(0.3, 10.0),
+                              "height over radius below which the gain is constant"))};
   RealParameter ground_constant_{
-      this,
-      {.name = "ground_constant",
-       .unit = "N s^2 m^2/rad^2",
-       .min = 0.0,
-       .max = 1.0,
-       .doc = "added thrust over speed squared, times height squared; above 0 with form gzdrl",
-       .randomizable = true}};
+      this, randomizable(real(
+                "ground_constant", "N s^2 m^2/rad^2", 0.0, between(0.0, 1.0),
+                "added thrust over speed squared, times height squared; above 0 with form gzdrl"))};
 
   std::vector<effect::Carrier> carriers_;
   bool is_gzdrl_ = false;

@@ -120,73 +120,44 @@ class Motor : public Effect {
   void check_rotor(const RotorInfo& rotor, double hover) const {
     const std::string name = "rotor `" + std::string(rotor.name) + "`";
     if (!(rotor.constants[SKYBODY_ROTOR_INERTIA] > 0.0)) {
-      throw std::runtime_error(name +
-                               " has an `inertia` of 0, which a motor would speed up in no time: "
-                               "give it one above 0 in the robot's rotors file");
+      refuse(name,
+             " has an `inertia` of 0, which a motor would speed up in no time: give it one above 0 "
+             "in the robot's rotors file");
     }
     const double needed =
         rotor.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] * hover * hover + friction_.value();
     const double most = torque_constant_.value() * max_current_.value();
     if (most <= needed) {
-      throw std::runtime_error("a motor gives " + to_text(most) + " N m at `max_current`, and " +
-                               name + " takes " + to_text(needed) +
-                               " N m to hover: raise `max_current` or `torque_constant`");
+      refuse("a motor gives ", most, " N m at `max_current`, and ", name, " takes ", needed,
+             " N m to hover: raise `max_current` or `torque_constant`");
     }
     const double volts =
         torque_constant_.value() * hover + resistance_.value() / torque_constant_.value() * needed;
     if (voltage_.value() <= volts) {
-      throw std::runtime_error("`voltage` is " + to_text(voltage_.value()) + " V, and " + name +
-                               " takes " + to_text(volts) +
-                               " V to hover: raise it, or lower `torque_constant` or `resistance`");
+      refuse("`voltage` is ", voltage_.value(), " V, and ", name, " takes ", volts,
+             " V to hover: raise it, or lower `torque_constant` or `resistance`");
     }
   }
 
-  TextsParameter robots_{
-      this, {.name = "robots", .doc = "robots with these motors; empty: all with rotors"}};
+  TextsParameter robots_{this, words("robots", "robots with these motors; empty: all with rotors")};
   RealParameter torque_constant_{
-      this,
-      {.name = "torque_constant",
-       .unit = "N m/A",
-       .min = 1e-6,
-       .max = 1000.0,
-       .doc = "torque constant k; the back EMF per speed in V s/rad has the same value",
-       .randomizable = true,
-       .required = true}};
-  RealParameter resistance_{this,
-                            {.name = "resistance",
-                             .unit = "ohm",
-                             .min = 1e-6,
-                             .max = 1e6,
-                             .doc = "resistance R of the winding and its controller",
-                             .randomizable = true,
-                             .required = true}};
-  RealParameter max_current_{this,
-                             {.name = "max_current",
-                              .unit = "A",
-                              .min = 1e-6,
-                              .max = 1e6,
-                              .doc = "current limit of the controller, forward and braking",
-                              .randomizable = true,
-                              .required = true}};
-  RealParameter voltage_{this,
-                         {.name = "voltage",
-                          .unit = "V",
-                          .min = 1e-3,
-                          .max = 1e6,
-                          .doc = "voltage of the supply, the largest at the motor",
-                          .randomizable = true,
-                          .required = true}};
-  RealParameter friction_{this,
-                          {.name = "friction",
-                           .unit = "N m",
-                           .value = 0.0,
-                           .min = 0.0,
-                           .max = 1000.0,
-                           .doc = "torque of bearings and iron losses, against the rotation",
-                           .randomizable = true}};
+      this, randomizable(required(
+                real("torque_constant", "N m/A", 0.0, between(1e-6, 1000.0),
+                     "torque constant k; the back EMF per speed in V s/rad has the same value")))};
+  RealParameter resistance_{
+      this, randomizable(required(real("resistance", "ohm", 0.0, between(1e-6, 1e6),
+                                       "resistance R of the winding and its controller")))};
+  RealParameter max_current_{
+      this, randomizable(required(real("max_current", "A", 0.0, between(1e-6, 1e6),
+                                       "current limit of the controller, forward and braking")))};
+  RealParameter voltage_{
+      this, randomizable(required(real("voltage", "V", 0.0, between(1e-3, 1e6),
+                                       "voltage of the supply, the largest at the motor")))};
+  RealParameter friction_{
+      this, randomizable(real("friction", "N m", 0.0, between(0.0, 1000.0),
+                              "torque of bearings and iron losses, against the rotation"))};
   BooleanParameter brake_{
-      this,
-      {.name = "brake", .value = true, .doc = "the current may be negative and brake the motor"}};
+      this, boolean("brake", true, "the current may be negative and brake the motor")};
 
   double dt_ = 0.0;
   std::vector<Rotor> rotors_;

@@ -20,20 +20,18 @@ class RotorFailure : public Effect {
   void configure(const Setup& setup) override {
     dt_ = setup.dt();
     if (latest_.value() < earliest_.value()) {
-      throw std::runtime_error("`latest` is " + to_text(latest_.value()) +
-                               " s, before `earliest` " + to_text(earliest_.value()) +
-                               " s: raise it; both the same is a fixed time");
+      refuse("`latest` is ", latest_.value(), " s, before `earliest` ", earliest_.value(),
+             " s: raise it; both the same is a fixed time");
     }
     const double end = setup.horizon() * setup.action_repeat() * dt_;
     if (setup.horizon() > 0 && latest_.value() >= end) {
-      throw std::runtime_error("`latest` is " + to_text(latest_.value()) +
-                               " s, but an episode ends after " + to_text(end) +
-                               " s: let rotors fail before");
+      refuse("`latest` is ", latest_.value(), " s, but an episode ends after ", end,
+             " s: let rotors fail before");
     }
     const int robot = setup.robot(robot_.value());
     if (setup.rotors_of(robot).size() == 0) {
-      throw std::runtime_error("robot `" + std::string(setup.robots()[robot].name) +
-                               "` has no rotors that could fail: name another one in `robot`");
+      refuse("robot `", setup.robots()[robot].name,
+             "` has no rotors that could fail: name another one in `robot`");
     }
     choose_rotors(setup, robot);
     is_partial_ = kind_.value() == "partial";
@@ -105,7 +103,7 @@ class RotorFailure : public Effect {
       const int place = place_of(name, all);
       for (const Rotor& rotor : rotors_) {
         if (rotor.place != place) continue;
-        throw std::runtime_error("`rotors` names `" + name + "` twice: name each rotor once");
+        refuse("`rotors` names `", name, "` twice: name each rotor once");
       }
       rotors_.push_back({first + place, place});
     }
@@ -120,56 +118,27 @@ class RotorFailure : public Effect {
       if (name == all[i].name || name == std::to_string(i)) return i;
       known += (i > 0 ? ", " : "") + std::string(all[i].name);
     }
-    throw std::runtime_error("`rotors`: no rotor `" + name + "`: there are " + known +
-                             ", or 0 to " + std::to_string(all.size() - 1) + " by their places");
+    refuse("`rotors`: no rotor `", name, "`: there are ", known, ", or 0 to ", all.size() - 1,
+           " by their places");
   }
 
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "robot with the rotors; empty: the only one"}};
+  TextParameter robot_{this, word("robot", "", "robot with the rotors; empty: the only one")};
   TextsParameter rotor_names_{
-      this,
-      {.name = "rotors",
-       .doc = "rotors that fail together, by name or index; empty: a random one"}};
+      this, words("rotors", "rotors that fail together, by name or index; empty: a random one")};
   TextParameter kind_{this,
-                      {.name = "kind",
-                       .value = "off",
-                       .choices = {"off", "stuck", "partial"},
-                       .doc = "slows down to rest, keeps its speed, or loses thrust and moment"}};
-  RealParameter earliest_{this,
-                          {.name = "earliest",
-                           .unit = "s",
-                           .value = 1.0,
-                           .min = 0.0,
-                           .max = 1e6,
-                           .doc = "earliest time of the failure in the episode"}};
-  RealParameter latest_{this,
-                        {.name = "latest",
-                         .unit = "s",
-                         .value = 1.0,
-                         .min = 0.0,
-                         .max = 1e6,
-                         .doc = "latest time of the failure; uniform between both"}};
-  RealParameter probability_{this,
-                             {.name = "probability",
-                              .value = 1.0,
-                              .min = 0.0,
-                              .max = 1.0,
-                              .doc = "probability of a failure in an episode",
-                              .randomizable = true}};
-  RealParameter thrust_gain_{this,
-                             {.name = "thrust_gain",
-                              .value = 0.5,
-                              .min = 0.0,
-                              .max = 10.0,
-                              .doc = "kind partial: factor on the thrust",
-                              .randomizable = true}};
+                      choice("kind", "off", {"off", "stuck", "partial"},
+                             "slows down to rest, keeps its speed, or loses thrust and moment")};
+  RealParameter earliest_{this, real("earliest", "s", 1.0, between(0.0, 1e6),
+                                     "earliest time of the failure in the episode")};
+  RealParameter latest_{this, real("latest", "s", 1.0, between(0.0, 1e6),
+                                   "latest time of the failure; uniform between both")};
+  RealParameter probability_{this, randomizable(real("probability", "", 1.0, between(0.0, 1.0),
+                                                     "probability of a failure in an episode"))};
+  RealParameter thrust_gain_{this, randomizable(real("thrust_gain", "", 0.5, between(0.0, 10.0),
+                                                     "kind partial: factor on the thrust"))};
   RealParameter moment_gain_{this,
-                             {.name = "moment_gain",
-                              .value = 0.5,
-                              .min = 0.0,
-                              .max = 10.0,
-                              .doc = "kind partial: factor on the reaction moment",
-                              .randomizable = true}};
+                             randomizable(real("moment_gain", "", 0.5, between(0.0, 10.0),
+                                               "kind partial: factor on the reaction moment"))};
 
   bool is_partial_ = false, is_stuck_ = false;
   double dt_ = 0.0;

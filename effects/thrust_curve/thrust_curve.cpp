@@ -91,9 +91,9 @@ class ThrustCurve : public Effect {
     const double* constants = rotor.constants;
     const double moment = constants[SKYBODY_ROTOR_MOMENT_CONSTANT];
     if (moment_.count() > 0 && !(moment > 0.0)) {
-      throw std::runtime_error("rotor `" + std::string(rotor.name) +
-                               "` has a `moment_constant` of 0, which no factor turns into "
-                               "`moment`: give it one above 0 in the robot's rotors file");
+      refuse("rotor `", rotor.name,
+             "` has a `moment_constant` of 0, which no factor turns into `moment`: give it one "
+             "above 0 in the robot's rotors file");
     }
     rotors_.push_back({static_cast<int>(&rotor - setup.rotors().begin()),
                        rotor.body,
@@ -121,97 +121,62 @@ class ThrustCurve : public Effect {
       const std::string at = " at the `max_speed` of rotor `" + std::string(rotor.name) + "`, " +
                              to_text(speed) + " rad/s: allowed are values above 0";
       if (thrust_.count() > 0 && !(thrust > 0.0)) {
-        throw std::runtime_error("`thrust` is " + to_text(thrust) + " N" + at);
+        refuse("`thrust` is ", thrust, " N", at);
       }
       if (moment_.count() > 0 && moment < 0.0) {
-        throw std::runtime_error("`moment` is " + to_text(moment) + " N m" + at + " and 0");
+        refuse("`moment` is ", moment, " N m", at, " and 0");
       }
       most += thrust;
     }
     const double weight = effect::weight(setup, robot);
     if (thrust_.count() == 0 || most > weight) return;
-    throw std::runtime_error("by `thrust` all rotors of robot `" +
-                             std::string(setup.robots()[robot].name) + "` give " + to_text(most) +
-                             " N at `max_speed`, and it weighs " + to_text(weight) +
-                             " N: give coefficients in N (s/rad)^k that carry it");
+    refuse("by `thrust` all rotors of robot `", setup.robots()[robot].name, "` give ", most,
+           " N at `max_speed`, and it weighs ", weight,
+           " N: give coefficients in N (s/rad)^k that carry it");
   }
 
   void check_parameters() const {
     const bool has_advance = thrust_by_advance_.count() > 0 || moment_by_advance_.count() > 0;
     if (!has_advance && thrust_.count() == 0 && moment_.count() == 0) {
-      throw std::runtime_error(
+      refuse(
           "`thrust`, `moment`, `thrust_by_advance` and `moment_by_advance` are all empty: give one "
           "of them coefficients, or leave the effect out");
     }
     if (has_advance && !(diameter_.value() > 0.0)) {
-      throw std::runtime_error(
-          "`diameter` is 0, but the advance ratio is v / (n D): give the rotors' diameter in m");
+      refuse("`diameter` is 0, but the advance ratio is v / (n D): give the rotors' diameter in m");
     }
     if (least_advance_.value() > 0.0 || greatest_advance_.value() < 0.0) {
-      throw std::runtime_error("`least_advance` " + to_text(least_advance_.value()) +
-                               " and `greatest_advance` " + to_text(greatest_advance_.value()) +
-                               " leave out 0, where rotors hover: lower the first or raise the "
-                               "second");
+      refuse("`least_advance` ", least_advance_.value(), " and `greatest_advance` ",
+             greatest_advance_.value(),
+             " leave out 0, where rotors hover: lower the first or raise the second");
     }
   }
 
   TextsParameter robots_{
-      this,
-      {.name = "robots", .doc = "robots with these rotors, all alike; empty: all with rotors"}};
+      this, words("robots", "robots with these rotors, all alike; empty: all with rotors")};
   RealsParameter thrust_{
       this,
-      {.name = "thrust",
-       .unit = "N (s/rad)^k",
-       .values = {},
-       .count = -1,
-       .doc =
-           "coefficients k = 0, 1, ... of the thrust's polynomial in the speed; empty: k_f w^2"}};
+      list("thrust", "N (s/rad)^k", {}, kAny,
+           "coefficients k = 0, 1, ... of the thrust's polynomial in the speed; empty: k_f w^2")};
   RealsParameter moment_{
-      this,
-      {.name = "moment",
-       .unit = "N m (s/rad)^k",
-       .values = {},
-       .count = -1,
-       .doc = "coefficients of the reaction moment's polynomial in the speed; empty: k_m w^2"}};
+      this, list("moment", "N m (s/rad)^k", {}, kAny,
+                 "coefficients of the reaction moment's polynomial in the speed; empty: k_m w^2")};
   RealsParameter thrust_by_advance_{
-      this,
-      {.name = "thrust_by_advance",
-       .values = {},
-       .count = -1,
-       .doc = "a_1, a_2, ... of C_T(J) / C_T(0) = 1 + a_1 J + a_2 J^2 + ...; empty: 1"}};
-  RealsParameter moment_by_advance_{this,
-                                    {.name = "moment_by_advance",
-                                     .values = {},
-                                     .count = -1,
-                                     .doc = "the same for C_Q(J) / C_Q(0)"}};
-  RealParameter diameter_{this,
-                          {.name = "diameter",
-                           .unit = "m",
-                           .value = 0.0,
-                           .min = 0.0,
-                           .max = 100.0,
-                           .doc = "diameter D of the rotors; needed with the advance ratio"}};
+      this, list("thrust_by_advance", "", {}, kAny,
+                 "a_1, a_2, ... of C_T(J) / C_T(0) = 1 + a_1 J + a_2 J^2 + ...; empty: 1")};
+  RealsParameter moment_by_advance_{
+      this, list("moment_by_advance", "", {}, kAny, "the same for C_Q(J) / C_Q(0)")};
+  RealParameter diameter_{this, real("diameter", "m", 0.0, between(0.0, 100.0),
+                                     "diameter D of the rotors; needed with the advance ratio")};
   RealParameter least_advance_{
-      this,
-      {.name = "least_advance",
-       .value = 0.0,
-       .min = -100.0,
-       .max = 100.0,
-       .doc = "lower limit of the advance ratio's polynomials; J is clamped to it"}};
+      this, real("least_advance", "", 0.0, between(-100.0, 100.0),
+                 "lower limit of the advance ratio's polynomials; J is clamped to it")};
   RealParameter greatest_advance_{
-      this,
-      {.name = "greatest_advance",
-       .value = 1.0,
-       .min = -100.0,
-       .max = 100.0,
-       .doc = "upper limit of the advance ratio's polynomials; J is clamped to it"}};
+      this, real("greatest_advance", "", 1.0, between(-100.0, 100.0),
+                 "upper limit of the advance ratio's polynomials; J is clamped to it")};
   RealParameter least_share_{
-      this,
-      {.name = "least_share",
-       .value = 0.05,
-       .min = 1e-3,
-       .max = 1.0,
-       .doc = "share of `max_speed`: slower rotors have the factors of this speed"}};
+      this, real("least_share", "", 0.05, between(1e-3, 1.0),
+                 "share of `max_speed`: slower rotors have the factors of this speed")};
 
   bool advances_ = false;
   std::vector<Rotor> rotors_;

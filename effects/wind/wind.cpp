@@ -26,9 +26,8 @@ class Wind : public Effect {
     choose_profile();
     const double longest = static_cast<double>(period_.value()) * dt_;
     if (gust_speed_.value() > 0.0 && gust_duration_.value() < 2.0 * longest) {
-      throw std::runtime_error("`gust_duration` is " + to_text(gust_duration_.value()) +
-                               " s, but the effect is called every " + to_text(longest) +
-                               " s: allowed are at least two calls a gust; lower `period`");
+      refuse("`gust_duration` is ", gust_duration_.value(), " s, but the effect is called every ",
+             longest, " s: allowed are at least two calls a gust; lower `period`");
     }
     setup.holds(HeldInput::kWind);
     setup.period(static_cast<int>(period_.value()));
@@ -60,7 +59,7 @@ class Wind : public Effect {
   void choose_direction() {
     if (gust_direction_.count() == 0) return;
     if (gust_direction_.count() != 3 || norm(gust_direction_.vec3()) == 0.0) {
-      throw std::runtime_error(
+      refuse(
           "`gust_direction` is a vector of three values, not all of them 0; without it every gust "
           "has a heading of its own");
     }
@@ -72,10 +71,9 @@ class Wind : public Effect {
     if (name == "power") profile_ = Profile::kPower;
     if (name == "logarithmic") profile_ = Profile::kLogarithmic;
     if (profile_ == Profile::kLogarithmic && reference_height_.value() <= kRoughest) {
-      throw std::runtime_error(
-          "`reference_height` is " + to_text(reference_height_.value()) +
-          " m; with `profile: logarithmic` it must be more than 1 m, which is the greatest "
-          "`roughness`: give the speed at a greater height");
+      refuse("`reference_height` is ", reference_height_.value(),
+             " m; with `profile: logarithmic` it must be more than 1 m, which is the greatest "
+             "`roughness`: give the speed at a greater height");
     }
   }
 
@@ -121,83 +119,35 @@ class Wind : public Effect {
     return velocity;
   }
 
-  TextsParameter robots_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
-  RealsParameter velocity_{this,
-                           {.name = "velocity",
-                            .unit = "m/s",
-                            .values = {0.0, 0.0, 0.0},
-                            .min = -100.0,
-                            .max = 100.0,
-                            .doc = "velocity of the steady wind, W axes",
-                            .randomizable = true}};
-  RealParameter gust_speed_{this,
-                            {.name = "gust_speed",
-                             .unit = "m/s",
-                             .min = 0.0,
-                             .max = 100.0,
-                             .doc = "speed of a gust at its peak; 0: no gusts",
-                             .randomizable = true}};
-  RealParameter gust_duration_{this,
-                               {.name = "gust_duration",
-                                .unit = "s",
-                                .value = 1.0,
-                                .min = 0.001,
-                                .max = 1000.0,
-                                .doc = "duration of a gust, from still air to still air",
-                                .randomizable = true}};
-  RealParameter gust_interval_{this,
-                               {.name = "gust_interval",
-                                .unit = "s",
-                                .value = 5.0,
-                                .min = 0.001,
-                                .max = 1e6,
-                                .doc = "mean time from the end of a gust to the next one"}};
-  RealsParameter gust_direction_{this,
-                                 {.name = "gust_direction",
-                                  .count = -1,
-                                  .doc = "direction of all gusts, W axes; empty: random, level"}};
+  TextsParameter robots_{this, words("robots", "affected robots; empty: all")};
+  RealsParameter velocity_{
+      this, randomizable(reals("velocity", "m/s", {0.0, 0.0, 0.0}, between(-100.0, 100.0),
+                               "velocity of the steady wind, W axes"))};
+  RealParameter gust_speed_{this, randomizable(real("gust_speed", "m/s", 0.0, between(0.0, 100.0),
+                                                    "speed of a gust at its peak; 0: no gusts"))};
+  RealParameter gust_duration_{
+      this, randomizable(real("gust_duration", "s", 1.0, between(0.001, 1000.0),
+                              "duration of a gust, from still air to still air"))};
+  RealParameter gust_interval_{this, real("gust_interval", "s", 5.0, between(0.001, 1e6),
+                                          "mean time from the end of a gust to the next one")};
+  RealsParameter gust_direction_{
+      this,
+      list("gust_direction", "", {}, kAny, "direction of all gusts, W axes; empty: random, level")};
   TextParameter profile_name_{this,
-                              {.name = "profile",
-                               .value = "uniform",
-                               .choices = {"uniform", "power", "logarithmic"},
-                               .doc = "growth of wind and gusts with a body's height z in W; "
-                                      "power: by exponent, logarithmic: by roughness"}};
-  RealParameter reference_height_{this,
-                                  {.name = "reference_height",
-                                   .unit = "m",
-                                   .value = 10.0,
-                                   .min = 0.01,
-                                   .max = 10000.0,
-                                   .doc = "height of `velocity` and `gust_speed`"}};
-  RealParameter least_height_{this,
-                              {.name = "least_height",
-                               .unit = "m",
-                               .value = 0.1,
-                               .min = 0.001,
-                               .max = 1000.0,
-                               .doc = "height below which the wind is constant"}};
-  RealParameter exponent_{this,
-                          {.name = "exponent",
-                           .value = 1.0 / 7.0,
-                           .min = 0.0,
-                           .max = 1.0,
-                           .doc = "exponent of the power profile",
-                           .randomizable = true}};
+                              choice("profile", "uniform", {"uniform", "power", "logarithmic"},
+                                     "growth of wind and gusts with a body's height z in W; power: "
+                                     "by exponent, logarithmic: by roughness")};
+  RealParameter reference_height_{this, real("reference_height", "m", 10.0, between(0.01, 10000.0),
+                                             "height of `velocity` and `gust_speed`")};
+  RealParameter least_height_{this, real("least_height", "m", 0.1, between(0.001, 1000.0),
+                                         "height below which the wind is constant")};
+  RealParameter exponent_{this, randomizable(real("exponent", "", 1.0 / 7.0, between(0.0, 1.0),
+                                                  "exponent of the power profile"))};
   RealParameter roughness_{this,
-                           {.name = "roughness",
-                            .unit = "m",
-                            .value = 0.04572,
-                            .min = 1e-6,
-                            .max = kRoughest,
-                            .doc = "logarithmic profile: height of zero wind",
-                            .randomizable = true}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 1,
-                            .min = 1,
-                            .max = 1000000,
-                            .doc = "interval of new wind values"}};
+                           randomizable(real("roughness", "m", 0.04572, between(1e-6, kRoughest),
+                                             "logarithmic profile: height of zero wind"))};
+  IntegerParameter period_{this, integer("period", "physics steps", 1, between(1, 1000000),
+                                         "interval of new wind values")};
 
   double dt_ = 0.0;
   Profile profile_ = Profile::kUniform;

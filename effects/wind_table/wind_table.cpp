@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "effects/common/robots.h"
-#include "effects/wind_table/velocity_table.h"
+#include "plugins/reference/timed_table.h"
 
 namespace skybody {
 namespace {
@@ -16,11 +16,12 @@ class WindTable : public Effect {
   void configure(const Setup& setup) override {
     dt_ = setup.dt();
     bodies_ = effect::bodies_of(setup, effect::robots_called(setup, robots_.values()));
-    table_ = read_velocity_table(file_.value());
-    begin_ = table_.begin();
-    length_ = table_.end() - begin_;
+    table_ = reference::read_timed_table(file_.value(),
+                                         {{"t", "x", "y", "z"}, kColumns, kFastest, " m/s"});
+    begin_ = table_.time(0);
+    length_ = table_.time(table_.rows() - 1) - begin_;
     const auto intervals = static_cast<double>(table_.rows() - 1);
-    steps_per_second_ = table_.has_equal_steps() ? intervals / length_ : 0.0;
+    steps_per_second_ = has_equal_steps() ? intervals / length_ : 0.0;
     setup.holds(HeldInput::kWind);
     setup.period(static_cast<int>(period_.value()));
   }
@@ -34,6 +35,19 @@ class WindTable : public Effect {
   }
 
  private:
+  static constexpr int kColumns = 4;         ///< t [s], x, y, z [m/s]
+  static constexpr double kFastest = 100.0;  ///< largest magnitude of each component [m/s]
+
+  /// Whether each time is within a billionth of a step of its place on a uniform grid.
+  bool has_equal_steps() const {
+    const double step = length_ / static_cast<double>(table_.rows() - 1);
+    for (std::size_t row = 0; row < table_.rows(); ++row) {
+      const double place = begin_ + static_cast<double>(row) * step;
+      if (!(abs(table_.time(row) - place) <= 1e-9 * step)) return false;
+    }
+    return true;
+  }
+
   /// Maps a time since the first row into the table.
   template <class Real>
   SKYBODY_INLINE Real within(const Real& time) const {
@@ -44,7 +58,6 @@ class WindTable : public Effect {
   /// The velocity at a time since the first row.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> at(const Real& time) const {
-    constexpr int kColumns = VelocityTable::kColumns;
     ValueOf<Real> before[kColumns] = {}, after[kColumns] = {};
     const Word<Real> rows = row_before(time);
     for (int i = 0; i < kLanesOf<Real>; ++i) {
@@ -97,27 +110,17 @@ class WindTable : public Effect {
                        .doc = "CSV with the columns t [s] and x, y, z [m/s], W axes",
                        .required = true,
                        .is_file = true}};
-  TextsParameter robots_{this, {.name = "robots", .doc = "affected robots; empty: all"}};
+  TextsParameter robots_{this, words("robots", "affected robots; empty: all")};
   BooleanParameter loop_{this,
-                         {.name = "loop", .doc = "repeat the table; false: the last row holds"}};
-  RealParameter start_{this,
-                       {.name = "start",
-                        .unit = "s",
-                        .min = -1e6,
-                        .max = 1e6,
-                        .doc = "table time at the beginning of an episode",
-                        .randomizable = true}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 1,
-                            .min = 1,
-                            .max = 1000000,
-                            .doc = "interval of new wind values"}};
+                         boolean("loop", false, "repeat the table; false: the last row holds")};
+  RealParameter start_{this, randomizable(real("start", "s", 0.0, between(-1e6, 1e6),
+                                               "table time at the beginning of an episode"))};
+  IntegerParameter period_{this, integer("period", "physics steps", 1, between(1, 1000000),
+                                         "interval of new wind values")};
 
   double dt_ = 0.0, begin_ = 0.0, length_ = 0.0;
   double steps_per_second_ = 0.0;  ///< 0: unequal steps
-  VelocityTable table_;
+  reference::TimedTable table_;
   std::vector<int> bodies_;
 };
 

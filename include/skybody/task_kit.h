@@ -11,6 +11,7 @@
 #include "plugins/task_kit/nearest_obstacles.h"
 #include "plugins/task_kit/obstacles.h"
 #include "plugins/task_kit/parts.h"
+#include "plugins/task_kit/robot_parts.h"
 #include "plugins/task_kit/shaping.h"
 #include "plugins/task_kit/spawn.h"
 #include "plugins/task_kit/verdict.h"

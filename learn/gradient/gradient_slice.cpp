@@ -20,7 +20,7 @@ std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << c
 
 /// TransitionAdjoint refuses tasks without a goal.
 Vec3<double> goal_point(const CompiledScenario& compiled) {
-  const std::vector<Goal>& goals = compiled.task().goals;
+  const std::vector<Goal>& goals = compiled.task().task.goals;
   return goals.empty() ? Vec3<double>{0.0, 0.0, 0.0} : goals[0].point;
 }
 

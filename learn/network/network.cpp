@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/system/error.h"
+#include "learn/network/finishes.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/initial_weights.h"
 #include "learn/network/kernels/kernels.h"
@@ -21,34 +22,6 @@ constexpr int kChunkValues = 1 << 16, kLeastChunk = 48, kMostChunk = 192;
 /// Rows of outputs at a distance of a multiple of 2048 bytes would compete for the same few sets of
 /// the L1 cache.
 int row_stride(int padded) { return padded % 512 == 0 ? padded + kPad : padded; }
-
-Finish finish_of(Activation activation) {
-  switch (activation) {
-    case Activation::kTanh:
-      return Finish::kTanh;
-    case Activation::kRelu:
-      return Finish::kRelu;
-    case Activation::kElu:
-      return Finish::kElu;
-    case Activation::kNone:
-      break;
-  }
-  return Finish::kNone;
-}
-
-Finish slope_of(Activation activation) {
-  switch (activation) {
-    case Activation::kTanh:
-      return Finish::kTanhSlope;
-    case Activation::kRelu:
-      return Finish::kReluSlope;
-    case Activation::kElu:
-      return Finish::kEluSlope;
-    case Activation::kNone:
-      break;
-  }
-  return Finish::kNone;
-}
 
 std::size_t area(int rows, int stride) {
   return static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride);

@@ -35,7 +35,7 @@ double variance_of(double sum, double squares, double count) {
 
 PpoDriver::PpoDriver(std::shared_ptr<const PpoSetup> setup)
     : setup_(std::move(setup)),
-      networks_(setup_->agents, setup_->hyper, setup_->isa),
+      networks_(setup_->agents, setup_->images, setup_->hyper, setup_->isa),
       policy_adam_(networks_.policy_parameters().size(), setup_->hyper.max_grad_norm, setup_->isa),
       value_adam_(networks_.value_parameters().size(), setup_->hyper.max_grad_norm, setup_->isa),
       moments_(static_cast<std::size_t>(setup_->row.inputs)),
@@ -227,7 +227,15 @@ PolicyFile PpoDriver::policy() const {
     file.mean.push_back(moments_.mean[k]);
     file.scale.push_back(moments_.scale(k));
   }
-  file.layers = networks_.policy().layers(average_.of(networks_.policy_weights()));
+  const auto weights = average_.of(networks_.policy_weights());
+  file.layers = networks_.policy().layers(weights);
+  std::vector<std::vector<PolicyLayer>> layers = networks_.policy().image_layers(weights);
+  for (std::size_t k = 0; k < setup_->images.size(); ++k) {
+    const auto& [column, format] = setup_->images[k];
+    file.images.push_back({column, format.height, format.width, format.channels,
+                           static_cast<double>(format.low), static_cast<double>(format.high),
+                           std::move(layers[k])});
+  }
   if (setup_->hyper.bounded_mean) file.layers.back().activation = Activation::kTanh;
   return file;
 }

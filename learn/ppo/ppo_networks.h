@@ -4,21 +4,23 @@
 #include <cstdint>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 #include "core/base/simd/aligned_array.h"
 #include "core/base/simd/isa.h"
 #include "learn/hyperparameters.h"
-#include "learn/network/network.h"
 #include "learn/ppo/agent_table.h"
 #include "learn/ppo/policy_network.h"
+#include "learn/ppo/seen_images.h"
 
 namespace skybody::learn {
 
 /// A policy, whose parameters end with the logarithms of the actions' deviations, and a value
-/// function, which also observes privileged values. They share no parameters.
+/// function, which also observes privileged values, and has no memory. They share no parameters.
 class PpoNetworks {
  public:
-  PpoNetworks(const AgentTable& agents, const Hyperparameters& hyper, Isa isa);
+  PpoNetworks(const AgentTable& agents, const std::vector<SeenImage>& images,
+              const Hyperparameters& hyper, Isa isa);
 
   /// Initializes all parameters. @param seed  of all random numbers
   void initialize(std::uint64_t seed, double log_std);
@@ -55,7 +57,7 @@ class PpoNetworks {
   }
 
   const PolicyNetwork& policy() const { return policy_; }
-  const Network& value() const { return value_; }
+  const PolicyNetwork& value() const { return value_; }
   /// Policy weights and biases, then log_std, padded().
   std::span<const float> policy_parameters() const {
     return {parameters_[0].data(), parameters_[0].size()};
@@ -77,18 +79,16 @@ class PpoNetworks {
   }
   std::size_t log_std_at() const { return policy_.parameter_count(); }
   const PolicyNetwork::Transposed& policy_transposed() const { return policy_transposed_; }
-  const TransposedWeights& value_transposed() const { return value_transposed_; }
+  const PolicyNetwork::Transposed& value_transposed() const { return value_transposed_; }
 
  private:
   void prepare_policy();
   void prepare_value();
 
-  PolicyNetwork policy_;
-  Network value_;
+  PolicyNetwork policy_, value_;
   std::size_t actions_;
   AlignedArray<float> parameters_[2];
-  PolicyNetwork::Transposed policy_transposed_;
-  TransposedWeights value_transposed_;
+  PolicyNetwork::Transposed policy_transposed_, value_transposed_;
 };
 
 }  // namespace skybody::learn

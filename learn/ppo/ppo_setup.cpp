@@ -8,17 +8,6 @@
 namespace skybody::learn {
 namespace {
 
-void refuse_images(const CompiledScenario& compiled) {
-  std::string names;
-  for (const ObservationColumn& column : compiled.columns()) {
-    if (column.image >= 0) names += (names.empty() ? "" : ", ") + column.name;
-  }
-  if (names.empty()) return;
-  throw Error("`" + compiled.scenario().name + "` observes " + names +
-              ", and `fast-ppo` learns from vectors alone: leave images out of `observe`, or use "
-              "skybody.sb3.SkybodyVecEnv with MultiInputPolicy");
-}
-
 void refuse_no_actions(const CompiledScenario& compiled, const AgentTable& agents) {
   if (agents.action_size() > 0) return;
   throw Error("`" + compiled.scenario().name +
@@ -51,7 +40,8 @@ PpoSetup::PpoSetup(const LearnerOptions& options)
       seed(options.seed),
       total_steps(options.total_steps),
       isa(best_isa()),
-      agents((refuse_images(*compiled), make_agent_table(*compiled, hyper.shared_policy))),
+      agents(make_agent_table(*compiled, hyper.shared_policy)),
+      images(find_images(*compiled, hyper)),
       plan((check_together(hyper, agents.rows()), hyper.envs), hyper.rollout_steps * agents.rows(),
            hyper.minibatch, hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
       row{agents.observation_size() + agents.privileged_size(), agents.action_size()},

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/base/simd/isa.h"
 #include "core/env/compiled_scenario.h"
@@ -13,6 +14,7 @@
 #include "learn/network/panel_matrix.h"
 #include "learn/position_error.h"
 #include "learn/ppo/agent_table.h"
+#include "learn/ppo/seen_images.h"
 
 namespace skybody::learn {
 
@@ -29,9 +31,8 @@ struct RowLayout {
 
 /// Immutable.
 struct PpoSetup {
-  /// @throws Error if the scenario observes images, if robots that share a policy differ in their
-  ///         observations or actions, or if hyper-parameters are out of range or exclude one
-  ///         another
+  /// @throws Error as find_images(), if robots that share a policy differ in their observations or
+  ///         actions, or if hyper-parameters are out of range or exclude one another
   explicit PpoSetup(const LearnerOptions& options);
 
   std::shared_ptr<const CompiledScenario> compiled;
@@ -40,6 +41,7 @@ struct PpoSetup {
   std::int64_t total_steps;
   Isa isa;
   AgentTable agents;
+  std::vector<SeenImage> images;
   SlicePlan plan;
   RowLayout row;
   PositionError error;

@@ -30,8 +30,10 @@ std::size_t product(int a, int b) {
 /// the products of one step have enough rows.
 int gathered_rows(const PpoSetup& setup) {
   const int steps = setup.hyper.rollout_steps;
-  return setup.hyper.recurrent_units > 0 ? std::max(1, 4 * SliceScratch::kRows / steps) * steps
-                                         : SliceScratch::kRows;
+  if (setup.hyper.recurrent_units > 0) {
+    return std::max(1, 4 * SliceScratch::kRows / steps) * steps;
+  }
+  return setup.images.empty() ? SliceScratch::kRows : SliceScratch::kRows / 4;
 }
 
 /// Floats of the policy's memory per row.
@@ -71,6 +73,7 @@ PpoSlice::PpoSlice(std::shared_ptr<const PpoSetup> setup, int index)
       noise_(product(step_rows_, setup_->row.actions)),
       mean_(noise_.size()),
       action_(product(envs_, setup_->compiled->action_size())),
+      images_(*setup_, envs_, value_.size()),
       last_inputs_(product(step_rows_, stride_)),
       order_(reward_.size()),
       begins_(static_cast<std::size_t>(envs_)),
@@ -101,6 +104,7 @@ void PpoSlice::look_at_observations() {
   pool_.privileged(own_privileged_);
   observation_ = own_observation_.data();
   privileged_ = own_privileged_.data();
+  images_.look_at(pool_);
   batch_.reset();
 }
 
@@ -159,6 +163,7 @@ void PpoSlice::write_inputs(int step, bool adds_sums) {
   for (int env = 0; env < envs_; ++env) {
     copy_inputs(observation_, privileged_, env, row(step, env * setup_->agents.rows()));
   }
+  images_.write(at(step, 0));
   double* columns = rollout_sums_.data() + kRolloutSums;
   const ColumnSums sums{columns, columns + setup_->row.inputs};
   normalizer_.apply(row(step, 0), step_rows_, stride_, inputs_->mean, inputs_->scale,
@@ -168,6 +173,7 @@ void PpoSlice::write_inputs(int step, bool adds_sums) {
 /// The policy's memory for `count` rows of a step, read and then overwritten by the network.
 PolicySteps PpoSlice::recall(int step, int first, int count) {
   PolicySteps steps = {{count, 1}};
+  steps.images = images_.rows(at(step, first));
   if (state_stride_ == 0) return steps;
   const auto r = static_cast<std::size_t>(first);
   std::copy_n(is_fresh_.data() + r, count, episode_begins_.data() + at(step, first));
@@ -218,6 +224,7 @@ void PpoSlice::step_environments() {
   rollout_sums_[kSumEnvironmentSeconds] += seconds_since(begin);
   observation_ = batch_->observation.data();
   privileged_ = batch_->privileged.data();
+  images_.look_at(*batch_);
 }
 
 void PpoSlice::take_outcome(int step) {
@@ -271,6 +278,7 @@ void PpoSlice::end_episode(int step, int env) {
   if (!is_cut || batch_->fault[i] != 0) return;
   copy_inputs(batch_->final_observation.data(), batch_->final_privileged.data(), env,
               last_inputs_.data() + product(static_cast<int>(cut_.size()), stride_));
+  images_.keep_last(*batch_, env, cut_.size());
   for (int a = 0; a < setup_->agents.rows(); ++a) {
     cut_.push_back(static_cast<int>(at(step, env * setup_->agents.rows() + a)));
   }
@@ -281,8 +289,10 @@ void PpoSlice::value_cut_episodes(const PpoNetworks& networks, SliceScratch& scr
   normalizer_.apply(last_inputs_.data(), count, stride_, inputs_->mean, inputs_->scale, nullptr);
   for (int r = 0; r < count; r += SliceScratch::kRows) {
     const int part = std::min(SliceScratch::kRows, count - r);
+    PolicySteps steps = {{part, 1}};
+    steps.images = images_.last(static_cast<std::size_t>(r));
     networks.value().forward(networks.value_weights(), last_inputs_.data() + product(r, stride_),
-                             stride_, part, scratch.value, scratch.output.data(), 1);
+                             stride_, steps, scratch.value, scratch.output.data(), 1);
     for (int k = 0; k < part; ++k) {
       bootstrap_[static_cast<std::size_t>(cut_[static_cast<std::size_t>(r + k)])] =
           scratch.output[static_cast<std::size_t>(k)];

@@ -16,6 +16,7 @@
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
+#include "learn/ppo/rollout_images.h"
 
 namespace skybody::learn {
 
@@ -25,9 +26,8 @@ struct SliceScratch {
 
   static constexpr int kRows = 128;  ///< rows per pass through a network
   int minibatch_rows;  ///< rows per pass of a minibatch; larger for a policy with a memory, whose
-                       ///< sequences stay whole
-  PolicyNetwork::Memory policy;
-  NetworkActivations value;
+                       ///< sequences stay whole; smaller with images, which then stay in the cache
+  PolicyNetwork::Memory policy, value;
   AlignedArray<float> rows;              ///< of a minibatch, gathered
   AlignedArray<float> output, gradient;  ///< of either network, for these rows
   std::vector<std::uint8_t> begins;      ///< for the gathered rows of a policy with a memory
@@ -119,7 +119,7 @@ class PpoSlice {
   void gather(int first, int count, SliceScratch& scratch);
   PolicySteps gather_memory(int first, int count, SliceScratch& scratch) const;
   void add_policy_gradient(const Minibatch&, const PolicySteps&, const PpoNetworks&, SliceScratch&);
-  void add_value_gradient(const Minibatch&, int count, const PpoNetworks&, SliceScratch&);
+  void add_value_gradient(const Minibatch&, const PolicySteps&, const PpoNetworks&, SliceScratch&);
   void look_at_observations();
 
   std::shared_ptr<const PpoSetup> setup_;
@@ -139,6 +139,7 @@ class PpoSlice {
   std::vector<float> value_;                  ///< per row, including the last observations
   std::vector<float> following_;              ///< advantage of the following step, per row
   std::vector<float> noise_, mean_, action_;  ///< of a step
+  RolloutImages images_;                      ///< of rows_ and last_inputs_
   AlignedArray<float> last_inputs_;           ///< last inputs of the episodes truncated in a step
   std::vector<int> cut_;                      ///< their rows
   std::vector<int> order_;                    ///< of the rollout's rows, in this epoch

@@ -44,7 +44,9 @@ void PpoSlice::find_values(const PpoNetworks& networks, SliceScratch& scratch) {
   const int count = static_cast<int>(value_.size());
   for (int r = 0; r < count; r += SliceScratch::kRows) {
     const int part = std::min(SliceScratch::kRows, count - r);
-    networks.value().forward(networks.value_weights(), row(0, r), stride_, part, scratch.value,
+    PolicySteps steps = {{part, 1}};
+    steps.images = images_.rows(static_cast<std::size_t>(r));
+    networks.value().forward(networks.value_weights(), row(0, r), stride_, steps, scratch.value,
                              value_.data() + r, 1);
   }
 }
@@ -70,10 +72,9 @@ void PpoSlice::find_gradients(const Minibatch& minibatch, const PpoNetworks& net
        r += scratch.minibatch_rows) {
     const int count = std::min(scratch.minibatch_rows, last - r);
     gather(r, count, scratch);
-    if (minibatch.policy) {
-      add_policy_gradient(minibatch, gather_memory(r, count, scratch), networks, scratch);
-    }
-    if (minibatch.value) add_value_gradient(minibatch, count, networks, scratch);
+    const PolicySteps steps = gather_memory(r, count, scratch);
+    if (minibatch.policy) add_policy_gradient(minibatch, steps, networks, scratch);
+    if (minibatch.value) add_value_gradient(minibatch, steps, networks, scratch);
   }
   for (std::size_t k = 0; minibatch.policy && k < log_std_gradient_.size(); ++k) {
     gradients_[0][networks.log_std_at() + k] = static_cast<float>(log_std_gradient_[k]);
@@ -126,15 +127,18 @@ void PpoSlice::gather(int first, int count, SliceScratch& scratch) {
 /// The policy's memory before the rows of gather(), which are whole sequences for a policy with a
 /// memory.
 PolicySteps PpoSlice::gather_memory(int first, int count, SliceScratch& scratch) const {
-  if (state_stride_ == 0) return {{count, 1}};
   const int* order = order_.data() + first;
+  PolicySteps steps = {{count, 1}};
+  steps.images = images_.rows(order);
+  if (state_stride_ == 0) return steps;
   const auto stride = static_cast<std::size_t>(state_stride_);
   for (int r = 0; r < count; ++r) {
     scratch.begins[static_cast<std::size_t>(r)] =
         episode_begins_[static_cast<std::size_t>(order[r])];
   }
-  const PolicySteps steps = {
-      {count / steps_, steps_}, scratch.begins.data(), scratch.states.data()};
+  steps.sequences = {count / steps_, steps_};
+  steps.begins = scratch.begins.data();
+  steps.states = scratch.states.data();
   for (int s = 0; s < steps.sequences.count; ++s) {
     const auto row = static_cast<std::size_t>(order[s * steps_]);  // of the first step
     std::copy_n(first_states_.data() + row * stride, stride,
@@ -173,10 +177,11 @@ void PpoSlice::add_policy_gradient(const Minibatch& minibatch, const PolicySteps
 }
 
 /// Gradient of value_weight times the mean squared error.
-void PpoSlice::add_value_gradient(const Minibatch& minibatch, int count,
+void PpoSlice::add_value_gradient(const Minibatch& minibatch, const PolicySteps& steps,
                                   const PpoNetworks& networks, SliceScratch& scratch) {
+  const int count = steps.sequences.rows();
   const float* rows = scratch.rows.data();
-  networks.value().forward(networks.value_weights(), rows, stride_, count, scratch.value,
+  networks.value().forward(networks.value_weights(), rows, stride_, steps, scratch.value,
                            scratch.output.data(), 1);
   const double weight =
       2.0 * setup_->hyper.value_weight / setup_->plan.minibatch_rows(minibatch.index);
@@ -191,7 +196,7 @@ void PpoSlice::add_value_gradient(const Minibatch& minibatch, int count,
     scratch.gradient[i] = static_cast<float>(weight * error);
   }
   minibatch_sums_[kSumValueLoss] += squares;
-  networks.value().backward(networks.value_transposed(), rows, stride_, scratch.value,
+  networks.value().backward(networks.value_transposed(), rows, stride_, steps, scratch.value,
                             scratch.gradient.data(), 1,
                             std::span(gradients_[1].data(), gradients_[1].size())
                                 .first(networks.value().parameter_count()));

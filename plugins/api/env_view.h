@@ -128,10 +128,24 @@ class EnvView {
     return values_of(raw_.command, "command",
                      [](const SkybodyChecks& c) { return c.command; })[index];
   }
+  /// Sensors: a value of an effect, after the physics step that its last call was for. @param place
+  /// from Setup::offered()
+  Real offered(int place) const {
+    const auto number = [](const SkybodyChecks& c) { return c.offered; };
+    const bool is_there = raw_.checks == nullptr || place < raw_.checks->offered;
+    if (!is_there) return values_of(nullptr, "offered", number)[place];
+    return ConstValues<Real>(raw_.plugin_words + first_, lanes_)[raw_.offered[place]];
+  }
   /// Scratch memory of this call: Setup::scratch() values with undefined content.
   Values<Real> scratch() const {
     return values(raw_.scratch, first_, mask_, "scratch",
                   [](const SkybodyChecks& c) { return c.scratch; });
+  }
+  /// The same memory as one block of Setup::scratch() doubles in a row, in place of scratch().
+  /// Methods written for plain double only: lanes are served one after another.
+  double* scratch_block() const {
+    static_assert(std::is_same_v<Real, double>, "one block for each lane: write for plain double");
+    return raw_.scratch;
   }
   /// Setup::memo() values that keep the last written content, also in lanes that are not served: a
   /// cache for results, stored together with the inputs they were computed from. Other calls,
@@ -152,6 +166,11 @@ class EnvView {
     return reinterpret_cast<T*>(raw_.images + first_ * raw_.image_stride + image.offset);
   }
 
+  /// Sensors in sense(): physics steps after this one before the images of this sensor are read; 0:
+  /// they are read next; SKYBODY_NEVER_READ: nothing reads them. An image that a later call writes
+  /// again before it is read can be left as it is.
+  std::uint64_t steps_to_read() const { return raw_.steps_to_read; }
+
   /// Seed of the environment's random numbers.
   Word<Real> seed() const { return word(raw_.key, 0); }
   /// Id of the environment's random stream: its id in the batch, or another id after a fork with
@@ -170,45 +189,45 @@ class EnvView {
   /// For the library: stride between the values of a lane.
   std::uint32_t lanes() const { return lanes_; }
   /// For the library: a view of these lanes in an array; `base` may be null if nothing is read.
-  /// @param what  name of the values in messages; @param size  size(checks): their number
+  /// @param name  name of the values in messages; @param size  size(checks): their number
   template <class Size>
-  ConstValues<Real> const_values(const double* base, std::uint32_t first, const char* what,
+  ConstValues<Real> const_values(const double* base, std::uint32_t first, const char* name,
                                  const Size& size) const {
-    return {base == nullptr ? nullptr : base + first, lanes_, bounds(what, size)};
+    return {base == nullptr ? nullptr : base + first, lanes_, bounds(name, size)};
   }
   /// For the library: the writable counterpart of const_values().
   template <class Size>
-  Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask, const char* what,
+  Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask, const char* name,
                       const Size& size) const {
-    return {base == nullptr ? nullptr : base + first, lanes_, mask, bounds(what, size)};
+    return {base == nullptr ? nullptr : base + first, lanes_, mask, bounds(name, size)};
   }
 
  private:
   template <class Size>
-  Bounds<Real> bounds(const char* what, const Size& size) const {
+  Bounds<Real> bounds(const char* name, const Size& size) const {
     SkybodyChecks* const checks = raw_.checks;
     if (checks == nullptr) return {};
-    return {checks, what, size(*checks)};
+    return {checks, name, size(*checks)};
   }
   template <class Size>
-  ConstValues<Real> values_of(const double* base, const char* what, const Size& size) const {
-    return const_values(base, first_, what, size);
+  ConstValues<Real> values_of(const double* base, const char* name, const Size& size) const {
+    return const_values(base, first_, name, size);
   }
   Word<Real> word(const std::uint64_t* base, int k) const {
     return load_words<Real>(base + static_cast<std::size_t>(k) * lanes_ + first_);
   }
   template <class Size>
-  BodyMotion<Real> motion(const double* base, int index, const char* what, const Size& size) const {
+  BodyMotion<Real> motion(const double* base, int index, const char* name, const Size& size) const {
     const int first = kBodyMotionSize * index;
-    const auto v = values_of(base, what, size);
+    const auto v = values_of(base, name, size);
     return {v.vec3(first), v.quat(first + 3), v.vec3(first + 7), v.vec3(first + 10)};
   }
 
   template <class Size>
-  ContactSum<Real> contact_sum(const double* base, int index, const char* what,
+  ContactSum<Real> contact_sum(const double* base, int index, const char* name,
                                const Size& size) const {
     const int first = kContactSumSize * index;
-    const auto v = values_of(base, what, size);
+    const auto v = values_of(base, name, size);
     return {v.vec3(first), v.vec3(first + 3), v[first + 6] > 0.5};
   }
 

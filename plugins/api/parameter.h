@@ -1,81 +1,18 @@
 // Declared parameters: members of a plugin class with name, unit, default, range and one line of
 // documentation. Validation, the docs table and the JSON schema are generated from them.
-// Definitions are in parameter_inl.h, which plugin.h includes.
+// parameter_specs.h has the rows that declare them. Definitions are in parameter_inl.h, which
+// plugin.h includes.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "core/base/math/math_basic.h"
 #include "core/plugin_abi/abi.h"
 #include "plugins/api/env_view.h"
+#include "plugins/api/parameter_specs.h"  // IWYU pragma: export
 
 namespace skybody {
-
-/// One number. `value` is the default; if there is no default, set `required`.
-struct RealSpec {
-  const char* name;           ///< key in scenarios: a-z, 0-9 and _, starting with a letter
-  const char* unit = "";      ///< such as "N m"; "" for a pure number
-  double value = 0.0;         ///< the default, within the range
-  double min = -kInfinity;    ///< inclusive
-  double max = kInfinity;     ///< inclusive
-  const char* doc = "";       ///< one line, for tables and the schema
-  bool randomizable = false;  ///< one value per environment; randomizers may refer to it by path
-  bool required = false;      ///< the scenario must set it; the default is ignored
-};
-
-/// A vector of numbers. `count` -1: any length.
-struct RealsSpec {
-  const char* name;                 ///< key in scenarios
-  const char* unit = "";            ///< unit of every value
-  std::vector<double> values = {};  ///< the default, `count` of them
-  int count = 3;                    ///< -1: any number
-  double min = -kInfinity;          ///< of every value, inclusive
-  double max = kInfinity;           ///< of every value, inclusive
-  const char* doc = "";             ///< one line
-  bool randomizable = false;        ///< every environment has its own values
-  bool required = false;            ///< the scenario must set it
-};
-
-/// A whole number.
-struct IntegerSpec {
-  const char* name;                             ///< key in scenarios
-  const char* unit = "";                        ///< "" for a pure number
-  std::int64_t value = 0;                       ///< the default
-  std::int64_t min = -(std::int64_t{1} << 53);  ///< inclusive
-  std::int64_t max = std::int64_t{1} << 53;     ///< inclusive
-  const char* doc = "";                         ///< one line
-  bool required = false;                        ///< the scenario must set it
-};
-
-/// true or false.
-struct BooleanSpec {
-  const char* name;      ///< key in scenarios
-  bool value = false;    ///< the default
-  const char* doc = "";  ///< one line
-};
-
-/// A word. Empty `choices`: any word.
-struct TextSpec {
-  const char* name;                       ///< key in scenarios
-  const char* value = "";                 ///< the default
-  std::vector<const char*> choices = {};  ///< allowed words
-  const char* doc = "";                   ///< one line
-  bool required = false;                  ///< the scenario must set it
-  /// The word is a file name. A relative name starts at the folder of the YAML file that contains
-  /// it, or at the working directory if it comes from the command line; value() is a path from the
-  /// working directory. configure() must check that the file exists.
-  bool is_file = false;
-};
-
-/// A list of words, of any length.
-struct TextsSpec {
-  const char* name;                      ///< key in scenarios
-  std::vector<const char*> values = {};  ///< the default
-  const char* doc = "";                  ///< one line
-  bool required = false;                 ///< the scenario must set it
-};
 
 class Plugin;
 
@@ -93,7 +30,7 @@ class Parameter {
 
   /// Whether the scenario sets the value; otherwise it is the default.
   bool is_given() const { return is_given_; }
-  /// Index of the first value for EnvView::param() if randomizable, otherwise -1.
+  /// Index of the first value for EnvView::param() if it has one per environment, otherwise -1.
   int env_param() const { return env_param_; }
 
  protected:
@@ -102,7 +39,7 @@ class Parameter {
   const char *name_, *unit_, *doc_;
   std::uint32_t type_;
   int min_count_ = 1, max_count_ = 1;
-  bool required_ = false, randomizable_ = false, is_file_ = false;
+  bool required_ = false, randomizable_ = false, when_given_ = false, is_file_ = false;
   double min_ = -kInfinity, max_ = kInfinity;
   std::vector<double> default_numbers_;
   std::vector<const char*> default_texts_, choices_;
@@ -113,7 +50,8 @@ class Parameter {
   bool is_given_ = false;
 };
 
-/// One number, declared as a member: RealParameter gain{this, {.name = "gain", .value = 2.0}};
+/// One number, declared as a member:
+///   RealParameter gain{this, real("gain", "1/s", 2.0, at_least(0.0), "gain of the loop")};
 class RealParameter : public Parameter {
  public:
   /// Registers with the plugin `owner`, which is `this`.

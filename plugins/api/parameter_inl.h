@@ -21,7 +21,7 @@ inline SkybodyParameter Parameter::declaration() const {
   c.min_count = min_count_;
   c.max_count = max_count_;
   c.required = required_ ? 1 : 0;
-  c.randomizable = randomizable_ ? 1 : 0;
+  c.randomizable = !randomizable_ ? 0 : when_given_ ? 2 : 1;
   c.is_file = is_file_ ? 1 : 0;
   c.min = min_;
   c.max = max_;
@@ -50,6 +50,7 @@ inline RealParameter::RealParameter(Plugin* owner, const RealSpec& spec)
   max_ = spec.max;
   required_ = spec.required;
   randomizable_ = spec.randomizable;
+  when_given_ = spec.when_given;
   default_numbers_ = {spec.value};
 }
 
@@ -59,6 +60,7 @@ inline RealsParameter::RealsParameter(Plugin* owner, const RealsSpec& spec)
   max_ = spec.max;
   required_ = spec.required;
   randomizable_ = spec.randomizable;
+  when_given_ = spec.when_given;
   min_count_ = spec.count < 0 ? 0 : spec.count;
   max_count_ = spec.count;
   default_numbers_ = spec.values;

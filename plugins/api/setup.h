@@ -10,7 +10,7 @@
 #include "core/base/math/vec3.h"
 #include "core/plugin_abi/abi.h"
 #include "core/plugin_abi/image.h"  // IWYU pragma: export
-#include "core/plugin_abi/text.h"   // IWYU pragma: export
+#include "plugins/api/refuse.h"     // IWYU pragma: export
 
 namespace skybody {
 
@@ -21,6 +21,7 @@ using RotorInfo = SkybodyRotorInfo;
 using EnvParamInfo = SkybodyEnvParamInfo;
 using ChainInfo = SkybodyChainInfo;
 using ShapeInfo = SkybodyShapeInfo;
+using VisualInfo = SkybodyVisualInfo;
 
 /// Signals between controllers; sizes, units and frames in signals.h.
 enum class Signal {
@@ -91,6 +92,9 @@ class Setup {
   /// Presence, pose and size of an obstacle in an environment: EnvView::param() from first_param
   /// on.
   View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
+  /// Shapes to draw, in body order: the visuals of each body, or the collision shapes of a body
+  /// that has none.
+  View<VisualInfo> visuals() const { return {raw_.visuals, raw_.visual_count}; }
 
   /// Controllers: indices of the robots that this one serves: its own robot, or its team in the
   /// order of the scenario's list. Empty for others.
@@ -210,6 +214,17 @@ class Setup {
   /// SKYBODY_LONGEST_LEFT_OUT (1024) physics steps. Its result must not depend on whether earlier
   /// calls were skipped: a random walk draws the missing steps by Plugin::random_at().
   void only_when_read() const { declare_.only_when_read(declare_.host); }
+  /// Effects: `count` words of the buffer from `first_word` on are `name` of a robot, which sensors
+  /// may read. The name begins with the plugin's, such as `battery.charge`.
+  void offers(const std::string& name, int robot, int first_word, int count = 1) const {
+    declare_.offers(declare_.host, name.c_str(), robot, count, first_word);
+  }
+  /// Sensors: requests `count` values that an effect offers under that name for a robot. Without
+  /// such an effect the scenario is refused.
+  /// @returns the index of the first for EnvView::offered()
+  int offered(const std::string& name, int robot, int count = 1) const {
+    return declare_.offered(declare_.host, name.c_str(), robot, count);
+  }
   /// Requests EnvView::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }
   /// Randomizers, and tasks for their own parameters: declares that parameter `param` of params()

@@ -14,10 +14,8 @@ namespace skybody {
 inline int Setup::robot() const {
   if (raw_.team_size == 0) throw std::logic_error("only a controller serves one robot");
   if (raw_.team_size > 1) {
-    throw std::runtime_error("controller `" + std::string(raw_.instance) +
-                             "` serves one robot, and is given a team of " +
-                             std::to_string(raw_.team_size) +
-                             ": move it to the `controllers` of a robot");
+    refuse("controller `", raw_.instance, "` serves one robot, and is given a team of ",
+           raw_.team_size, ": move it to the `controllers` of a robot");
   }
   return raw_.team[0];
 }
@@ -29,8 +27,8 @@ inline int Setup::robot(const std::string& name) const {
     if (name == raw_.robots[i].name) return i;
     known += (i > 0 ? ", " : "") + std::string(raw_.robots[i].name);
   }
-  if (name.empty()) throw std::runtime_error("several robots: name one of " + known);
-  throw std::runtime_error("no robot `" + name + "`: there are " + known);
+  if (name.empty()) refuse("several robots: name one of ", known);
+  refuse("no robot `", name, "`: there are ", known);
 }
 
 inline View<RotorInfo> Setup::rotors_of(int robot) const {
@@ -45,8 +43,7 @@ inline const LinkInfo& Setup::link(int robot, const std::string& name) const {
     if (name == l.name) return l;
     known += (known.empty() ? "" : ", ") + std::string(l.name);
   }
-  throw std::runtime_error("robot `" + std::string(raw_.robots[robot].name) + "` has no link `" +
-                           name + "`: there are " + known);
+  refuse("robot `", raw_.robots[robot].name, "` has no link `", name, "`: there are ", known);
 }
 
 inline const BodyInfo& Setup::joint(int robot, const std::string& name) const {
@@ -56,8 +53,8 @@ inline const BodyInfo& Setup::joint(int robot, const std::string& name) const {
     if (name == b.joint_name) return b;
     known += (known.empty() ? "" : ", ") + std::string(b.joint_name);
   }
-  throw std::runtime_error("robot `" + std::string(raw_.robots[robot].name) + "` has no joint `" +
-                           name + "`: there are " + (known.empty() ? "none" : known));
+  refuse("robot `", raw_.robots[robot].name, "` has no joint `", name, "`: there are ",
+         (known.empty() ? "none" : known));
 }
 
 inline int Setup::sensor(const std::string& instance, const std::string& channel,
@@ -72,8 +69,8 @@ inline int Setup::sensor(const std::string& instance, const std::string& channel
     }
     known += (i > 0 ? ", " : "") + std::string(s.name) + "." + s.channel;
   }
-  throw std::runtime_error("no sensor output `" + instance + "." + channel + "`: there are " +
-                           (known.empty() ? "none" : known));
+  refuse("no sensor output `", instance, ".", channel, "`: there are ",
+         (known.empty() ? "none" : known));
 }
 
 inline std::vector<int> Setup::find_params(const std::string& path) const {
@@ -86,8 +83,7 @@ inline std::vector<int> Setup::find_params(const std::string& path) const {
     if (plugin_detail::any_matches(patterns, param.path, param.alias)) found.push_back(i);
   }
   if (found.empty()) {
-    throw std::runtime_error("nothing randomizable is called `" + path + "`" +
-                             plugin_detail::kNoSuchParam);
+    refuse("nothing randomizable is called `", path, "`", plugin_detail::kNoSuchParam);
   }
   return found;
 }

@@ -32,11 +32,11 @@ template <>
 class Bounds<double> {
  public:
   Bounds() = default;
-  Bounds(SkybodyChecks* checks, const char* what, int size)
-      : checks_(checks), what_(what), size_(size) {}
+  Bounds(SkybodyChecks* checks, const char* name, int size)
+      : checks_(checks), name_(name), size_(size) {}
 
  protected:
-  Bounds narrowed(const char* what, int size) const { return {checks_, what, size}; }
+  Bounds narrowed(const char* name, int size) const { return {checks_, name, size}; }
   template <class T>
   T* place(T* data, std::size_t stride, int k) const {
     if (checks_ != nullptr && (k < 0 || k >= size_)) return note(k);
@@ -46,7 +46,7 @@ class Bounds<double> {
  private:
   __attribute__((noinline, cold)) double* note(int k) const {
     if (checks_->what == nullptr) {
-      checks_->what = what_;
+      checks_->what = name_;
       checks_->index = k;
       checks_->size = size_;
     }
@@ -54,7 +54,7 @@ class Bounds<double> {
   }
 
   SkybodyChecks* checks_ = nullptr;
-  const char* what_ = "";
+  const char* name_ = "";
   int size_ = 0;
 };
 
@@ -117,11 +117,11 @@ class Values : private Bounds<Real> {
     set(k + 3, q.z);
   }
   /// A view of values from `first` on, renumbered from 0 to count - 1.
-  /// @param what  name of the values for checked mode: a text that outlives the view
-  Values part(int first, int count, const char* what) const {
+  /// @param name  name of the values for checked mode: a text that outlives the view
+  Values part(int first, int count, const char* name) const {
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(first) * kRowsOf<Real>;
     return {data_ + row * static_cast<std::ptrdiff_t>(stride_), stride_, mask_,
-            this->narrowed(what, count)};
+            this->narrowed(name, count)};
   }
 
  private:

@@ -23,11 +23,10 @@ inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader)
   for (const ShapeInfo& shape : setup.shapes()) {
     if (shape.obstacle < 0) continue;
     if (shape.kind == SKYBODY_HEIGHT_FIELD || shape.kind == SKYBODY_MESH) {
-      throw std::runtime_error("obstacle `" + std::string(shape.name) + "` is a " +
-                               (shape.kind == SKYBODY_MESH ? "mesh" : "height field") + ", and " +
-                               reader +
-                               " knows boxes, spheres, cylinders, capsules, gates and planes: "
-                               "replace it by one of these, or take it out");
+      refuse("obstacle `", shape.name, "` is a ",
+             (shape.kind == SKYBODY_MESH ? "mesh" : "height field"), ", and ", reader,
+             " knows boxes, spheres, cylinders, capsules, gates and planes: replace it by one of "
+             "these, or take it out");
     }
     found.push_back({shape.kind, shape.first_param});
   }

@@ -40,10 +40,9 @@ Facing PathParameters::facing(bool has_yaw) const {
   if (yaw_.value() == "fixed") return Facing::kFixed;
   if (yaw_.value() == "drawn") return Facing::kDrawn;
   if (has_yaw) return Facing::kTable;
-  throw std::runtime_error(
+  refuse(
       "`yaw: table` needs a column `yaw` in the file of `kind: csv`; add it, or take `fixed`, "
-      "`tangent` "
-      "or `drawn`");
+      "`tangent` or `drawn`");
 }
 
 void PathParameters::refuse_if_given(const Parameter& parameter, const char* name,
@@ -56,10 +55,9 @@ void PathParameters::refuse_if_given(const Parameter& parameter, const char* nam
   for (const Kind kind : used_by) {
     kinds += (kinds.empty() ? "" : ", ") + std::string(kKindNames[static_cast<std::size_t>(kind)]);
   }
-  throw std::runtime_error("`" + std::string(name) + "` says nothing with `kind: " + name_.value() +
-                           "`; it belongs to " + kinds + ": leave it out (`" + name +
-                           ": ~` removes what an included file gives), "
-                           "or take one of these kinds");
+  refuse("`", name, "` says nothing with `kind: ", name_.value(), "`; it belongs to ", kinds,
+         ": leave it out (`", name,
+         ": ~` removes what an included file gives), or take one of these kinds");
 }
 
 void PathParameters::check() const {
@@ -75,26 +73,24 @@ void PathParameters::check() const {
   refuse_if_given(times_, "times", {kWaypoints});
   refuse_if_given(file_, "file", {kCsv});
   if (along_.is_given() && yaw_.value() != "drawn") {
-    throw std::runtime_error("`along` says nothing with `yaw: " + yaw_.value() +
-                             "`: leave it out, or take `yaw: drawn`");
+    refuse("`along` says nothing with `yaw: ", yaw_.value(),
+           "`: leave it out, or take `yaw: drawn`");
   }
   refuse_if_given(step_time_, "step_time", {kStep});
   if (period_.is_given() && peak_speed_.value() > 0.0) {
-    throw std::runtime_error("`period` " + to_text(period_.value()) + " s and `peak_speed` " +
-                             to_text(peak_speed_.value()) +
-                             " m/s are both given, and each says how fast the figure is flown: "
-                             "leave one out");
+    refuse("`period` ", period_.value(), " s and `peak_speed` ", peak_speed_.value(),
+           " m/s are both given, and each says how fast the figure is flown: leave one out");
   }
   if (kind() == kCsv && file_.value().empty()) {
-    throw std::runtime_error("`kind: csv` needs `file`: give a table with the columns t, x, y, z");
+    refuse("`kind: csv` needs `file`: give a table with the columns t, x, y, z");
   }
 }
 
 void PathParameters::check_waypoints() const {
   const int count = waypoints_.count() / 3;
   if (waypoints_.count() % 3 != 0 || count < 2) {
-    throw std::runtime_error("`waypoints` has " + std::to_string(waypoints_.count()) +
-                             " values; allowed: three for each of two or more waypoints");
+    refuse("`waypoints` has ", waypoints_.count(),
+           " values; allowed: three for each of two or more waypoints");
   }
   for (int i = 1; i < count; ++i) {
     const auto place = [&](int k) {
@@ -103,10 +99,8 @@ void PathParameters::check_waypoints() const {
     };
     const double distance = norm(place(i) - place(i - 1));
     if (distance >= kNearest) continue;
-    throw std::runtime_error("waypoints " + std::to_string(i - 1) + " and " + std::to_string(i) +
-                             " are " + to_text(distance) +
-                             " m apart, which is on one another; allowed: 0.001 m or more. Leave "
-                             "one out");
+    refuse("waypoints ", i - 1, " and ", i, " are ", distance,
+           " m apart, which is on one another; allowed: 0.001 m or more. Leave one out");
   }
   if (times_.is_given() == (peak_speed_.value() > 0.0)) {
     throw std::runtime_error(
@@ -116,15 +110,13 @@ void PathParameters::check_waypoints() const {
   }
   if (!times_.is_given()) return;
   if (times_.count() != count || times_.value(0) != 0.0) {
-    throw std::runtime_error("`times` has " + std::to_string(times_.count()) +
-                             " values, the first " + to_text(times_.value(0)) + " s; allowed: " +
-                             std::to_string(count) + ", one for each waypoint, from 0 s on");
+    refuse("`times` has ", times_.count(), " values, the first ", times_.value(0),
+           " s; allowed: ", count, ", one for each waypoint, from 0 s on");
   }
   for (int i = 1; i < count; ++i) {
     if (times_.value(i) > times_.value(i - 1)) continue;
-    throw std::runtime_error(at("times", i) + " is " + to_text(times_.value(i)) +
-                             " s, not after the one before, " + to_text(times_.value(i - 1)) +
-                             " s: let times grow");
+    refuse(at("times", i), " is ", times_.value(i), " s, not after the one before, ",
+           times_.value(i - 1), " s: let times grow");
   }
 }
 

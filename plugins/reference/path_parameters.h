@@ -86,127 +86,60 @@ class PathParameters {
   void check_waypoints() const;
 
   Plugin* owner_;
-  TextParameter name_{owner_,
-                      {.name = "kind",
-                       .choices = {kKindNames.begin(), kKindNames.end()},
-                       .doc = "kind of path",
-                       .required = true}};
+  TextParameter name_{
+      owner_, required(choice("kind", "", {kKindNames.begin(), kKindNames.end()}, "kind of path"))};
   RealsParameter centre_{owner_,
-                         {.name = "centre",
-                          .unit = "m",
-                          .values = {0.0, 0.0, 0.0},
-                          .doc = "centre of the figure, or offset of a path (W)",
-                          .randomizable = true}};
+                         randomizable(reals("centre", "m", {0.0, 0.0, 0.0}, kAny,
+                                            "centre of the figure, or offset of a path (W)"))};
   RealsParameter amplitude_{owner_,
-                            {.name = "amplitude",
-                             .unit = "m",
-                             .values = {1.5, 1.5, 0.0},
-                             .doc = "amplitude of each axis; of a step: its size (W)",
-                             .randomizable = true}};
+                            randomizable(reals("amplitude", "m", {1.5, 1.5, 0.0}, kAny,
+                                               "amplitude of each axis; of a step: its size (W)"))};
   RealsParameter cycles_{owner_,
-                         {.name = "cycles",
-                          .values = {1.0, 2.0, 1.0},
-                          .min = 0.0,
-                          .max = 16.0,
-                          .doc = "lissajous: oscillations of each axis per period",
-                          .randomizable = true}};
-  RealsParameter phase_{owner_,
-                        {.name = "phase",
-                         .unit = "rad",
-                         .values = {kHalfPi, 0.0, 0.0},
-                         .min = -1e3,
-                         .max = 1e3,
-                         .doc = "lissajous: initial phase of each axis; 0: at the centre",
-                         .randomizable = true}};
-  RealParameter climb_{
-      owner_,
-      {.name = "climb", .unit = "m", .doc = "helix: rise per period", .randomizable = true}};
+                         randomizable(reals("cycles", "", {1.0, 2.0, 1.0}, between(0.0, 16.0),
+                                            "lissajous: oscillations of each axis per period"))};
+  RealsParameter phase_{
+      owner_, randomizable(reals("phase", "rad", {kHalfPi, 0.0, 0.0}, between(-1e3, 1e3),
+                                 "lissajous: initial phase of each axis; 0: at the centre"))};
+  RealParameter climb_{owner_,
+                       randomizable(real("climb", "m", 0.0, kAny, "helix: rise per period"))};
   RealParameter period_{owner_,
-                        {.name = "period",
-                         .unit = "s",
-                         .value = 8.0,
-                         .min = 1e-3,
-                         .max = 1e6,
-                         .doc = "period of a figure; `peak_speed` takes precedence",
-                         .randomizable = true}};
+                        randomizable(real("period", "s", 8.0, between(1e-3, 1e6),
+                                          "period of a figure; `peak_speed` takes precedence"))};
   RealParameter peak_speed_{
       owner_,
-      {.name = "peak_speed",
-       .unit = "m/s",
-       .min = 0.0,
-       .max = 1e3,
-       .doc = "largest speed on a figure, computed at the reset; 0: `period` determines it. "
-              "Waypoints without times: the times are chosen for it",
-       .randomizable = true}};
-  RealsParameter waypoints_{owner_,
-                            {.name = "waypoints",
-                             .unit = "m",
-                             .count = -1,
-                             .doc = "x, y, z of each waypoint, one after the other (W)"}};
+      randomizable(real("peak_speed", "m/s", 0.0, between(0.0, 1e3),
+                        "largest speed on a figure, computed at the reset; 0: `period` determines "
+                        "it. Waypoints without times: the times are chosen for it"))};
+  RealsParameter waypoints_{owner_, list("waypoints", "m", {}, kAny,
+                                         "x, y, z of each waypoint, one after the other (W)")};
   RealsParameter times_{
       owner_,
-      {.name = "times",
-       .unit = "s",
-       .count = -1,
-       .min = 0.0,
-       .doc =
-           "time of each waypoint; the first is 0. Without times: by distance, for `peak_speed`"}};
+      list("times", "s", {}, at_least(0.0),
+           "time of each waypoint; the first is 0. Without times: by distance, for `peak_speed`")};
   TextParameter file_{
       owner_,
       {.name = "file",
        .doc = "csv: table with the columns t [s], x, y, z [m] and optionally yaw [rad] (W)",
        .is_file = true}};
-  RealParameter step_time_{owner_,
-                           {.name = "step_time",
-                            .unit = "s",
-                            .value = 1.0,
-                            .min = 0.0,
-                            .max = 1e6,
-                            .doc = "step: path time of the jump",
-                            .randomizable = true}};
-  RealParameter time_scale_{owner_,
-                            {.name = "time_scale",
-                             .value = 1.0,
-                             .min = 1e-3,
-                             .max = 1e3,
-                             .doc = "path time per second: 2 is twice as fast",
-                             .randomizable = true}};
-  RealParameter ramp_{owner_,
-                      {.name = "ramp",
-                       .unit = "s",
-                       .value = 2.0,
-                       .min = 0.0,
-                       .max = 1e4,
-                       .doc = "time in which the pace rises from 0, for a vehicle at rest; for "
-                              "waypoints and tables only if given"}};
+  RealParameter step_time_{owner_, randomizable(real("step_time", "s", 1.0, between(0.0, 1e6),
+                                                     "step: path time of the jump"))};
+  RealParameter time_scale_{owner_, randomizable(real("time_scale", "", 1.0, between(1e-3, 1e3),
+                                                      "path time per second: 2 is twice as fast"))};
+  RealParameter ramp_{owner_, real("ramp", "s", 2.0, between(0.0, 1e4),
+                                   "time in which the pace rises from 0, for a vehicle at rest; "
+                                   "for waypoints and tables only if given")};
   RealParameter approach_{
-      owner_,
-      {.name = "approach",
-       .unit = "s",
-       .min = 0.0,
-       .max = 1e4,
-       .doc = "time in which the reference moves from the base's initial position to the path's "
-              "beginning, before path time runs; 0: it begins there"}};
+      owner_, real("approach", "s", 0.0, between(0.0, 1e4),
+                   "time in which the reference moves from the base's initial position to the "
+                   "path's beginning, before path time runs; 0: it begins there")};
   TextParameter yaw_{
-      owner_,
-      {.name = "yaw",
-       .value = "fixed",
-       .choices = {"fixed", "tangent", "drawn", "table"},
-       .doc = "heading: `heading`, along the path, one of both by `along`, or the table's"}};
-  RealParameter heading_{owner_,
-                         {.name = "heading",
-                          .unit = "rad",
-                          .min = -1e3,
-                          .max = 1e3,
-                          .doc = "heading added to the yaw",
-                          .randomizable = true}};
-  RealParameter along_{owner_,
-                       {.name = "along",
-                        .value = 1.0,
-                        .min = 0.0,
-                        .max = 1.0,
-                        .doc = "with `yaw: drawn`: 0.5 and more: along the path, less: fixed",
-                        .randomizable = true}};
+      owner_, choice("yaw", "fixed", {"fixed", "tangent", "drawn", "table"},
+                     "heading: `heading`, along the path, one of both by `along`, or the table's")};
+  RealParameter heading_{owner_, randomizable(real("heading", "rad", 0.0, between(-1e3, 1e3),
+                                                   "heading added to the yaw"))};
+  RealParameter along_{
+      owner_, randomizable(real("along", "", 1.0, between(0.0, 1.0),
+                                "with `yaw: drawn`: 0.5 and more: along the path, less: fixed"))};
 };
 
 }  // namespace skybody::reference

@@ -78,9 +78,9 @@ class DrawnTarget {
 
  protected:
   [[noreturn]] static void refuse_beside_target(const std::string& name) {
-    throw std::runtime_error("`" + name +
-                             "` says nothing beside `target`, which is not drawn: leave one of "
-                             "them out (`target: ~` removes what an included file gives)");
+    refuse("`", name,
+           "` says nothing beside `target`, which is not drawn: leave one of them out (`target: ~` "
+           "removes what an included file gives)");
   }
 
   DrawnTarget(Plugin* owner, const Defaults& defaults, const char* unit)
@@ -90,12 +90,8 @@ class DrawnTarget {
                         .count = static_cast<int>(defaults.target.size()),
                         .doc = defaults.doc,
                         .randomizable = true}),
-        low_(owner,
-             {.name = "target_min", .unit = "m", .values = defaults.low, .doc = defaults.low_doc}),
-        high_(owner, {.name = "target_max",
-                      .unit = "m",
-                      .values = defaults.high,
-                      .doc = defaults.high_doc}) {}
+        low_(owner, reals("target_min", "m", defaults.low, kAny, defaults.low_doc)),
+        high_(owner, reals("target_max", "m", defaults.high, kAny, defaults.high_doc)) {}
 
   RealsParameter target_, low_, high_;
 };
@@ -107,12 +103,7 @@ class DrawnPose : public DrawnTarget {
   DrawnPose(Plugin* owner, const Defaults& defaults, double yaw_max,
             const char* yaw_doc = "largest magnitude of a drawn heading")
       : DrawnTarget(owner, defaults, "m, rad"),
-        yaw_max_(owner, {.name = "target_yaw",
-                         .unit = "rad",
-                         .value = yaw_max,
-                         .min = 0.0,
-                         .max = kPi,
-                         .doc = yaw_doc}) {}
+        yaw_max_(owner, real("target_yaw", "rad", yaw_max, between(0.0, kPi), yaw_doc)) {}
 
   /// As DrawnTarget::configure(); also refuses `target_yaw` together with a given target.
   void configure(const Setup& setup) {

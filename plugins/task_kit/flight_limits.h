@@ -20,9 +20,8 @@ inline double tilt_cosine_limit(double tilt_max) { return tilt_max < kPi ? cos(t
 inline void require_within(const RealsParameter& place, const std::string& what, double bound) {
   for (int k = 0; k < 3; ++k) {
     if (std::abs(place.value(k)) <= bound) continue;
-    throw std::runtime_error("`" + what + "[" + std::to_string(k) + "]` " +
-                             to_text(place.value(k)) + " lies beyond `bound` " + to_text(bound) +
-                             ", where an episode ends: raise that, or bring it nearer");
+    refuse("`", what, "[", k, "]` ", place.value(k), " lies beyond `bound` ", bound,
+           ", where an episode ends: raise that, or bring it nearer");
   }
 }
 /// The same for a point that is not a parameter.
@@ -30,9 +29,8 @@ inline void require_within(const Vec3<double>& place, const std::string& what, d
   const double coordinates[] = {place.x, place.y, place.z};
   for (int k = 0; k < 3; ++k) {
     if (std::abs(coordinates[k]) <= bound) continue;
-    throw std::runtime_error(what + " lies beyond `bound` " + to_text(bound) + ", at " + "xyz"[k] +
-                             " = " + to_text(coordinates[k]) +
-                             " m, where an episode ends: raise that, or bring it nearer");
+    refuse(what, " lies beyond `bound` ", bound, ", at ", "xyz"[k], " = ", coordinates[k],
+           " m, where an episode ends: raise that, or bring it nearer");
   }
 }
 /// Refuses a point below the height [m] at which an episode ends.
@@ -40,9 +38,8 @@ inline void require_within(const Vec3<double>& place, const std::string& what, d
 /// @param place  x, y, z, W [m]; further values are ignored
 inline void require_above(const RealsParameter& place, const std::string& what, double height_min) {
   if (place.value(2) >= height_min) return;
-  throw std::runtime_error("`" + what + "[2]` " + to_text(place.value(2)) +
-                           " lies below `height_min` " + to_text(height_min) +
-                           ", where an episode ends: lower that, or lift the target");
+  refuse("`", what, "[2]` ", place.value(2), " lies below `height_min` ", height_min,
+         ", where an episode ends: lower that, or lift the target");
 }
 
 /// The limits that are exceeded.
@@ -113,26 +110,12 @@ class FlightLimits {
  private:
   Plugin* owner_;
   Defaults defaults_;
-  RealParameter tilt_max_{owner_,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = defaults_.tilt_max,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "a robot fails beyond this tilt"}};
-  RealParameter yaw_max_{owner_,
-                         {.name = "yaw_max",
-                          .unit = "rad",
-                          .value = defaults_.yaw_max,
-                          .min = 0.0,
-                          .max = 4.0,
-                          .doc = "a robot fails beyond this heading, in magnitude"}};
-  RealParameter bound_{owner_,
-                       {.name = "bound",
-                        .unit = "m",
-                        .value = defaults_.bound,
-                        .min = 1e-3,
-                        .doc = "a robot fails if a coordinate's magnitude exceeds this (W)"}};
+  RealParameter tilt_max_{owner_, real("tilt_max", "rad", defaults_.tilt_max, between(0.0, kPi),
+                                       "a robot fails beyond this tilt")};
+  RealParameter yaw_max_{owner_, real("yaw_max", "rad", defaults_.yaw_max, between(0.0, 4.0),
+                                      "a robot fails beyond this heading, in magnitude")};
+  RealParameter bound_{owner_, real("bound", "m", defaults_.bound, at_least(1e-3),
+                                    "a robot fails if a coordinate's magnitude exceeds this (W)")};
 
   double tilt_cosine_ = -2.0;
   Part tilt_failure_, heading_failure_, bound_failure_;

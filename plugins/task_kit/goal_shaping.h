@@ -41,28 +41,18 @@ class GoalShaping {
   Plugin* owner_;
   RealParameter approach_reward_{
       owner_,
-      {.name = "approach_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of max(0, 1 - |e| / 10 m) in the reward: a gradient far from the target"}};
+      real("approach_reward", "", 0.0, at_least(0.0),
+           "weight of max(0, 1 - |e| / 10 m) in the reward: a gradient far from the target")};
   RealParameter precision_reward_{
       owner_,
-      {.name = "precision_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a gradient close to the target"}};
-  RealParameter heading_reward_{owner_,
-                                {.name = "heading_reward",
-                                 .value = 0.0,
-                                 .min = 0.0,
-                                 .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a "
-                                        "gradient also far from the heading"}};
-  RealParameter tilt_cost_{owner_,
-                           {.name = "tilt_cost",
-                            .value = 0.0,
-                            .min = 0.0,
-                            .doc = "weight of 1 / max(cos tilt, 0.1) - 1, subtracted from the "
-                                   "reward: a cost of large tilts"}};
+      real("precision_reward", "", 0.0, at_least(0.0),
+           "weight of 1 / (1 + |e| / 0.2 m) in the reward: a gradient close to the target")};
+  RealParameter heading_reward_{owner_, real("heading_reward", "", 0.0, at_least(0.0),
+                                             "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the "
+                                             "reward: a gradient also far from the heading")};
+  RealParameter tilt_cost_{owner_, real("tilt_cost", "", 0.0, at_least(0.0),
+                                        "weight of 1 / max(cos tilt, 0.1) - 1, subtracted from the "
+                                        "reward: a cost of large tilts")};
 };
 
 }  // namespace skybody::task_kit

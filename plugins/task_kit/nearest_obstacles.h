@@ -67,18 +67,10 @@ class NearestObstacles {
  private:
   Plugin* owner_;
   IntegerParameter seen_parameter_{
-      owner_,
-      {.name = "obstacles_seen",
-       .value = 3,
-       .min = 0,
-       .max = Obstacles::kMostSeen,
-       .doc = "number of observed obstacles, the nearest ones; all if there are fewer"}};
-  RealParameter sight_{owner_,
-                       {.name = "obstacle_sight",
-                        .unit = "m",
-                        .value = 4.0,
-                        .min = 0.01,
-                        .doc = "longer vectors to obstacles are shortened to this length"}};
+      owner_, integer("obstacles_seen", "", 3, between(0, Obstacles::kMostSeen),
+                      "number of observed obstacles, the nearest ones; all if there are fewer")};
+  RealParameter sight_{owner_, real("obstacle_sight", "m", 4.0, at_least(0.01),
+                                    "longer vectors to obstacles are shortened to this length")};
   Obstacles obstacles_;
   int seen_ = 0;
 };

@@ -1,6 +1,6 @@
 // Named parts of a task's observation and infos. They are declared in configure() and written by
 // name, so that authors need not count indices. `skybody check SCENARIO --columns` lists them, and
-// scripts/task_tables.py writes them into the task's README.
+// research/documents/task_tables.py writes them into the task's README.
 #pragma once
 
 #include <skybody/plugin.h>

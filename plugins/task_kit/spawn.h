@@ -14,9 +14,8 @@ inline void require_box(const RealsParameter& low, const RealsParameter& high,
                         const std::string& name) {
   for (int k = 0; k < 3; ++k) {
     if (low.value(k) <= high.value(k)) continue;
-    throw std::runtime_error("`" + name + "_min[" + std::to_string(k) + "]` " +
-                             to_text(low.value(k)) + " is above `" + name + "_max` " +
-                             to_text(high.value(k)) + ": swap them");
+    refuse("`", name, "_min[", k, "]` ", low.value(k), " is above `", name, "_max` ", high.value(k),
+           ": swap them");
   }
 }
 
@@ -38,18 +37,16 @@ inline void announce_drawn(const Setup& setup, const RealsParameter& parameter) 
 /// Size of the robot's action. A task that observes actions needs a controller.
 inline int action_count(const RobotInfo& robot, const std::string& task) {
   if (robot.action_count > 0) return robot.action_count;
-  throw std::runtime_error(
-      "robot `" + std::string(robot.name) + "` takes no action, and task `" + task +
-      "` observes actions: give it a controller, such as `rotor_speed`, that no team feeds");
+  refuse("robot `", robot.name, "` takes no action, and task `", task,
+         "` observes actions: give it a controller, such as `rotor_speed`, that no team feeds");
 }
 
 /// Refuses a memory longer than an episode, whose oldest entries would never be filled.
 /// @param steps  entries of the memory; @param name  of the parameter
 inline void require_within_horizon(const Setup& setup, int steps, const std::string& name) {
   if (setup.horizon() == 0 || steps <= setup.horizon()) return;
-  throw std::runtime_error("`" + name + "` is " + std::to_string(steps) +
-                           " steps, and an episode ends after " + std::to_string(setup.horizon()) +
-                           ": take fewer");
+  refuse("`", name, "` is ", steps, " steps, and an episode ends after ", setup.horizon(),
+         ": take fewer");
 }
 
 }  // namespace skybody::task_kit

@@ -48,8 +48,7 @@ std::vector<PlacedChannel> observation_channels(const CompiledScenario& compiled
 }
 
 /// A column with its source as text.
-struct NamedColumn {
-  ObservationColumn column;
+struct NamedColumn : ObservationColumn {
   std::string source;
 };
 
@@ -76,38 +75,28 @@ std::vector<std::string> param_paths(const CompiledScenario& compiled) {
 void bind_column(nb::module_& m) {
   using C = NamedColumn;
   nb::class_<C>(m, "ObservationColumn", "A part of the observation with a type and a shape.")
+      .def_ro("name", &C::name, "Name, such as `velocity`.")
+      .def_ro("unit", &C::unit, "SI unit; empty for a pure number.")
+      .def_ro("doc", &C::doc, "What the values are; empty: unsaid.")
       .def_prop_ro(
-          "name", [](const C& c) { return c.column.name; }, "Name, such as `velocity`.")
-      .def_prop_ro(
-          "unit", [](const C& c) { return c.column.unit; }, "SI unit; empty for a pure number.")
-      .def_prop_ro(
-          "doc", [](const C& c) { return c.column.doc; }, "What the values are; empty: unsaid.")
-      .def_prop_ro(
-          "dtype", [](const C& c) { return info_of(c.column.type).name; },
+          "dtype", [](const C& c) { return info_of(c.type).name; },
           "NumPy's name of the type: `float32`, or of an image `uint8`, `uint16` as well.")
       .def_prop_ro(
-          "shape", [](const C& c) { return nb::tuple(nb::cast(c.column.shape)); },
+          "shape", [](const C& c) { return nb::tuple(nb::cast(c.shape)); },
           nb::sig("def shape(self) -> tuple[int, ...]"), "Shape of one environment's value.")
-      .def_prop_ro(
-          "low", [](const C& c) { return c.column.low; }, "Least value; may be -inf.")
-      .def_prop_ro(
-          "high", [](const C& c) { return c.column.high; }, "Greatest value; may be inf.")
-      .def_prop_ro(
-          "robot", [](const C& c) { return c.column.robot; },
-          "Index of the robot whose own observation it belongs to; -1: every robot's.")
-      .def_prop_ro(
-          "privileged", [](const C& c) { return c.column.privileged; },
-          "Whether it is for a critic only: in Batch.privileged, not in Batch.observation.")
+      .def_ro("low", &C::low, "Least value; may be -inf.")
+      .def_ro("high", &C::high, "Greatest value; may be inf.")
+      .def_ro("robot", &C::robot,
+              "Index of the robot whose own observation it belongs to; -1: every robot's.")
+      .def_ro("privileged", &C::privileged,
+              "Whether it is for a critic only: in Batch.privileged, not in Batch.observation.")
       .def_ro("source", &C::source, "`task`, or the sensor and its channel: `imu.angular_rate`.")
-      .def_prop_ro(
-          "first", [](const C& c) { return c.column.first; },
-          "Index of its first value within the row of observations, or the privileged row.")
-      .def_prop_ro(
-          "image", [](const C& c) { return c.column.image; },
-          "An image's index for Batch.image(); -1: it is part of a row.")
+      .def_ro("first", &C::first,
+              "Index of its first value within the row of observations, or the privileged row.")
+      .def_ro("image", &C::image, "An image's index for Batch.image(); -1: it is part of a row.")
       .def("__repr__", [](const C& c) {
-        return "ObservationColumn(" + c.column.name + " from " + c.source +
-               (c.column.privileged ? ", privileged)" : ")");
+        return "ObservationColumn(" + c.name + " from " + c.source +
+               (c.privileged ? ", privileged)" : ")");
       });
 }
 
@@ -180,6 +169,12 @@ nb::tuple reduce(nb::handle self) {
                         nb::make_tuple(options.scenario, options.overrides, std::move(path)));
 }
 
+/// The value of one of the scenario's functions.
+template <auto value>
+auto fact(const LoadedScenario& scenario) {
+  return ((*scenario).*value)();
+}
+
 void bind_identity(nb::class_<LoadedScenario>& c) {
   using E = LoadedScenario;
   c.def_prop_ro(
@@ -205,9 +200,8 @@ void bind_identity(nb::class_<LoadedScenario>& c) {
   c.def_prop_ro(
       "obstacles", [](const E& e) { return obstacles_of(*e); },
       "The obstacles of the scenario, in its order.");
-  c.def_prop_ro(
-      "agents", [](const E& e) { return e->agents(); },
-      "Indices of the robots that take actions: the agents of a multi-agent learner.");
+  c.def_prop_ro("agents", fact<&CompiledScenario::agents>,
+                "Indices of the robots that take actions: the agents of a multi-agent learner.");
   c.def("__repr__", [](const E& e) {
     return "CompiledScenario(" + e->scenario().name + ": " + std::to_string(e->action_size()) +
            " actions, " + std::to_string(e->observation_size()) + " observations)";
@@ -231,17 +225,13 @@ void bind_time_and_spaces(nb::class_<LoadedScenario>& c) {
         return std::make_tuple(g.x, g.y, g.z);
       },
       "Acceleration of gravity, world axes (z up) [m/s^2].");
-  c.def_prop_ro(
-      "action_size", [](const E& e) { return e->action_size(); },
-      "A: values of an action row, each in [-1, 1].");
-  c.def_prop_ro(
-      "observation_size", [](const E& e) { return e->observation_size(); },
-      "O: values of an observation row.");
-  c.def_prop_ro(
-      "privileged_size", [](const E& e) { return e->privileged_size(); },
-      "P: values of a privileged row, which is for a critic only.");
-  c.def_prop_ro(
-      "info_size", [](const E& e) { return e->info_size(); }, "I: values of an info row.");
+  c.def_prop_ro("action_size", fact<&CompiledScenario::action_size>,
+                "A: values of an action row, each in [-1, 1].");
+  c.def_prop_ro("observation_size", fact<&CompiledScenario::observation_size>,
+                "O: values of an observation row.");
+  c.def_prop_ro("privileged_size", fact<&CompiledScenario::privileged_size>,
+                "P: values of a privileged row, which is for a critic only.");
+  c.def_prop_ro("info_size", fact<&CompiledScenario::info_size>, "I: values of an info row.");
   c.def_prop_ro(
       "observation_channels", [](const E& e) { return observation_channels(*e); },
       "What a row of observations consists of, in order.");
@@ -251,9 +241,8 @@ void bind_time_and_spaces(nb::class_<LoadedScenario>& c) {
   c.def_prop_ro(
       "info_channels", [](const E& e) { return placed(e->info_channels()); },
       "What an info row consists of, in order.");
-  c.def_prop_ro(
-      "action_channels", [](const E& e) { return e->action_channels(); },
-      "What an action row consists of, one channel per agent.");
+  c.def_prop_ro("action_channels", fact<&CompiledScenario::action_channels>,
+                "What an action row consists of, one channel per agent.");
 }
 
 void bind_params(nb::class_<LoadedScenario>& c) {

@@ -154,14 +154,8 @@ void bind_commands(Class& c) {
       "robot: may be left out where there is one\n\n"
       "Raises TypeError on another dtype; ValueError on another shape, an unknown robot, a value\n"
       "that is not finite, or before reset().");
-  c.def(
-      "command_size",
-      [](S& s, const std::string& robot) {
-        return s.look([&](Simulation& sim) {
-          return rethrow_as_argument_error([&] { return sim.command_size(robot); });
-        });
-      },
-      nb::arg("robot") = "", "Number of values of a command.");
+  c.def("command_size", of(&Simulation::command_size), nb::arg("robot") = "",
+        "Number of values of a command.");
   c.def("advance", &advance, nb::arg("physics_steps") = 1,
         "Physics steps under the commands, sensors included; no action, no task. The GIL is\n"
         "released; KeyboardInterrupt gets through.\n\n"
@@ -192,14 +186,7 @@ void bind_looking(Class& c) {
   c.def_prop_ro(
       "body_names", [](const S& s) { return body_names(*s.compiled()); },
       "Names of all bodies, such as `quad.base_link`, in the world's numbering.");
-  c.def(
-      "base",
-      [](S& s, const std::string& robot) {
-        return s.look([&](Simulation& sim) {
-          return rethrow_as_argument_error([&]() -> BodyState { return sim.base(robot); });
-        });
-      },
-      nb::arg("robot") = "", "Motion of a robot's base.");
+  c.def("base", of(&Simulation::base), nb::arg("robot") = "", "Motion of a robot's base.");
   c.def(
       "accelerations",
       [](S& s) { return s.call([](Simulation& sim) { return sim.accelerations(); }); },

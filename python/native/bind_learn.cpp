@@ -7,6 +7,7 @@
 
 #include "learn/hyperparameter_text.h"
 #include "learn/network/adam.h"
+#include "learn/network/image_encoder.h"
 #include "learn/network/network.h"
 #include "learn/network/recurrent_network.h"
 #include "python/native/arrays.h"
@@ -16,6 +17,7 @@ namespace skybody::python {
 namespace {
 
 using learn::Adam;
+using learn::ImageEncoder;
 using learn::Network;
 using learn::RecurrentNetwork;
 
@@ -132,6 +134,40 @@ nb::tuple recurrent_backward(const RecurrentNetwork& network, nb::handle paramet
   return nb::make_tuple(copy_of<float>(gradient, {gradient.size()}), call.rows_of(dx, inputs));
 }
 
+/// Pixels of float images (rows, height, width, channels), and the features of these.
+struct EncoderCall {
+  Values<float> parameters, x;
+  learn::EncoderActivations memory;
+  std::vector<float> y;
+
+  EncoderCall(const ImageEncoder& encoder, nb::handle parameters_in, nb::handle x_in)
+      : parameters(read_parameters(encoder, parameters_in)),
+        x(read_array<float>(
+            x_in, "x",
+            {-1, encoder.format().height, encoder.format().width, encoder.format().channels})),
+        y(x.rows() * static_cast<std::size_t>(encoder.features())) {
+    encoder.forward(parameters.span(), reinterpret_cast<const std::uint8_t*>(x.span().data()),
+                    nullptr, static_cast<int>(x.rows()), memory, y.data(), encoder.features());
+  }
+};
+
+nb::object encode(const ImageEncoder& encoder, nb::handle parameters, nb::handle x) {
+  const EncoderCall call(encoder, parameters, x);
+  return copy_of<float>(call.y, {call.x.rows(), static_cast<std::size_t>(encoder.features())});
+}
+
+nb::object encoder_gradient(const ImageEncoder& encoder, nb::handle parameters, nb::handle x,
+                            nb::handle dy) {
+  EncoderCall call(encoder, parameters, x);
+  const Values<float> slopes =
+      read_array<float>(dy, "dy", {extent(call.x.rows()), encoder.features()});
+  learn::TransposedEncoder transposed;
+  encoder.transpose(call.parameters.span(), transposed);
+  std::vector<float> gradient(encoder.parameter_count());
+  encoder.backward(transposed, call.memory, slopes.span().data(), encoder.features(), gradient);
+  return copy_of<float>(gradient, {gradient.size()});
+}
+
 nb::object step(Adam& adam, nb::handle gradient, double learning_rate, nb::handle parameters) {
   const auto count = extent(adam.size());
   const Values<float> slopes = read_array<float>(gradient, "gradient", {count});
@@ -142,9 +178,7 @@ nb::object step(Adam& adam, nb::handle gradient, double learning_rate, nb::handl
   return copy_of<float>(after, {after.size()});
 }
 
-}  // namespace
-
-void bind_learn(nb::module_& m) {
+void bind_network(nb::module_& m) {
   nb::class_<Network>(m, "Network",
                       "A multilayer perceptron of the native learners, in float32. Its parameters "
                       "are one array, in the order of the kernels: see `layers()`.")
@@ -169,6 +203,9 @@ void bind_learn(nb::module_& m) {
            nb::sig("def backward(self, parameters: object, x: object, dy: object) -> "
                    "tuple[typing.Any, typing.Any]"),
            "Gradients of sum(outputs * dy) at the parameters and at x.");
+}
+
+void bind_recurrent_network(nb::module_& m) {
   nb::class_<RecurrentNetwork>(m, "RecurrentNetwork",
                                "Gated recurrent units, then dense layers on their states. Arrays "
                                "of rows are (sequences, steps, ...).")
@@ -198,6 +235,48 @@ void bind_learn(nb::module_& m) {
            nb::sig("def backward(self, parameters: object, x: object, begins: object, states: "
                    "object, dy: object) -> tuple[typing.Any, typing.Any]"),
            "Gradients of sum(outputs * dy) at the parameters and at x.");
+}
+
+void bind_encoder(nb::module_& m) {
+  nb::class_<ImageEncoder>(m, "ImageEncoder",
+                           "Convolutions and a dense layer on images of float32, whose pixels are "
+                           "clipped to 0..1.")
+      .def(
+          "__init__",
+          [](ImageEncoder* self, int height, int width, int channels,
+             const std::vector<int>& cnn_channels, const std::vector<int>& cnn_kernels,
+             const std::vector<int>& cnn_strides, bool same_padding, int features,
+             const std::string& activation) {
+            new (self)
+                ImageEncoder({learn::PixelType::kFloat32, height, width, channels, 0.0f, 1.0f},
+                             {cnn_channels, cnn_kernels, cnn_strides, same_padding, features,
+                              learn::hidden_activation(activation)},
+                             best_isa());
+          },
+          nb::arg("height"), nb::arg("width"), nb::arg("channels"), nb::arg("cnn_channels"),
+          nb::arg("cnn_kernels"), nb::arg("cnn_strides"), nb::arg("same_padding"),
+          nb::arg("features"), nb::arg("activation") = "tanh")
+      .def_prop_ro("parameter_count", &ImageEncoder::parameter_count)
+      .def(
+          "initial_parameters",
+          [](const ImageEncoder& encoder, std::uint64_t seed) {
+            std::vector<float> parameters(encoder.parameter_count());
+            encoder.initialize(parameters, seed, 0);
+            return copy_of<float>(parameters, {parameters.size()});
+          },
+          nb::arg("seed"), "Orthogonal weights, zero biases.")
+      .def("layers", &layers<ImageEncoder>, nb::arg("parameters"),
+           nb::sig("def layers(self, parameters: object) -> list[tuple[typing.Any, ...]]"),
+           "Each layer, as `read_policy_file` gives them.")
+      .def("forward", &encode, nb::arg("parameters"), nb::arg("x"),
+           nb::sig("def forward(self, parameters: object, x: object) -> typing.Any"),
+           "Features (rows, features) of x (rows, height, width, channels).")
+      .def("backward", &encoder_gradient, nb::arg("parameters"), nb::arg("x"), nb::arg("dy"),
+           nb::sig("def backward(self, parameters: object, x: object, dy: object) -> typing.Any"),
+           "Gradient of sum(features * dy) at the parameters.");
+}
+
+void bind_adam(nb::module_& m) {
   nb::class_<Adam>(m, "Adam", "The optimiser of the native learners.")
       .def(
           "__init__",
@@ -209,6 +288,15 @@ void bind_learn(nb::module_& m) {
            nb::sig("def step(self, gradient: object, learning_rate: float, parameters: object) -> "
                    "typing.Any"),
            "Parameters after a step; the gradient is scaled down to `max_grad_norm`.");
+}
+
+}  // namespace
+
+void bind_learn(nb::module_& m) {
+  bind_network(m);
+  bind_recurrent_network(m);
+  bind_encoder(m);
+  bind_adam(m);
 }
 
 }  // namespace skybody::python

@@ -55,11 +55,32 @@ PolicyLayer layer_of(nb::handle values) {
   layer.inputs = static_cast<int>(weight.shape(1));
   layer.outputs = static_cast<int>(weight.shape(0));
   if (nb::len(values) == 3) return layer;
+  if (nb::len(values) == 4) {
+    layer.kind = LayerKind::kConv;
+    layer.conv.outputs = layer.outputs;
+    layer.conv.kernel_height = nb::cast<int>(values[3][0]);
+    layer.conv.kernel_width = nb::cast<int>(values[3][1]);
+    layer.conv.stride = nb::cast<int>(values[3][2]);
+    layer.conv.same = nb::cast<std::string>(values[3][3]) == "same";
+    return layer;
+  }
   layer.kind = LayerKind::kGru;
   layer.outputs /= 3;
   layer.state_weight = numbers_of(values[3]);
   layer.state_bias = numbers_of(values[4]);
   return layer;
+}
+
+PolicyImage image_of(nb::handle values) {
+  PolicyImage image;
+  image.column = nb::cast<std::string>(values[0]);
+  image.height = nb::cast<int>(values[1][0]);
+  image.width = nb::cast<int>(values[1][1]);
+  image.channels = nb::cast<int>(values[1][2]);
+  image.low = nb::cast<double>(values[2]);
+  image.high = nb::cast<double>(values[3]);
+  for (nb::handle layer : values[4]) image.layers.push_back(layer_of(layer));
+  return image;
 }
 
 /// The inverse of dict_of().
@@ -80,6 +101,7 @@ PolicyFile policy_of(const nb::dict& values) {
   policy.mean = numbers_of(values["mean"]);
   policy.scale = numbers_of(values["scale"]);
   policy.clip = nb::cast<double>(values["clip"]);
+  for (nb::handle image : values["images"]) policy.images.push_back(image_of(image));
   for (nb::handle layer : values["layers"]) policy.layers.push_back(layer_of(layer));
   return policy;
 }
@@ -103,6 +125,15 @@ nb::dict dict_of(const PolicyFile& policy) {
   values["mean"] = vector_of(policy.mean);
   values["scale"] = vector_of(policy.scale);
   values["clip"] = policy.clip;
+  nb::list images;
+  for (const PolicyImage& image : policy.images) {
+    nb::list convolutions;
+    for (const PolicyLayer& layer : image.layers) convolutions.append(tuple_of(layer));
+    images.append(nb::make_tuple(image.column,
+                                 nb::make_tuple(image.height, image.width, image.channels),
+                                 image.low, image.high, convolutions));
+  }
+  values["images"] = images;
   nb::list layers;
   for (const PolicyLayer& layer : policy.layers) layers.append(tuple_of(layer));
   values["layers"] = layers;
@@ -115,6 +146,12 @@ nb::tuple tuple_of(const PolicyLayer& layer) {
   const nb::object weight = copy_of<double>(layer.weight, {rows, columns});
   if (layer.kind == LayerKind::kDense) {
     return nb::make_tuple(weight, copy_of<double>(layer.bias, {rows}), name(layer.activation));
+  }
+  if (layer.kind == LayerKind::kConv) {
+    const ConvShape& shape = layer.conv;
+    return nb::make_tuple(weight, copy_of<double>(layer.bias, {rows}), name(layer.activation),
+                          nb::make_tuple(shape.kernel_height, shape.kernel_width, shape.stride,
+                                         shape.same ? "same" : "valid"));
   }
   const auto units = static_cast<std::size_t>(layer.outputs);
   return nb::make_tuple(weight, copy_of<double>(layer.bias, {rows}), name(layer.activation),
@@ -144,7 +181,9 @@ void bind_policy(nb::module_& m) {
         nb::sig("def read_policy_file(path: str) -> dict[str, typing.Any]"),
         "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "
         "every number is finite. `layers` are (weight, bias, activation), "
-        "of recurrent ones with state_weight and state_bias behind; "
+        "of recurrent ones with state_weight and state_bias behind, of convolutions with "
+        "(kernel height, kernel width, stride, padding); `images` (column, (height, width, "
+        "channels), low, high, layers); "
         "`agents` (entries of the observation, entries of the action) of each robot, where robots "
         "share the network; `mean` and `scale` are "
         "empty without a normalization. Error, which names the file, for any other file.");

@@ -14,6 +14,7 @@
 #include "python/native/arrays.h"
 #include "python/native/batch.h"
 #include "python/native/bindings.h"
+#include "python/native/properties.h"
 #include "python/native/python_pool.h"
 #include "python/native/state_array.h"
 
@@ -130,20 +131,22 @@ void restore(PythonPool& self, const nb::bytes& saved) {
   self.call_with_argument([&](Pool& pool) { pool.restore(words); });
 }
 
-nb::object observations(PythonPool& self) {
+/// Rows of all environments. @tparam write  the pool's function that writes them
+template <void (Pool::*write)(std::span<float>) const>
+nb::object rows_of(PythonPool& self, int width) {
   const auto rows = static_cast<std::size_t>(self.envs());
-  const auto width = static_cast<std::size_t>(self.compiled()->observation_size());
-  std::vector<float> values(rows * width);
-  self.call([&](Pool& pool) { pool.observations(values); });
-  return copy_of<float>(values, {rows, width});
+  const auto columns = static_cast<std::size_t>(width);
+  std::vector<float> values(rows * columns);
+  self.call([&](Pool& pool) { (pool.*write)(values); });
+  return copy_of<float>(values, {rows, columns});
+}
+
+nb::object observations(PythonPool& self) {
+  return rows_of<&Pool::observations>(self, self.compiled()->observation_size());
 }
 
 nb::object privileged(PythonPool& self) {
-  const auto rows = static_cast<std::size_t>(self.envs());
-  const auto width = static_cast<std::size_t>(self.compiled()->privileged_size());
-  std::vector<float> values(rows * width);
-  self.call([&](Pool& pool) { pool.privileged(values); });
-  return copy_of<float>(values, {rows, width});
+  return rows_of<&Pool::privileged>(self, self.compiled()->privileged_size());
 }
 
 nb::object image(PythonPool& self, int index) {
@@ -161,6 +164,12 @@ nb::object state(PythonPool& self, const std::string& path) {
                      [&](std::vector<double>& values) {
                        self.call_with_argument([&](Pool& pool) { pool.state(path, values); });
                      });
+}
+
+/// The value of one of the pool's functions.
+template <auto value>
+auto asked(PythonPool& self) {
+  return self.call([](Pool& pool) { return (pool.*value)(); });
 }
 
 void fork(PythonPool& self, int source, nb::handle targets, bool rekey) {
@@ -219,12 +228,7 @@ void bind_flow(Class& c) {
       "Finishes a recording and stops the threads; steps under way are waited for. May be called\n"
       "again; any other call raises Error from then on. Batches and their views stay valid.\n\n"
       "Raises Error if the recording cannot be finished; the pool is closed all the same.");
-  c.def(
-      "__enter__", [](nb::handle_t<PythonPool> self) { return nb::borrow(self); },
-      nb::sig("def __enter__(self) -> Pool"));
-  c.def(
-      "__exit__", [](PythonPool& self, const nb::args&) { self.close(); },
-      nb::sig("def __exit__(self, *exception: object) -> None"));
+  def_context(c, "Pool");
 }
 
 void bind_state(Class& c) {
@@ -264,6 +268,9 @@ void bind_state(Class& c) {
       "64-bit trajectory hash of one environment, or of all in order of their ids.\n\n"
       "Raises Error without keep_hash or while some are in flight, ValueError if there is no such\n"
       "environment.");
+}
+
+void bind_params(Class& c) {
   c.def(
       "param",
       [](PythonPool& self, int env, const std::string& path) {
@@ -318,23 +325,15 @@ void bind_facts(Class& c) {
   c.def_prop_ro("pinned_threads", &PythonPool::pinned_threads,
                 "Threads that have a processor of their own; 0 where pinning is not allowed.");
   c.def_prop_ro("closed", &PythonPool::closed, "Whether close() was called.");
-  c.def_prop_ro(
-      "in_flight",
-      [](PythonPool& self) { return self.call([](Pool& pool) { return pool.in_flight(); }); },
-      "Environments sent and not yet received.");
-  c.def_prop_ro(
-      "fresh_buffers",
-      [](PythonPool& self) { return self.call([](Pool& pool) { return pool.fresh_buffers(); }); },
-      "Buffers made because Python still held the one to be reused.");
+  c.def_prop_ro("in_flight", asked<&Pool::in_flight>, "Environments sent and not yet received.");
+  c.def_prop_ro("fresh_buffers", asked<&Pool::fresh_buffers>,
+                "Buffers made because Python still held the one to be reused.");
   c.def_prop_ro(
       "clipped",
       [](PythonPool& self) { return self.call([&](Pool&) { return self.all_clipped(); }); },
       "Action values sent so far that lay beyond [-1, 1], and were clipped.");
-  c.def_prop_ro(
-      "faults",
-      [](PythonPool& self) { return self.call([](Pool& pool) { return pool.faults(); }); },
-      "Faulted transitions received so far.");
-  c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
+  c.def_prop_ro("faults", asked<&Pool::faults>, "Faulted transitions received so far.");
+  def_unpicklable(c, &refuse_pickling);
   c.def("__repr__", [](const PythonPool& p) {
     return "Pool(" + p.compiled()->scenario().name + ", " + std::to_string(p.envs()) +
            " environments, " + std::to_string(p.threads()) + " threads" +
@@ -372,6 +371,7 @@ void bind_pool(nb::module_& m) {
         "Raises ValueError if one of them is out of range.");
   bind_flow(c);
   bind_state(c);
+  bind_params(c);
   bind_recording(c);
   bind_facts(c);
 }

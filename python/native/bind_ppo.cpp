@@ -28,7 +28,7 @@ class HeldSlices {
   HeldSlices(const learn::LearnerOptions& options, int first, int count)
       : setup_(std::make_shared<const learn::PpoSetup>(options)),
         threads_(options.threads, learn::kSlices),
-        networks_(setup_->agents, setup_->hyper, setup_->isa),
+        networks_(setup_->agents, setup_->images, setup_->hyper, setup_->isa),
         slices_(setup_, first, count, threads_) {}
 
   nb::list collect(nb::handle policy, nb::handle value, std::int64_t iteration, nb::handle mean,
@@ -205,7 +205,7 @@ void restore(AnyLearner& any, nb::handle state) {
 
 }  // namespace
 
-void bind_ppo(nb::module_& m) {
+static void bind_hyperparameters(nb::module_& m) {
   m.def(
       "position_errors",
       [] {
@@ -215,8 +215,6 @@ void bind_ppo(nb::module_& m) {
       },
       nb::sig("def position_errors() -> tuple[str, ...]"),
       "Infos that are a distance from the goal [m], the first that a task has counts.");
-  nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
-  nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
   m.def(
       "hyperparameters",
       [](const std::string& algorithm, const nb::dict& values) {
@@ -242,6 +240,9 @@ void bind_ppo(nb::module_& m) {
       nb::sig("def hyperparameter_rows(algorithm: str) -> "
               "list[tuple[str, float, float, str]]"),
       "The list of a learner in C++: (name, least value, largest value, meaning).");
+}
+
+static void bind_slices(nb::module_& m) {
   nb::class_<HeldSlices>(m, "PpoSlices",
                          "Consecutive slices of the environments of a `Ppo`, for a worker. What a "
                          "method gives is a list with an entry a slice.")
@@ -285,6 +286,9 @@ void bind_ppo(nb::module_& m) {
       .def("restore", &HeldSlices::restore,
            nb::sig("def restore(self, states: list[typing.Any]) -> None"), nb::arg("states"),
            "The inverse of save().");
+}
+
+static void bind_learners(nb::module_& m) {
   nb::class_<AnyLearner>(m, "NativeLearner", "What the learners in C++ have in common.")
       .def_prop_ro("steps", [](const AnyLearner& any) { return any.learner->steps(); })
       .def_prop_ro("parameter_hash",
@@ -327,6 +331,14 @@ void bind_ppo(nb::module_& m) {
           nb::arg("threads") = 0,
           nb::sig("def __init__(self, compiled: CompiledScenario, hyper: dict[str, typing.Any], "
                   "seed: int, total_steps: int, threads: int = 0) -> None"));
+}
+
+void bind_ppo(nb::module_& m) {
+  nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
+  nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
+  bind_hyperparameters(m);
+  bind_slices(m);
+  bind_learners(m);
 }
 
 }  // namespace skybody::python

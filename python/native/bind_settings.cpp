@@ -1,4 +1,5 @@
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <optional>
 #include <string>
@@ -6,7 +7,9 @@
 
 #include "core/assemble/compile_scenario.h"
 #include "core/base/system/suggestion.h"
+#include "core/io/files/shipped_files.h"
 #include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/include_chain.h"
 #include "python/native/bindings.h"
 
 namespace skybody::python {
@@ -64,8 +67,17 @@ void bind_settings(nb::module_& m) {
                 "dict[str, tuple[dict[str, tuple[str, str]], str]]"),
         "Sections of a YAML file: ({key: (value as text, place)}, place) of each; a place is "
         "`file:line:column`.\nRaises InputError, with places, where it is something else.");
+  m.def("shipped_scenarios", &shipped_scenarios, "Names of all shipped scenarios, sorted.");
+  m.def("shipped_policies", &shipped_policies,
+        "Names of all shipped scenarios with a shipped policy, sorted.");
   m.def("scenario_file", &scenario_file, nb::arg("scenario"),
         "The file that `scenario` means: itself, or that of a shipped scenario of this name.");
+  m.def(
+      "training_presets",
+      [](const std::string& scenario) { return training_presets(scenario_file(scenario)); },
+      nb::arg("scenario"),
+      "The file of the presets of a scenario's training: `training/NAME.yaml` beside it, else that "
+      "of the nearest scenario that it includes. If there is none, its own place.");
 }
 
 }  // namespace skybody::python

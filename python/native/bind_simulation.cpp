@@ -13,6 +13,7 @@
 #include "python/native/arrays.h"
 #include "python/native/bindings.h"
 #include "python/native/errors.h"
+#include "python/native/properties.h"
 #include "python/native/simulation.h"
 #include "python/native/state_array.h"
 
@@ -26,6 +27,12 @@ nb::object row(std::span<const float> values) { return copy_of(values, {values.s
 
 nb::object row(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
+}
+
+/// A function of Python that returns an array of the values of one of the simulation.
+template <class Result>
+auto row_of(Result (Simulation::*member)() const) {
+  return [member](S& s) { return s.look([&](Simulation& sim) { return row((sim.*member)()); }); };
 }
 
 void construct(S* self, const LoadedScenario& compiled, std::uint64_t seed, std::uint64_t env_id) {
@@ -141,9 +148,8 @@ void bind_flow(Class& c) {
   c.def(
       "randomize", [](S& s) { s.call([](Simulation& sim) { sim.randomize(); }); },
       "Draws from all randomizers now, in mid-episode; motion goes on.");
-  c.def(
-      "save", [](S& s) { return s.look([](Simulation& sim) { return sim.save(); }); },
-      "Everything: motion, rotors, drawn values, plugin states, counters, random key.");
+  c.def("save", of(&Simulation::save),
+        "Everything: motion, rotors, drawn values, plugin states, counters, random key.");
   c.def(
       "restore",
       [](S& s, const Snapshot& saved) {
@@ -152,44 +158,25 @@ void bind_flow(Class& c) {
       nb::arg("snapshot"), "Puts it back. Raises ValueError if it is of another scenario.");
   c.def("fork", &fork, nb::arg("rekey") = false, nb::rv_policy::take_ownership,
         "A copy with the same future; with `rekey` its random numbers are its own.");
-  c.def(
-      "hash", [](S& s) { return s.look([](Simulation& sim) { return sim.hash(); }); },
-      "64-bit hash over all transitions so far.");
+  c.def("hash", of(&Simulation::hash), "64-bit hash over all transitions so far.");
 }
 
 void bind_outcome(Class& c) {
-  c.def_prop_ro(
-      "observation",
-      [](S& s) { return s.look([](Simulation& sim) { return row(sim.observation()); }); },
-      nb::sig("def observation(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(O,) float32, a copy: after the last reset or step.");
-  c.def_prop_ro(
-      "privileged",
-      [](S& s) { return s.look([](Simulation& sim) { return row(sim.privileged()); }); },
-      nb::sig("def privileged(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(P,) float32, a copy: likewise, what a critic sees besides.");
-  c.def_prop_ro(
-      "reward", [](S& s) { return s.look([](Simulation& sim) { return sim.reward(); }); },
-      "Of the last step; of a team, the team's.");
-  c.def_prop_ro(
-      "agent_rewards",
-      [](S& s) { return s.look([](Simulation& sim) { return row(sim.agent_rewards()); }); },
-      nb::sig("def agent_rewards(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(agents,) float32: each agent's own; the team's where the task gives no own.");
-  c.def_prop_ro(
-      "info", [](S& s) { return s.look([](Simulation& sim) { return row(sim.info()); }); },
-      nb::sig("def info(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(I,) float32: info values (the task's, then what other plugins report), as\n"
-      "CompiledScenario.info_channels names them.");
-  c.def_prop_ro(
-      "terminated", [](S& s) { return s.look([](Simulation& sim) { return sim.terminated(); }); },
-      "Whether the task ended the episode.");
-  c.def_prop_ro(
-      "truncated", [](S& s) { return s.look([](Simulation& sim) { return sim.truncated(); }); },
-      "Whether horizon, task or fault ended it.");
-  c.def_prop_ro(
-      "fault", [](S& s) { return s.look([](Simulation& sim) { return sim.fault(); }); },
-      "Whether a bad action, state or outcome ended it (fault_reason).");
+  def_array(c, "observation", "float32", row_of(&Simulation::observation),
+            "(O,) float32, a copy: after the last reset or step.");
+  def_array(c, "privileged", "float32", row_of(&Simulation::privileged),
+            "(P,) float32, a copy: likewise, what a critic sees besides.");
+  c.def_prop_ro("reward", of(&Simulation::reward), "Of the last step; of a team, the team's.");
+  def_array(c, "agent_rewards", "float32", row_of(&Simulation::agent_rewards),
+            "(agents,) float32: each agent's own; the team's where the task gives no own.");
+  def_array(c, "info", "float32", row_of(&Simulation::info),
+            "(I,) float32: info values (the task's, then what other plugins report), as\n"
+            "CompiledScenario.info_channels names them.");
+  c.def_prop_ro("terminated", of(&Simulation::terminated), "Whether the task ended the episode.");
+  c.def_prop_ro("truncated", of(&Simulation::truncated),
+                "Whether horizon, task or fault ended it.");
+  c.def_prop_ro("fault", of(&Simulation::fault),
+                "Whether a bad action, state or outcome ended it (fault_reason).");
   c.def_prop_ro(
       "fault_reason",
       [](S& s) -> std::optional<std::string> {
@@ -198,18 +185,10 @@ void bind_outcome(Class& c) {
         return s.compiled()->fault_reason(status);
       },
       "Why it is a fault, with body and value where they are known; None where it is none.");
-  c.def_prop_ro(
-      "status", [](S& s) { return s.look([](Simulation& sim) { return sim.status(); }); },
-      "Bits of the last transition, as Batch.status.");
-  c.def_prop_ro(
-      "episode", [](S& s) { return s.look([](Simulation& sim) { return sim.episode(); }); },
-      "1 in the first.");
-  c.def_prop_ro(
-      "steps", [](S& s) { return s.look([](Simulation& sim) { return sim.steps(); }); },
-      "Actions taken in this episode.");
-  c.def_prop_ro(
-      "time", [](S& s) { return s.look([](Simulation& sim) { return sim.time(); }); },
-      "Since the reset [s].");
+  c.def_prop_ro("status", of(&Simulation::status), "Bits of the last transition, as Batch.status.");
+  c.def_prop_ro("episode", of(&Simulation::episode), "1 in the first.");
+  c.def_prop_ro("steps", of(&Simulation::steps), "Actions taken in this episode.");
+  c.def_prop_ro("time", of(&Simulation::time), "Since the reset [s].");
 }
 
 void bind_motion(Class& c) {
@@ -223,39 +202,23 @@ void bind_motion(Class& c) {
       nb::arg("link"), nb::arg("robot") = "",
       "Motion of the body that a link belongs to; `robot` may be left out where there is one.\n\n"
       "Raises ValueError naming the robots or links that there are.");
-  c.def_prop_ro(
-      "bodies", [](S& s) { return s.look([](Simulation& sim) { return sim.bodies(); }); },
-      "Motion of all bodies, in the world's numbering.");
-  c.def_prop_ro(
-      "rotor_speeds",
-      [](S& s) { return s.look([](Simulation& sim) { return row(sim.rotor_speeds()); }); },
-      nb::sig("def rotor_speeds(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(rotors,) float64, a copy [rad/s].");
-  c.def_prop_ro(
-      "rotor_commands",
-      [](S& s) { return s.look([](Simulation& sim) { return row(sim.rotor_commands()); }); },
-      nb::sig("def rotor_commands(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(rotors,) float64, a copy: references held during the last physics step [rad/s].");
-  c.def_prop_ro(
-      "commands", [](S& s) { return s.look([](Simulation& sim) { return row(sim.commands()); }); },
-      nb::sig("def commands(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "float64, a copy: commands of all chains of controllers, in their signals' units.");
-  c.def_prop_ro(
-      "sensors", [](S& s) { return s.look([](Simulation& sim) { return row(sim.sensors()); }); },
-      nb::sig("def sensors(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "float64, a copy: outputs of all sensors, in the scenario's order.");
-  c.def_prop_ro(
-      "goals", [](S& s) { return s.look([](Simulation& sim) { return row(sim.goals()); }); },
-      nb::sig("def goals(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(4 * goals,) float64, a copy: where the task wants its bodies, position (world) "
-      "[m] and yaw [rad] each.");
-  c.def_prop_ro(
-      "goal_motions",
-      [](S& s) { return s.look([](Simulation& sim) { return row(sim.goal_motions()); }); },
-      nb::sig("def goal_motions(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(6 * goals,) float64, a copy: how these places move, velocity (world) [m/s] and "
-      "acceleration "
-      "(world) [m/s^2] each; 0 where the task does not say.");
+  c.def_prop_ro("bodies", of(&Simulation::bodies),
+                "Motion of all bodies, in the world's numbering.");
+  def_array(c, "rotor_speeds", "float64", row_of(&Simulation::rotor_speeds),
+            "(rotors,) float64, a copy [rad/s].");
+  def_array(c, "rotor_commands", "float64", row_of(&Simulation::rotor_commands),
+            "(rotors,) float64, a copy: references held during the last physics step [rad/s].");
+  def_array(c, "commands", "float64", row_of(&Simulation::commands),
+            "float64, a copy: commands of all chains of controllers, in their signals' units.");
+  def_array(c, "sensors", "float64", row_of(&Simulation::sensors),
+            "float64, a copy: outputs of all sensors, in the scenario's order.");
+  def_array(c, "goals", "float64", row_of(&Simulation::goals),
+            "(4 * goals,) float64, a copy: where the task wants its bodies, position (world) "
+            "[m] and yaw [rad] each.");
+  def_array(c, "goal_motions", "float64", row_of(&Simulation::goal_motions),
+            "(6 * goals,) float64, a copy: how these places move, velocity (world) [m/s] and "
+            "acceleration "
+            "(world) [m/s^2] each; 0 where the task does not say.");
 }
 
 void bind_params(Class& c) {
@@ -270,16 +233,9 @@ void bind_params(Class& c) {
       "A value of the state, float64, fresh; () for a single number. What there is, with units,\n"
       "frames and shapes: CompiledScenario.state_values.\n\n"
       "Raises ValueError naming the nearest paths if there is none.");
-  c.def(
-      "param",
-      [](S& s, const std::string& path) {
-        return s.look([&](Simulation& sim) {
-          return rethrow_as_argument_error([&] { return sim.param(path); });
-        });
-      },
-      nb::arg("path"),
-      "Value of a randomizable parameter; units in CompiledScenario.param_info.\n\n"
-      "Raises ValueError if there is none.");
+  c.def("param", of(&Simulation::param), nb::arg("path"),
+        "Value of a randomizable parameter; units in CompiledScenario.param_info.\n\n"
+        "Raises ValueError if there is none.");
   c.def(
       "set_param",
       [](S& s, const std::string& path, double value) {
@@ -322,7 +278,7 @@ void bind_simulation(nb::module_& m) {
   bind_motion(c);
   bind_params(c);
   bind_direct_control(m, c);
-  c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
+  def_unpicklable(c, &refuse_pickling);
 }
 
 }  // namespace skybody::python

@@ -11,6 +11,7 @@
 #include "python/native/arrays.h"
 #include "python/native/bindings.h"
 #include "python/native/direct_control.h"
+#include "python/native/properties.h"
 #include "python/native/simulation_pool.h"
 #include "python/native/state_array.h"
 
@@ -109,9 +110,9 @@ nb::object observations(PythonSimulationPool& pool) {
 }
 
 /// One value of each environment. @tparam T  of the array
-template <class T, class Value>
-nb::object each_value(PythonSimulationPool& pool, Value&& value) {
-  const auto values = gather<T>(pool, 1, [&](Simulation& sim, T* out) { *out = value(sim); });
+template <class T, T (Simulation::*value)() const>
+nb::object each_value(PythonSimulationPool& pool) {
+  const auto values = gather<T>(pool, 1, [](Simulation& sim, T* out) { *out = (sim.*value)(); });
   return copy_of<T>(values, {static_cast<std::size_t>(pool.size())});
 }
 
@@ -182,12 +183,13 @@ void bind_flow(Class& c) {
       "Ends a transition made by command and advance, as Simulation.evaluate.");
   c.def("close", &PythonSimulationPool::close,
         "Ends the threads. May be called again; any other call raises Error from then on.");
-  c.def(
-      "__enter__", [](nb::handle_t<PythonSimulationPool> self) { return nb::borrow(self); },
-      nb::sig("def __enter__(self) -> SimulationPool"));
-  c.def(
-      "__exit__", [](PythonSimulationPool& pool, const nb::args&) { pool.close(); },
-      nb::sig("def __exit__(self, *exception: object) -> None"));
+  def_context(c, "SimulationPool");
+}
+
+/// Adds a property with a value of the state of all environments.
+void def_state(Class& c, const char* name, const char* path, const char* doc) {
+  def_array(
+      c, name, "float64", [path](PythonSimulationPool& p) { return state(p, path); }, doc);
 }
 
 void bind_states(Class& c) {
@@ -198,49 +200,23 @@ void bind_states(Class& c) {
       "with\n"
       "units, frames and shapes: CompiledScenario.state_values.\n\n"
       "Raises ValueError naming the nearest paths if there is none.");
-  c.def_prop_ro(
-      "positions", [](PythonSimulationPool& p) { return state(p, "bodies.position"); },
-      nb::sig("def positions(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(num_envs, bodies, 3) float64, fresh: origins, world axes [m].");
-  c.def_prop_ro(
-      "rotations", [](PythonSimulationPool& p) { return state(p, "bodies.rotation"); },
-      nb::sig("def rotations(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(num_envs, bodies, 4) float64, fresh: unit quaternions w x y z, world from body.");
-  c.def_prop_ro(
-      "velocities", [](PythonSimulationPool& p) { return state(p, "bodies.velocity"); },
-      nb::sig("def velocities(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(num_envs, bodies, 3) float64, fresh: of the origins, world axes [m/s].");
-  c.def_prop_ro(
-      "angular_velocities",
-      [](PythonSimulationPool& p) { return state(p, "bodies.angular_velocity"); },
-      nb::sig("def angular_velocities(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(num_envs, bodies, 3) float64, fresh: body axes [rad/s].");
-  c.def_prop_ro(
-      "rotor_speeds", [](PythonSimulationPool& p) { return state(p, "rotor_speed"); },
-      nb::sig("def rotor_speeds(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(num_envs, rotors) float64, fresh [rad/s].");
-  c.def_prop_ro(
-      "times", [](PythonSimulationPool& p) { return state(p, "time"); },
-      nb::sig("def times(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "(num_envs,) float64: since each environment's reset [s].");
-  c.def_prop_ro("observations", &observations,
-                nb::sig("def observations(self) -> numpy.typing.NDArray[numpy.float32]"),
-                "(num_envs, O) float32, fresh: of the scenario's task, after the last reset,\n"
-                "step or evaluate.");
-  c.def_prop_ro(
-      "rewards",
-      [](PythonSimulationPool& p) {
-        return each_value<float>(p, [](Simulation& sim) { return sim.reward(); });
-      },
-      nb::sig("def rewards(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(num_envs,) float32: of the scenario's task, likewise.");
-  c.def_prop_ro(
-      "status",
-      [](PythonSimulationPool& p) {
-        return each_value<std::uint64_t>(p, [](Simulation& sim) { return sim.status(); });
-      },
-      nb::sig("def status(self) -> numpy.typing.NDArray[numpy.uint64]"),
-      "(num_envs,) uint64: bits of the last transition: 1 terminated, 2 truncated, 4 fault.");
+  def_state(c, "positions", "bodies.position",
+            "(num_envs, bodies, 3) float64, fresh: origins, world axes [m].");
+  def_state(c, "rotations", "bodies.rotation",
+            "(num_envs, bodies, 4) float64, fresh: unit quaternions w x y z, world from body.");
+  def_state(c, "velocities", "bodies.velocity",
+            "(num_envs, bodies, 3) float64, fresh: of the origins, world axes [m/s].");
+  def_state(c, "angular_velocities", "bodies.angular_velocity",
+            "(num_envs, bodies, 3) float64, fresh: body axes [rad/s].");
+  def_state(c, "rotor_speeds", "rotor_speed", "(num_envs, rotors) float64, fresh [rad/s].");
+  def_state(c, "times", "time", "(num_envs,) float64: since each environment's reset [s].");
+  def_array(c, "observations", "float32", &observations,
+            "(num_envs, O) float32, fresh: of the scenario's task, after the last reset,\n"
+            "step or evaluate.");
+  def_array(c, "rewards", "float32", each_value<float, &Simulation::reward>,
+            "(num_envs,) float32: of the scenario's task, likewise.");
+  def_array(c, "status", "uint64", each_value<std::uint64_t, &Simulation::status>,
+            "(num_envs,) uint64: bits of the last transition: 1 terminated, 2 truncated, 4 fault.");
   c.def_prop_ro(
       "fault_reasons", &fault_reasons,
       "Per environment why it is a fault, None where it is none; None where none is one.");
@@ -335,7 +311,7 @@ void bind_simulation_pool(nb::module_& m) {
   c.def_prop_ro("pinned_threads", &PythonSimulationPool::pinned_threads,
                 "Workers kept on a processor; 0 where pinning is not allowed.");
   c.def_prop_ro("closed", &PythonSimulationPool::closed, "Whether close() was called.");
-  c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
+  def_unpicklable(c, &refuse_pickling);
 }
 
 }  // namespace skybody::python

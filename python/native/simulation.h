@@ -4,9 +4,11 @@
 #include <nanobind/nanobind.h>
 
 #include <atomic>
+#include <type_traits>
 #include <utility>
 
 #include "core/simulation/simulation.h"
+#include "python/native/errors.h"
 #include "python/native/exclusive.h"
 #include "python/native/loaded_scenario.h"
 
@@ -39,6 +41,20 @@ class DirectSimulation {
   Simulation simulation_;
   std::atomic<bool> in_use_ = false;
 };
+
+/// A function of Python that calls one of the simulation. Errors of its arguments are ValueErrors.
+template <class Result, class... Arguments>
+auto of(Result (Simulation::*member)(Arguments...) const) {
+  return [member](DirectSimulation& s, const std::remove_cvref_t<Arguments>&... arguments) {
+    return s.look([&](Simulation& sim) {
+      if constexpr (sizeof...(Arguments) == 0) {
+        return (sim.*member)();
+      } else {
+        return rethrow_as_argument_error([&] { return (sim.*member)(arguments...); });
+      }
+    });
+  };
+}
 
 /// Adds the methods of direct control and their result types.
 void bind_direct_control(nb::module_& m, nb::class_<DirectSimulation>& c);

@@ -1,7 +1,7 @@
 """Skybody: a drone-learning simulator, from Python.
 
-* `make_vec`: many environments as a Gymnasium vector environment.
-* `make_pool`: the asynchronous form (send, recv).
+* `make_vec`: many environments as a Gymnasium vector environment (`skybody.vector`).
+* `make_pool` (`Pool`): the asynchronous form (send, recv).
 * `Simulation` and `SimulationPool`: environments under direct control.
 * `skybody.sb3`: Stable-Baselines3. `skybody.multi_agent`: PettingZoo.
 * `skybody.env`: single Gymnasium environments. `skybody.python_task`: tasks written in Python.
@@ -13,7 +13,7 @@ on. The submodules above are imported at their first use.
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any
 
 try:
     from ._native import (
@@ -36,15 +36,13 @@ except ImportError as error:
         f"skybody's native module is not built for this Python ({error}): run `./dev build` in "
         "Skybody's source tree and use .venv/bin/python, or install the package: `pip install .`"
     ) from error
-from .arguments import Scenario
-from .extras import INSTALLED_BY, missing_package
-from .options import PoolOptions, VectorOptions, takes
+from .extras import EXTRAS, missing_package
 from .pool import Pool
 from .registration import register
 from .simulation import CONTROL_MODES, EnvStates, Simulation, SimulationPool
 
 if TYPE_CHECKING:
-    from .vector import SkybodyVectorEnv
+    from .vector import SkybodyVectorEnv as make_vec
 
 __version__ = versions()["skybody"]
 
@@ -63,11 +61,9 @@ __all__ = [
     "MassProperties",
     "ObservationColumn",
     "Pool",
-    "PoolOptions",
     "Simulation",
     "SimulationPool",
     "Snapshot",
-    "VectorOptions",
     "__version__",
     "make_pool",
     "make_vec",
@@ -75,17 +71,21 @@ __all__ = [
     "versions",
 ]
 
-_MODULES = tuple(INSTALLED_BY)  # imported at their first use
+make_pool = Pool
+
+_MODULES = tuple(EXTRAS)  # imported at their first use
 
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return _import(name)
+    if name == "make_vec":  # importing Gymnasium takes longer than the rest
+        return _import("vector").SkybodyVectorEnv
     raise AttributeError(f"module 'skybody' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_MODULES])
+    return sorted([*globals(), *_MODULES, "make_vec"])
 
 
 def _import(name: str) -> Any:
@@ -95,48 +95,6 @@ def _import(name: str) -> Any:
         if (error.name or "").startswith(__name__):
             raise
         raise missing_package(name, error) from error
-
-
-@takes(VectorOptions)
-def make_vec(
-    scenario: Scenario,
-    num_envs: int,
-    **options: Unpack[VectorOptions],
-) -> SkybodyVectorEnv:
-    """Creates many environments of one scenario as a `gymnasium.vector.VectorEnv`.
-
-    Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
-        num_envs: number of environments.
-
-    Raises:
-        skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, or the value of an option is unknown.
-        ImportError: Gymnasium is not installed.
-    """
-    vector: SkybodyVectorEnv = _import("vector").SkybodyVectorEnv(scenario, num_envs, **options)
-    return vector
-
-
-@takes(PoolOptions)
-def make_pool(
-    scenario: Scenario,
-    num_envs: int,
-    **options: Unpack[PoolOptions],
-) -> Pool:
-    """Creates many environments of one scenario, stepped asynchronously by `send` and `recv`.
-
-    `recv` returns batches of `batch_size` environments.
-
-    Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
-        num_envs: number of environments.
-
-    Raises:
-        skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, or the value of an option is unknown.
-    """
-    return Pool(scenario, num_envs, **options)
 
 
 register()

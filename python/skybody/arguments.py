@@ -71,6 +71,13 @@ def check_plugin_path(folders: Iterable[str], name: str) -> None:
             )
 
 
+def flag(name: str, value: Any) -> bool:
+    """`value` as a bool. Raises TypeError, which names the argument, for other types."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} is {value!r}; it must be True or False")
+    return bool(value)
+
+
 def integer(name: str, value: Any) -> int:
     """`value` as an int. Raises TypeError, which names the argument, for other types."""
     try:

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, Unpack
+from typing import Any, Never
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from . import _native, spaces
+from . import _native, options, spaces
 from .arguments import Scenario, check_seed, integer, load, shape_error
 from .infos import InfoChannels
 from .observations import Observations, row_of
-from .options import EnvOptions, takes
+from .options import refuse_unknown
 from .pooled import drain
 from .registration import SpecWithHorizon
 
 
-@takes(EnvOptions)
 class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
@@ -34,6 +33,7 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         render_mode: None; `skybody run` draws pictures.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -47,20 +47,26 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         scenario: Scenario,
         *,
         render_mode: None = None,
-        **options: Unpack[EnvOptions],
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.SeedOrNone = None,
+        env_id: options.EnvId = 0,
+        dict_observations: options.DictObservations = False,
+        **unknown: Never,
     ) -> None:
+        refuse_unknown(SkybodyEnv, unknown)
         if render_mode is not None:
             raise ValueError(
                 f"render_mode is {render_mode!r}; it must be None: fly with `skybody run` for "
                 "pictures"
             )
-        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
+        self.compiled = load(scenario, overrides, plugin_path)
         self.render_mode = None
-        self._observations = Observations(self.compiled, options["dict_observations"])
+        self._observations = Observations(self.compiled, dict_observations)
         self.observation_space = spaces.space_of(self.compiled, self._observations)
         self.action_space: Box[np.float32] = spaces.action_space(self.compiled)
-        self._seed = check_seed(options["seed"])
-        self._env_id = integer("env_id", options["env_id"])
+        self._seed = check_seed(seed)
+        self._env_id = integer("env_id", env_id)
         self._channels = InfoChannels(self.compiled)
         self._pool = self._new_pool()
 

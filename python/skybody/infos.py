@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,121 +23,64 @@ RESERVED = (
 )
 
 
-class ValueRows(Protocol):
-    """Rows of info values and privileged rows: a `Batch` or `KeptRows`."""
-
-    @property
-    def info(self) -> NDArray[np.float32]: ...
-    @property
-    def privileged(self) -> NDArray[np.float32]: ...
-
-
-class InfoRows(ValueRows, Protocol):
-    """All inputs of the infos: a `Batch`, `FinalRows` or `ScatteredRows`."""
-
-    @property
-    def agent_reward(self) -> NDArray[np.float32]: ...
-    @property
-    def fault(self) -> NDArray[np.bool_]: ...
-    @property
-    def fault_reasons(self) -> Any: ...
-    @property
-    def clipped(self) -> NDArray[np.int32] | None: ...
-
-
-class KeptRows(NamedTuple):
-    """Copies of values, valid after the batch has been recycled."""
+class ValueRows(NamedTuple):
+    """Rows of info values and privileged rows."""
 
     info: NDArray[np.float32]
     privileged: NDArray[np.float32]
 
 
-class FinalRows:
-    """The info values and privileged rows of a batch before the reset (same-step autoreset)."""
+class InfoRows(NamedTuple):
+    """All inputs of the infos."""
 
-    def __init__(self, batch: Batch) -> None:
-        self._batch = batch
-
-    @property
-    def info(self) -> NDArray[np.float32]:
-        return self._batch.final_info
-
-    @property
-    def privileged(self) -> NDArray[np.float32]:
-        return self._batch.final_privileged
-
-    @property
-    def agent_reward(self) -> NDArray[np.float32]:
-        return self._batch.agent_reward
-
-    @property
-    def fault(self) -> NDArray[np.bool_]:
-        return self._batch.fault
-
-    @property
-    def fault_reasons(self) -> Any:
-        return self._batch.fault_reasons
-
-    @property
-    def clipped(self) -> NDArray[np.int32] | None:
-        return self._batch.clipped
+    info: NDArray[np.float32]
+    privileged: NDArray[np.float32]
+    agent_reward: NDArray[np.float32]
+    fault: NDArray[np.bool_]
+    fault_reasons: Any
+    """One string or None per row; None: no fault."""
+    clipped: NDArray[np.int32] | None
 
 
-class ScatteredRows:
-    """Some rows, scattered to the indices of their environments; zeros and no reasons elsewhere.
+def final_values(batch: Batch) -> ValueRows:
+    """Values of a batch before the reset (same-step autoreset)."""
+    return ValueRows(batch.final_info, batch.final_privileged)
+
+
+def scattered_rows(
+    batch: Batch, num_envs: int, envs: NDArray[Any], ended: NDArray[np.intp] | None = None
+) -> tuple[InfoRows, NDArray[np.bool_]]:
+    """Rows of a batch at the indices of their environments; zeros and no reasons elsewhere.
 
     Args:
-        rows: the source. All its faults must be among the taken rows.
-        num_envs: number of environments.
-        envs: environments of the taken rows.
-        taken: indices of the taken rows; None: all.
+        batch: the source. All its faults must be among the rows taken.
+        envs: environments of the rows taken.
+        ended: the rows to take, with their values before the reset; None: all rows, with their
+            present values.
 
-    `mask` (num_envs,) marks the environments that have a row.
+    Returns:
+        the rows, and the mask (num_envs,) of environments that have one.
     """
 
-    def __init__(
-        self,
-        rows: InfoRows,
-        num_envs: int,
-        envs: NDArray[Any],
-        taken: NDArray[np.intp] | None = None,
-    ) -> None:
-        self._rows, self._num_envs, self._envs = rows, num_envs, envs
-        self._taken = slice(None) if taken is None else taken
-        self.mask = np.zeros(num_envs, np.bool_)
-        self.mask[envs] = True
-
-    def _scattered(self, values: NDArray[Any]) -> NDArray[Any]:
+    def scattered(values: NDArray[Any]) -> NDArray[Any]:
         nothing = None if values.dtype == object else 0
-        out = np.full((self._num_envs, *values.shape[1:]), nothing, values.dtype)
-        out[self._envs] = values[self._taken]
+        out = np.full((num_envs, *values.shape[1:]), nothing, values.dtype)
+        out[envs] = values if ended is None else values[ended]
         return out
 
-    @property
-    def info(self) -> NDArray[np.float32]:
-        return self._scattered(self._rows.info)
-
-    @property
-    def privileged(self) -> NDArray[np.float32]:
-        return self._scattered(self._rows.privileged)
-
-    @property
-    def agent_reward(self) -> NDArray[np.float32]:
-        return self._scattered(self._rows.agent_reward)
-
-    @property
-    def fault(self) -> NDArray[np.bool_]:
-        return self._scattered(self._rows.fault)
-
-    @property
-    def fault_reasons(self) -> Any:
-        reasons = self._rows.fault_reasons
-        return None if reasons is None else self._scattered(np.array(reasons, dtype=object))
-
-    @property
-    def clipped(self) -> NDArray[np.int32] | None:
-        clipped = self._rows.clipped
-        return None if clipped is None else self._scattered(clipped)
+    mask = np.zeros(num_envs, np.bool_)
+    mask[envs] = True
+    values = ValueRows(batch.info, batch.privileged) if ended is None else final_values(batch)
+    reasons, clipped = batch.fault_reasons, batch.clipped
+    rows = InfoRows(
+        scattered(values.info),
+        scattered(values.privileged),
+        scattered(batch.agent_reward),
+        scattered(batch.fault),
+        None if reasons is None else scattered(np.array(reasons, dtype=object)),
+        None if clipped is None else scattered(clipped),
+    )
+    return rows, mask
 
 
 class InfoChannels:
@@ -169,7 +112,7 @@ class InfoChannels:
         if self._has_privileged:
             self._masks.append("_privileged")
 
-    def columns(self, rows: ValueRows) -> dict[str, Any]:
+    def columns(self, rows: Batch | InfoRows | ValueRows) -> dict[str, Any]:
         """One array per info value, (n,) or (n, count): views of the rows."""
         infos: dict[str, Any] = {}
         if self._columns:
@@ -180,7 +123,7 @@ class InfoChannels:
             infos["privileged"] = rows.privileged
         return infos
 
-    def masked(self, rows: InfoRows, mask: NDArray[np.bool_]) -> dict[str, Any]:
+    def masked(self, rows: Batch | InfoRows, mask: NDArray[np.bool_]) -> dict[str, Any]:
         """Info values, faults and rewards of agents, with Gymnasium's `_name` masks.
 
         A mask marks the environments that have a value. A vector environment calls this in each
@@ -198,7 +141,7 @@ class InfoChannels:
             infos["agent_reward"], infos["_agent_reward"] = rows.agent_reward, mask
         return infos
 
-    def of_row(self, rows: ValueRows, i: int) -> dict[str, Any]:
+    def of_row(self, rows: Batch | ValueRows, i: int) -> dict[str, Any]:
         """Values of row `i`: np.float32 each, or a copy (count,)."""
         info: dict[str, Any] = {}
         if self._columns:

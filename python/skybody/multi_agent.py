@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import copy
-from typing import Any, Unpack
+from typing import Any, Never
 
 import numpy as np
 from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 
-from . import spaces
+from . import options, spaces
 from .agents import commanded_by, observed_by
 from .arguments import Scenario, check_array
 from .env import SkybodyEnv
 from .extras import missing_package
 from .observations import key_of, policy_columns
-from .options import EnvOptions, takes
+from .options import refuse_unknown
 
 try:
     import pettingzoo  # type: ignore[import-untyped]
@@ -26,7 +26,6 @@ Observations = dict[str, Any]
 Infos = dict[str, dict[str, Any]]
 
 
-@takes(EnvOptions)
 class ParallelEnv(
     pettingzoo.ParallelEnv[str, Any, NDArray[np.float32]],  # type: ignore[misc]
 ):
@@ -38,6 +37,7 @@ class ParallelEnv(
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -46,9 +46,23 @@ class ParallelEnv(
     def __init__(
         self,
         scenario: Scenario,
-        **options: Unpack[EnvOptions],
+        *,
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.SeedOrNone = None,
+        env_id: options.EnvId = 0,
+        dict_observations: options.DictObservations = False,
+        **unknown: Never,
     ) -> None:
-        self._env = SkybodyEnv(scenario, **options)
+        refuse_unknown(ParallelEnv, unknown)
+        self._env = SkybodyEnv(
+            scenario,
+            overrides=overrides,
+            plugin_path=plugin_path,
+            seed=seed,
+            env_id=env_id,
+            dict_observations=dict_observations,
+        )
         self.compiled = self._env.compiled
         self.metadata: dict[str, Any] = {"name": self.compiled.name, "render_modes": []}
         self.render_mode = None

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._native import Batch, CompiledScenario, ObservationColumn, Pool
+from .arguments import flag
 
 
 def key_of(column: ObservationColumn) -> str:
@@ -54,6 +55,7 @@ class Observations:
         as_dict: bool,
         row_shape: tuple[int, ...] | None = None,
     ) -> None:
+        as_dict = flag("dict_observations", as_dict)
         self._arguments = (compiled, as_dict, row_shape)
         images = [column.name for column in compiled.observation_columns if column.image >= 0]
         if images and row_shape is not None:

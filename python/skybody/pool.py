@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Unpack
+from typing import Any, Never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import options
 from .arguments import MOST_ENVS, Scenario, check_seed, env_ids, integer_within, load
-from .infos import FinalRows, InfoChannels, add_fault_reasons
+from .infos import InfoChannels, add_fault_reasons, final_values
 from .observations import Observations
-from .options import PoolOptions, autoreset_word, order_word, takes
+from .options import autoreset_word, order_word, refuse_unknown
 from .pooled import PooledEnvironments, make_native
 
 Transition = tuple[Any, NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
 
-@takes(PoolOptions)
 class Pool(PooledEnvironments):
     """Many environments of one scenario, stepped on several threads.
 
@@ -31,6 +31,7 @@ class Pool(PooledEnvironments):
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments, N_E.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -41,24 +42,41 @@ class Pool(PooledEnvironments):
         self,
         scenario: Scenario,
         num_envs: int,
-        **options: Unpack[PoolOptions],
+        *,
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.Seed = 0,
+        num_threads: options.NumThreads = 0,
+        pin_threads: options.PinThreads = False,
+        dict_observations: options.DictObservations = False,
+        keep_hash: options.KeepHash = False,
+        autoreset: options.AutoresetOption = "next_step",
+        infos: options.Infos = True,
+        debug: options.Debug = False,
+        order: options.OrderOption = "arrival",
+        batch_size: options.BatchSize = 0,
+        **unknown: Never,
     ) -> None:
-        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
-        autoreset = autoreset_word(options["autoreset"])
+        refuse_unknown(Pool, unknown)
+        self.compiled = load(scenario, overrides, plugin_path)
+        ending = autoreset_word(autoreset)
         count = integer_within("num_envs", num_envs, 1, MOST_ENVS)
         self.native = make_native(
             self.compiled,
             count,
-            options,
-            batch_size=integer_within("batch_size", options["batch_size"], 0, count),
-            order=order_word(options["order"]),
-            autoreset=autoreset,
-            info=options["infos"],
-            debug=options["debug"],
+            seed=seed,
+            num_threads=num_threads,
+            pin_threads=pin_threads,
+            keep_hash=keep_hash,
+            batch_size=integer_within("batch_size", batch_size, 0, count),
+            order=order_word(order),
+            autoreset=ending,
+            infos=infos,
+            debug=debug,
         )
-        self._observations = Observations(self.compiled, options["dict_observations"])
-        self._channels = InfoChannels(self.compiled, options["infos"])
-        self._same_step = autoreset == "same_step"
+        self._observations = Observations(self.compiled, dict_observations)
+        self._channels = InfoChannels(self.compiled, infos)
+        self._same_step = ending == "same_step"
 
     def async_reset(self, mask: NDArray[np.bool_] | None = None, seed: int | None = None) -> None:
         """Begins new episodes without waiting; `recv` returns their first observations.
@@ -145,7 +163,7 @@ class Pool(PooledEnvironments):
         info.update(self._channels.columns(batch))
         if self._same_step:
             info["final_obs"] = self._observations.final_of(batch)
-            info["final_info"] = self._channels.columns(FinalRows(batch))
+            info["final_info"] = self._channels.columns(final_values(batch))
         observation = self._observations.of(batch)
         return observation, batch.reward, batch.terminated, batch.truncated, info
 

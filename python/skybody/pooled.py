@@ -16,12 +16,12 @@ from .arguments import (
     MOST_THREADS,
     check_seed,
     env_ids,
+    flag,
     integer,
     integer_within,
     text,
 )
 from .observations import Observations
-from .options import PooledOptions
 from .requests import Change, When, at_reset, request_lines
 
 _ids = env_ids  # some methods have an argument of this name
@@ -34,16 +34,27 @@ def drain(pool: _native.Pool) -> None:
 
 
 def make_native(
-    compiled: CompiledScenario, num_envs: int, options: PooledOptions, **more: Any
+    compiled: CompiledScenario,
+    num_envs: int,
+    *,
+    seed: int,
+    num_threads: int,
+    pin_threads: bool,
+    keep_hash: bool,
+    infos: bool = True,
+    debug: bool = False,
+    **more: Any,
 ) -> _native.Pool:
     """The C++ pool of a scenario. Raises TypeError and ValueError for invalid options."""
     return _native.Pool(
         compiled,
         integer_within("num_envs", num_envs, 1, MOST_ENVS),
-        num_threads=integer_within("num_threads", options["num_threads"], 0, MOST_THREADS),
-        seed=check_seed(options["seed"]) or 0,
-        pin_threads=options["pin_threads"],
-        keep_hash=options["keep_hash"],
+        num_threads=integer_within("num_threads", num_threads, 0, MOST_THREADS),
+        seed=check_seed(seed) or 0,
+        pin_threads=flag("pin_threads", pin_threads),
+        keep_hash=flag("keep_hash", keep_hash),
+        info=flag("infos", infos),
+        debug=flag("debug", debug),
         **more,
     )
 

@@ -7,7 +7,7 @@ runs in `skybody run`.
 
 from __future__ import annotations
 
-from typing import Any, Unpack, cast
+from typing import Any, Never
 
 import gymnasium
 import numpy as np
@@ -15,9 +15,9 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
-from . import _native, spaces
+from . import _native, options, spaces
 from .arguments import Scenario, check_array, check_seed
-from .options import TaskOptions, ThreadedOptions, takes
+from .options import refuse_unknown
 from .simulation import EnvStates, SimulationPool
 from .vector import autoreset_mode, reset_mask
 
@@ -105,7 +105,6 @@ def _demand_finite(bad: NDArray[np.bool_]) -> None:
         raise ValueError(f"the first observation of environment {np.argmax(bad)} is not finite")
 
 
-@takes(TaskOptions)
 class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """A task in Python as a `gymnasium.vector.VectorEnv` over a `SimulationPool`.
 
@@ -123,6 +122,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         scenario: name of a shipped scenario, a YAML file, or (if the task keeps the scenario's
             controllers) a loaded `CompiledScenario`.
         num_envs: number of environments.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -135,13 +135,28 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         task: PythonTask,
         scenario: Scenario,
         num_envs: int,
-        **options: Unpack[TaskOptions],
+        *,
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.Seed = 0,
+        num_threads: options.NumThreads = 0,
+        pin_threads: options.PinThreads = False,
+        autoreset: options.AutoresetOption = "next_step",
+        **unknown: Never,
     ) -> None:
+        refuse_unknown(PythonTaskVectorEnv, unknown)
         _check_task(task)
-        self._mode = autoreset_mode(options.pop("autoreset"))
+        self._mode = autoreset_mode(autoreset)
         self.task = task
         self.pool = SimulationPool(
-            scenario, num_envs, task.control, **cast(ThreadedOptions, options)
+            scenario,
+            num_envs,
+            task.control,
+            overrides=overrides,
+            plugin_path=plugin_path,
+            seed=seed,
+            num_threads=num_threads,
+            pin_threads=pin_threads,
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
@@ -155,7 +170,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         self._steps = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, np.bool_)
         self._last = np.zeros((num_envs, *task.observation_space.shape), np.float32)
-        self._rng = np.random.default_rng(check_seed(options["seed"]))
+        self._rng = np.random.default_rng(check_seed(seed))
         self._ready = False
         try:
             task.setup(self.pool)

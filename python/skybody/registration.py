@@ -7,6 +7,8 @@ import importlib.util
 import sys
 from typing import TYPE_CHECKING
 
+from ._native import shipped_scenarios
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from importlib.machinery import ModuleSpec
@@ -15,71 +17,6 @@ if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
 
     from ._native import CompiledScenario
-
-SCENARIOS = (
-    "arm",
-    "boom",
-    "chase",
-    "chase_agents",
-    "collision",
-    "cooperative_payload",
-    "cooperative_payload_learn",
-    "cooperative_payload_ropes",
-    "downwash_pair",
-    "forest",
-    "formation",
-    "formation_10",
-    "formation_2",
-    "formation_20",
-    "formation_learn",
-    "formation_learn_2",
-    "formation_obstacles",
-    "four_bar",
-    "gates",
-    "hard_landing",
-    "hover",
-    "hover_crazyflie",
-    "hover_firefly",
-    "hover_hummingbird",
-    "hover_learn",
-    "landing",
-    "low_battery",
-    "obstacles",
-    "obstacles_rays",
-    "omav",
-    "payload",
-    "payload_1khz",
-    "payload_learn",
-    "payload_modular",
-    "payload_modular_1khz",
-    "payload_modular_learn",
-    "payload_modular_paper",
-    "payload_paper",
-    "pendulum",
-    "pendulum_learn",
-    "pendulum_learn_randomized",
-    "pendulum_paper",
-    "pendulum_randomized",
-    "platform_landing",
-    "racing",
-    "racing_drawn",
-    "racing_duel",
-    "racing_figure",
-    "racing_split_s",
-    "rotor_out",
-    "trajectory",
-    "trajectory_compact",
-    "trajectory_ctbr",
-    "trajectory_flights",
-    "trajectory_modular",
-    "trajectory_modular_paper",
-    "trajectory_paper",
-    "trajectory_training",
-    "tricopter",
-    "vehicles",
-    "vehicles_trajectory",
-    "windy_hover",
-)
 
 
 def gymnasium_id(scenario: str) -> str:
@@ -158,7 +95,7 @@ class _GymnasiumFinder:
 def _register() -> None:
     import gymnasium
 
-    for scenario in SCENARIOS:
+    for scenario in shipped_scenarios():
         name = gymnasium_id(scenario)
         if name not in gymnasium.registry:
             gymnasium.register(

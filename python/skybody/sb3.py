@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any, Unpack
+from typing import Any, Never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _native, spaces
+from . import _native, options, spaces
 from .arguments import Scenario, check_seed, load
 from .extras import missing_package
-from .infos import InfoChannels, KeptRows
+from .infos import InfoChannels, ValueRows, final_values
 from .observations import Observations, copy_of, row_of
-from .options import PooledOptions, takes
+from .options import refuse_unknown
 from .pooled import PooledEnvironments, drain, make_native
 
 try:
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 
-    from .sb3_uniform import UniformVecEnv
+    from .sb3_uniform import UniformVecEnv, end_info
 except ModuleNotFoundError as error:
     raise missing_package("sb3", error) from error
 
 _PER_ENV_METHODS = ("param", "set_param")
 
 
-@takes(PooledOptions)
 class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     """`num_envs` environments of one scenario for Stable-Baselines3.
 
@@ -47,6 +46,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -57,15 +57,31 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self,
         scenario: Scenario,
         num_envs: int,
-        **options: Unpack[PooledOptions],
+        *,
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.Seed = 0,
+        num_threads: options.NumThreads = 0,
+        pin_threads: options.PinThreads = False,
+        dict_observations: options.DictObservations = False,
+        keep_hash: options.KeepHash = False,
+        **unknown: Never,
     ) -> None:
-        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
+        refuse_unknown(SkybodyVecEnv, unknown)
+        self.compiled = load(scenario, overrides, plugin_path)
         self.native = make_native(
-            self.compiled, num_envs, options, order="fixed", autoreset="same_step"
+            self.compiled,
+            num_envs,
+            seed=seed,
+            num_threads=num_threads,
+            pin_threads=pin_threads,
+            keep_hash=keep_hash,
+            order="fixed",
+            autoreset="same_step",
         )
-        self._observations = Observations(self.compiled, options["dict_observations"])
+        self._observations = Observations(self.compiled, dict_observations)
         self._channels = InfoChannels(self.compiled)
-        self._last = KeptRows(
+        self._last = ValueRows(
             np.zeros((num_envs, self.compiled.info_size), np.float32),
             np.zeros((num_envs, self.compiled.privileged_size), np.float32),
         )
@@ -92,7 +108,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         return copy_of(self._observations.of(batch))
 
     def _remember(self, batch: _native.Batch) -> None:
-        self._last = KeptRows(batch.info.copy(), batch.privileged.copy())
+        self._last = ValueRows(batch.info.copy(), batch.privileged.copy())
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped).
@@ -120,17 +136,11 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     ) -> None:
         terminated, fault = batch.terminated, batch.fault
         final = self._observations.final_of(batch)
-        last = KeptRows(batch.final_info, batch.final_privileged)
+        last = final_values(batch)
         reasons = batch.fault_reasons
         for i in np.flatnonzero(dones).tolist():
-            infos[i] = {
-                **self._channels.of_row(last, i),
-                "terminal_observation": row_of(final, i),
-                "TimeLimit.truncated": not (terminated[i] or fault[i]),
-                "fault": bool(fault[i]),
-            }
-            if reasons is not None and fault[i]:
-                infos[i]["fault_reason"] = reasons[i]
+            ended = end_info(row_of(final, i), terminated, fault, reasons, i)
+            infos[i] = self._channels.of_row(last, i) | ended
 
     @property
     def last_info(self) -> dict[str, NDArray[np.float32]]:

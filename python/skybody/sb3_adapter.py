@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .extras import missing_package
 
 try:
-    from .sb3_uniform import UniformVecEnv
+    from .sb3_uniform import UniformVecEnv, end_info
 except ModuleNotFoundError as error:
     raise missing_package("sb3_adapter", error) from error
 
@@ -56,15 +56,9 @@ class VectorEnvForSb3(UniformVecEnv):
         observation, reward, terminated, truncated, given = self.envs.step(self._actions)
         dones = terminated | truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        fault, reasons = given.get("fault", np.zeros_like(dones)), given.get("fault_reason")
         for i in np.flatnonzero(dones).tolist():
-            fault = bool(given["fault"][i]) if "fault" in given else False
-            infos[i] = {
-                "terminal_observation": given["final_obs"][i],
-                "TimeLimit.truncated": bool(truncated[i]) and not (terminated[i] or fault),
-                "fault": fault,
-            }
-            if fault and "fault_reason" in given:
-                infos[i]["fault_reason"] = given["fault_reason"][i]
+            infos[i] = end_info(given["final_obs"][i], terminated, fault, reasons, i)
         return observation, np.asarray(reward, np.float32), dones, infos
 
     def attribute(self, name: str) -> Any:

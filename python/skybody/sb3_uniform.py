@@ -11,6 +11,23 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 from .arguments import check_seed
 
 
+def end_info(observation: Any, terminated: Any, fault: Any, reasons: Any, i: int) -> dict[str, Any]:
+    """Info of environment `i`, whose episode ended with the last `observation`.
+
+    Args:
+        terminated, fault: (num_envs,) bool.
+        reasons: of the faults, by environment; None: there are none.
+    """
+    info = {
+        "terminal_observation": observation,
+        "TimeLimit.truncated": not (terminated[i] or fault[i]),
+        "fault": bool(fault[i]),
+    }
+    if reasons is not None and fault[i]:
+        info["fault_reason"] = reasons[i]
+    return info
+
+
 class UniformVecEnv(VecEnv):
     """A `VecEnv` whose environments are identical and have no Python objects of their own."""
 

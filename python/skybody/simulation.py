@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple, Unpack
+from typing import NamedTuple, Never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _native
+from . import _native, options
 from ._native import CompiledScenario
 from .arguments import (
     MOST_ENVS,
@@ -18,12 +18,13 @@ from .arguments import (
     check_array,
     check_seed,
     env_ids,
+    flag,
     integer,
     integer_within,
     load,
     text,
 )
-from .options import SimulationOptions, SimulationPoolOptions, takes
+from .options import refuse_unknown
 from .requests import Change, When, at_reset, request_lines
 
 CONTROL_MODES: dict[str, str] = {
@@ -92,7 +93,6 @@ def _floats(values: ArrayLike | None) -> NDArray[np.float64] | None:
     return None if values is None else np.asarray(values, np.float64)
 
 
-@takes(SimulationOptions)
 class Simulation(_native.Simulation):
     """One environment under direct control.
 
@@ -104,6 +104,7 @@ class Simulation(_native.Simulation):
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         control: one of `CONTROL_MODES` ("ctbr", "position", ...) for all robots, or a list of
             controllers as in YAML; None: the scenario's own.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -114,12 +115,16 @@ class Simulation(_native.Simulation):
         self,
         scenario: Scenario,
         control: str | None = None,
-        **options: Unpack[SimulationOptions],
+        *,
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.Seed = 0,
+        env_id: options.EnvId = 0,
+        **unknown: Never,
     ) -> None:
-        compiled = load_with_control(
-            scenario, control, options["overrides"], options["plugin_path"]
-        )
-        super().__init__(compiled, check_seed(options["seed"]) or 0, options["env_id"])
+        refuse_unknown(Simulation, unknown)
+        compiled = load_with_control(scenario, control, overrides, plugin_path)
+        super().__init__(compiled, check_seed(seed) or 0, env_id)
 
     def command(self, values: ArrayLike, robot: str = "") -> None:
         """Sets the commands of a robot's controller chains, in order; held until the next command.
@@ -220,7 +225,6 @@ class EnvStates(NamedTuple):
     """(n,): time since each environment's reset [s]."""
 
 
-@takes(SimulationPoolOptions)
 class SimulationPool(_native.SimulationPool):
     """Environments of one scenario under direct control, on several threads, with batched calls.
 
@@ -235,6 +239,7 @@ class SimulationPool(_native.SimulationPool):
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
         control: as for `Simulation`.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -246,18 +251,24 @@ class SimulationPool(_native.SimulationPool):
         scenario: Scenario,
         num_envs: int,
         control: str | None = None,
-        **options: Unpack[SimulationPoolOptions],
+        *,
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.Seed = 0,
+        num_threads: options.NumThreads = 0,
+        pin_threads: options.PinThreads = False,
+        first_env_id: options.FirstEnvId = 0,
+        **unknown: Never,
     ) -> None:
-        compiled = load_with_control(
-            scenario, control, options["overrides"], options["plugin_path"]
-        )
+        refuse_unknown(SimulationPool, unknown)
+        compiled = load_with_control(scenario, control, overrides, plugin_path)
         super().__init__(
             compiled,
             integer_within("num_envs", num_envs, 1, MOST_ENVS),
-            check_seed(options["seed"]) or 0,
-            options["first_env_id"],
-            options["pin_threads"],
-            integer_within("num_threads", options["num_threads"], 0, MOST_THREADS),
+            check_seed(seed) or 0,
+            first_env_id,
+            flag("pin_threads", pin_threads),
+            integer_within("num_threads", num_threads, 0, MOST_THREADS),
         )
 
     def _ids(self, envs: ArrayLike | None) -> NDArray[np.int32] | None:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Any, Unpack
+from typing import Any, Never
 
 import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from . import _native, spaces
+from . import _native, options, spaces
 from .agents import JointLayout
-from .arguments import Scenario, check_array, check_seed, load, shape_error
-from .infos import FinalRows, InfoChannels, ScatteredRows
+from .arguments import Scenario, check_array, check_seed, flag, load, shape_error
+from .infos import InfoChannels, scattered_rows
 from .observations import Observations, row_of
-from .options import VectorOptions, autoreset_word, takes
+from .options import autoreset_word, refuse_unknown
 from .pooled import PooledEnvironments, drain, make_native
 from .registration import SpecWithHorizon
 
@@ -50,7 +50,6 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
     return mask
 
 
-@takes(VectorOptions)
 class SkybodyVectorEnv(
     SpecWithHorizon, PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]
 ):
@@ -81,6 +80,7 @@ class SkybodyVectorEnv(
         num_envs: number of environments.
         max_episode_steps: the scenario's horizon or None; `gymnasium.make_vec` passes the value of
             the specification.
+        overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -94,10 +94,22 @@ class SkybodyVectorEnv(
         num_envs: int,
         *,
         max_episode_steps: int | None = None,
-        **options: Unpack[VectorOptions],
+        overrides: options.Overrides = (),
+        plugin_path: options.PluginPath = (),
+        seed: options.Seed = 0,
+        num_threads: options.NumThreads = 0,
+        pin_threads: options.PinThreads = False,
+        dict_observations: options.DictObservations = False,
+        keep_hash: options.KeepHash = False,
+        autoreset: options.AutoresetOption = "next_step",
+        infos: options.Infos = True,
+        debug: options.Debug = False,
+        joint: options.Joint = False,
+        **unknown: Never,
     ) -> None:
-        self._mode = autoreset_mode(options["autoreset"])
-        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
+        refuse_unknown(SkybodyVectorEnv, unknown)
+        self._mode = autoreset_mode(autoreset)
+        self.compiled = load(scenario, overrides, plugin_path)
         if max_episode_steps not in (None, self.compiled.horizon):
             raise ValueError(
                 f"max_episode_steps is {max_episode_steps}; `{self.compiled.name}` flies "
@@ -106,19 +118,22 @@ class SkybodyVectorEnv(
         self.native = make_native(
             self.compiled,
             num_envs,
-            options,
+            seed=seed,
+            num_threads=num_threads,
+            pin_threads=pin_threads,
+            keep_hash=keep_hash,
             order="fixed",
             autoreset=autoreset_word(self._mode),
-            info=options["infos"],
-            debug=options["debug"],
+            infos=infos,
+            debug=debug,
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
         self._same_step = self._mode is AutoresetMode.SAME_STEP
-        self._joint = JointLayout(self.compiled) if options["joint"] else None
+        self._joint = JointLayout(self.compiled) if flag("joint", joint) else None
         joint_shape = self._joint.observation_shape if self._joint is not None else None
-        self._observations = Observations(self.compiled, options["dict_observations"], joint_shape)
-        self._channels = InfoChannels(self.compiled, options["infos"])
+        self._observations = Observations(self.compiled, dict_observations, joint_shape)
+        self._channels = InfoChannels(self.compiled, infos)
         self._all = np.ones(num_envs, np.bool_)
         self._all.setflags(write=False)  # one mask in all infos
         self._define_spaces()
@@ -171,8 +186,8 @@ class SkybodyVectorEnv(
         batch = self.native.recv()
         if mask is None:
             return self._observations.of(batch), self._channels.masked(batch, self._all)
-        begun = ScatteredRows(batch, self.num_envs, batch.env_id)
-        return self.observations(), self._channels.masked(begun, begun.mask)
+        begun = scattered_rows(batch, self.num_envs, batch.env_id)
+        return self.observations(), self._channels.masked(*begun)
 
     def step(
         self, actions: NDArray[np.float32]
@@ -221,9 +236,9 @@ class SkybodyVectorEnv(
         for i in ended:
             rows[i] = row_of(final, i)
         infos["final_obs"] = rows
-        last = ScatteredRows(FinalRows(batch), self.num_envs, ended, ended)
-        infos["final_info"] = self._channels.masked(last, last.mask)
-        infos["_final_obs"] = infos["_final_info"] = last.mask
+        last, mask = scattered_rows(batch, self.num_envs, ended, ended)
+        infos["final_info"] = self._channels.masked(last, mask)
+        infos["_final_obs"] = infos["_final_info"] = mask
 
     def close_extras(self, **_: Any) -> None:
         """Finishes a recording, ends the threads and frees the memory; called by `close`."""

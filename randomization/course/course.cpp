@@ -51,8 +51,7 @@ class Course : public Randomizer {
 
   static void require_order(const RealsParameter& range, const std::string& name) {
     if (range.value(0) <= range.value(1)) return;
-    throw std::runtime_error("`" + name + "` is " + to_text(range.value(0)) + " to " +
-                             to_text(range.value(1)) + ": swap them");
+    refuse("`", name, "` is ", range.value(0), " to ", range.value(1), ": swap them");
   }
 
   void find_gates(const Setup& setup) {
@@ -62,9 +61,8 @@ class Course : public Randomizer {
                         shape.first_param + SKYBODY_OBSTACLE_ROTATION});
     }
     if (gates_.size() > 1) return;
-    throw std::runtime_error("a course needs two gates or more, and there " +
-                             std::string(gates_.empty() ? "is none" : "is 1") +
-                             ": add obstacles of kind `gate`");
+    refuse("a course needs two gates or more, and there ", gates_.empty() ? "is none" : "is 1",
+           ": add obstacles of kind `gate`");
   }
 
   void find_robots(const Setup& setup) {
@@ -156,69 +154,30 @@ class Course : public Randomizer {
     return place;
   }
 
-  TextsParameter robots_of_{
-      this, {.name = "robots", .doc = "robots to place; empty: all with a free base"}};
+  TextsParameter robots_of_{this, words("robots", "robots to place; empty: all with a free base")};
   BooleanParameter moves_gates_{
-      this,
-      {.name = "gates",
-       .value = false,
-       .doc = "true: gates are drawn as well, on a ring about W's z axis"}};
+      this, boolean("gates", false, "true: gates are drawn as well, on a ring about W's z axis")};
   BooleanParameter starts_anywhere_{
-      this,
-      {.name = "anywhere",
-       .value = true,
-       .doc = "true: any gate may be the first; false: the scenario's first one"}};
+      this, boolean("anywhere", true,
+                    "true: any gate may be the first; false: the scenario's first one")};
   RealsParameter radius_{this,
-                         {.name = "radius",
-                          .unit = "m",
-                          .values = {2.5, 3.5},
-                          .count = 2,
-                          .min = 0.1,
-                          .max = 1e4,
-                          .doc = "smallest and largest distance of a drawn gate from the z axis"}};
-  RealsParameter height_{
-      this,
-      {.name = "height",
-       .unit = "m",
-       .values = {1.2, 2.0},
-       .count = 2,
-       .min = -1e4,
-       .max = 1e4,
-       .doc = "smallest and largest height of a drawn gate's centre over z = 0"}};
+                         reals("radius", "m", {2.5, 3.5}, between(0.1, 1e4),
+                               "smallest and largest distance of a drawn gate from the z axis")};
+  RealsParameter height_{this,
+                         reals("height", "m", {1.2, 2.0}, between(-1e4, 1e4),
+                               "smallest and largest height of a drawn gate's centre over z = 0")};
   RealParameter sector_share_{this,
-                              {.name = "sector_share",
-                               .value = 0.3,
-                               .min = 0.0,
-                               .max = 1.0,
-                               .doc = "share of a gate's sector of the ring in which it may be"}};
-  RealParameter turn_{this,
-                      {.name = "turn",
-                       .unit = "rad",
-                       .value = 0.3,
-                       .min = 0.0,
-                       .max = kPi,
-                       .doc = "largest angle of a drawn gate to the ring, in magnitude"}};
-  RealsParameter share_{this,
-                        {.name = "share",
-                         .values = {0.3, 0.7},
-                         .count = 2,
-                         .min = 0.0,
-                         .max = 1.0,
-                         .doc = "share of the line between two gates at which racers start"}};
+                              real("sector_share", "", 0.3, between(0.0, 1.0),
+                                   "share of a gate's sector of the ring in which it may be")};
+  RealParameter turn_{this, real("turn", "rad", 0.3, between(0.0, kPi),
+                                 "largest angle of a drawn gate to the ring, in magnitude")};
+  RealsParameter share_{this, reals("share", "", {0.3, 0.7}, between(0.0, 1.0),
+                                    "share of the line between two gates at which racers start")};
   RealParameter spread_{this,
-                        {.name = "spread",
-                         .unit = "m",
-                         .value = 0.2,
-                         .min = 0.0,
-                         .max = 1e3,
-                         .doc = "largest deviation of the start from that point, each coordinate"}};
-  RealParameter speed_{this,
-                       {.name = "speed",
-                        .unit = "m/s",
-                        .value = 1.0,
-                        .min = 0.0,
-                        .max = 100.0,
-                        .doc = "largest initial speed, along the line between the gates"}};
+                        real("spread", "m", 0.2, between(0.0, 1e3),
+                             "largest deviation of the start from that point, each coordinate")};
+  RealParameter speed_{this, real("speed", "m/s", 1.0, between(0.0, 100.0),
+                                  "largest initial speed, along the line between the gates")};
 
   std::vector<Gate> gates_;
   std::vector<Robot> robots_;

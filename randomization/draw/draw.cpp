@@ -106,12 +106,11 @@ class Draw : public Randomizer {
     check_absent("deviation", kind != "normal" && deviation_.is_given(), kind);
     if (kind == "choice") {
       return blaming(weights_.count() > 0 ? "weights" : "values",
-                     [&] { return make_choice(list(values_), list(weights_)); });
+                     [&] { return make_choice(values_of(values_), values_of(weights_)); });
     }
     check_absent("weights", weights_.count() > 0, kind);
     if (range_.count() != 2) {
-      throw std::runtime_error("`range` has " + std::to_string(range_.count()) +
-                               " values: write [low, high]");
+      refuse("`range` has ", range_.count(), " values: write [low, high]");
     }
     const double low = range_.value(0), high = range_.value(1);
     const bool is_flat = !(deviation_.value() > 0.0);  // of a normal distribution: rejected first
@@ -128,11 +127,11 @@ class Draw : public Randomizer {
     try {
       return make();
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error("`" + parameter + "`: " + error.what());
+      refuse("`", parameter, "`: ", error.what());
     }
   }
 
-  static std::vector<double> list(const RealsParameter& parameter) {
+  static std::vector<double> values_of(const RealsParameter& parameter) {
     std::vector<double> values;
     for (int k = 0; k < parameter.count(); ++k) values.push_back(parameter.value(k));
     return values;
@@ -142,21 +141,18 @@ class Draw : public Randomizer {
                           const std::string& kind) {
     if (!is_wanted) return check_absent(name, count > 0, kind);
     if (count == 0) {
-      throw std::runtime_error("`distribution: " + kind + "` needs `" + name + "`: give it");
+      refuse("`distribution: ", kind, "` needs `", name, "`: give it");
     }
   }
   static void check_absent(const std::string& name, bool is_given, const std::string& kind) {
     if (!is_given) return;
-    throw std::runtime_error("`distribution: " + kind + "` does not know `" + name +
-                             "`: leave it out");
+    refuse("`distribution: ", kind, "` does not know `", name, "`: leave it out");
   }
 
   void read_time(const Setup& setup) {
     is_timed_ = when_.value() == kTime;
     if (when_.value() == kRequest && every_.is_given()) {
-      throw std::runtime_error(
-          "`every` counts resets, which `when: request` does not draw at: "
-          "leave it out");
+      refuse("`every` counts resets, which `when: request` does not draw at: leave it out");
     }
     if (is_timed_ != (time_.count() > 0)) {
       throw std::runtime_error(is_timed_ ? "`when: time` needs `time`: give [earliest, latest] in s"
@@ -165,16 +161,14 @@ class Draw : public Randomizer {
     if (!is_timed_) return;
     if (time_.count() != 2 || !(time_.value(0) <= time_.value(1))) {
       std::string given;
-      for (const double t : list(time_)) given += (given.empty() ? "" : ", ") + to_text(t);
-      throw std::runtime_error("`time` is [" + given +
-                               "] s: write [earliest, latest], the earlier one first");
+      for (const double t : values_of(time_)) given += (given.empty() ? "" : ", ") + to_text(t);
+      refuse("`time` is [", given, "] s: write [earliest, latest], the earlier one first");
     }
     const double last = time_.value(1);
     const double end = setup.horizon() * setup.action_repeat() * dt_;
     if (setup.horizon() > 0 && last >= end) {
-      throw std::runtime_error("`time` goes up to " + to_text(last) +
-                               " s, but an episode ends after " + to_text(end) +
-                               " s: let it end before");
+      refuse("`time` goes up to ", last, " s, but an episode ends after ", end,
+             " s: let it end before");
     }
     earliest_ = std::max<std::int64_t>(1, std::llround(time_.value(0) / dt_));
     latest_ = std::max<std::int64_t>(earliest_, std::llround(last / dt_));
@@ -183,9 +177,8 @@ class Draw : public Randomizer {
 
   void find_values(const Setup& setup) {
     if (what_.values().empty()) {
-      throw std::runtime_error(
-          "`what` names nothing to draw: give at least one path, such as "
-          "`controllers.rate_pd.kp`");
+      refuse(
+          "`what` names nothing to draw: give at least one path, such as `controllers.rate_pd.kp`");
     }
     for (const std::string& path : what_.values()) {
       for (const int param : setup.find_params(path)) add(setup, param, path);
@@ -196,73 +189,51 @@ class Draw : public Randomizer {
     const EnvParamInfo& info = setup.params()[param];
     for (const Target& t : targets_) {
       if (t.param != param) continue;
-      throw std::runtime_error("`" + path + "` names " + std::string(info.path) +
-                               " a second time: name each value once");
+      refuse("`", path, "` names ", info.path, " a second time: name each value once");
     }
     const double factor = form_.value() == "scale" ? info.nominal : 1.0;
     const double offset = form_.value() == "shift" ? info.nominal : 0.0;
     const double a = distribution_.low * factor + offset, b = distribution_.high * factor + offset;
     if (std::min(a, b) < info.min || std::max(a, b) > info.max) {
-      throw std::runtime_error(
-          "drawing " + std::string(info.path) + " from [" + to_text(std::min(a, b)) + ", " +
-          to_text(std::max(a, b)) + "] leaves what it may be, [" + to_text(info.min) + ", " +
-          to_text(info.max) + "]: narrow `" + (values_.count() > 0 ? "values`" : "range`"));
+      refuse("drawing ", info.path, " from [", std::min(a, b), ", ", std::max(a, b),
+             "] leaves what it may be, [", info.min, ", ", info.max, "]: narrow `",
+             (values_.count() > 0 ? "values`" : "range`"));
     }
     targets_.push_back({param, info.nominal, factor, offset, targets_.empty() || !shared_.value()});
     setup.writes(param);
   }
 
-  TextsParameter what_{
-      this,
-      {.name = "what",
-       .doc =
-           "paths of the drawn values; `[*]` means all elements, `*` any part of a name or nothing",
-       .required = true}};
-  TextParameter distribution_name_{this,
-                                   {.name = "distribution",
-                                    .value = "uniform",
-                                    .choices = {"uniform", "log_uniform", "normal", "choice"},
-                                    .doc = "distribution of the values"}};
+  TextsParameter what_{this, required(words("what",
+                                            "paths of the drawn values; `[*]` means all elements, "
+                                            "`*` any part of a name or nothing"))};
+  TextParameter distribution_name_{
+      this, choice("distribution", "uniform", {"uniform", "log_uniform", "normal", "choice"},
+                   "distribution of the values")};
   RealsParameter range_{
-      this,
-      {.name = "range", .count = -1, .doc = "[low, high]; truncation of a normal distribution"}};
-  RealParameter mean_{this, {.name = "mean", .doc = "mean of a normal distribution"}};
-  RealParameter deviation_{
-      this,
-      {.name = "deviation",
-       .value = 1.0,
-       .doc = "standard deviation of a normal distribution, before truncation"}};
-  RealsParameter values_{this, {.name = "values", .count = -1, .doc = "candidates of a choice"}};
+      this, list("range", "", {}, kAny, "[low, high]; truncation of a normal distribution")};
+  RealParameter mean_{this, real("mean", "", 0.0, kAny, "mean of a normal distribution")};
+  RealParameter deviation_{this,
+                           real("deviation", "", 1.0, kAny,
+                                "standard deviation of a normal distribution, before truncation")};
+  RealsParameter values_{this, list("values", "", {}, kAny, "candidates of a choice")};
   RealsParameter weights_{this,
-                          {.name = "weights",
-                           .count = -1,
-                           .doc = "probabilities of the candidates, adding up to 1; empty: equal"}};
-  TextParameter form_{this,
-                      {.name = "form",
-                       .value = "value",
-                       .choices = {"value", "scale", "shift"},
-                       .doc = "the drawn number is the value itself, a factor on the nominal "
-                              "value, or is added to it"}};
+                          list("weights", "", {}, kAny,
+                               "probabilities of the candidates, adding up to 1; empty: equal")};
+  TextParameter form_{this, choice("form", "value", {"value", "scale", "shift"},
+                                   "the drawn number is the value itself, a factor on the nominal "
+                                   "value, or is added to it")};
   BooleanParameter shared_{
-      this, {.name = "shared", .doc = "one draw for all values, instead of one each"}};
+      this, boolean("shared", false, "one draw for all values, instead of one each")};
   TextParameter correlated_{
       this,
-      {.name = "correlated",
-       .doc =
-           "draws with the same name use the same random numbers, so they rise and fall together"}};
-  TextParameter when_{this,
-                      {.name = "when",
-                       .value = "reset",
-                       .choices = {"reset", "request", "time"},
-                       .doc = "at every n-th reset; only on request; or during the episode"}};
+      word("correlated", "",
+           "draws with the same name use the same random numbers, so they rise and fall together")};
+  TextParameter when_{this, choice("when", "reset", {"reset", "request", "time"},
+                                   "at every n-th reset; only on request; or during the episode")};
   IntegerParameter every_{this, randomization::every_spec()};
   RealsParameter time_{
-      this,
-      {.name = "time",
-       .unit = "s",
-       .count = -1,
-       .min = 0.0,
-       .doc = "[earliest, latest] time, drawn in each episode; values are nominal until then"}};
+      this, list("time", "s", {}, at_least(0.0),
+                 "[earliest, latest] time, drawn in each episode; values are nominal until then")};
 
   Distribution distribution_;
   std::vector<Target> targets_;

@@ -32,12 +32,12 @@ class LissajousFamily : public Randomizer {
       require_free(setup.robots()[robot]);
       start_ = announce_all(setup, "robots." + robot_.value() + ".start.position");
     } else if (start_within_.is_given()) {
-      throw std::runtime_error("`start_within` is given without `robot`: say who starts there");
+      refuse("`start_within` is given without `robot`: say who starts there");
     }
     require_order(side_, "amplitude_side");
     require_order(height_swing_, "amplitude_height");
     if (side_.value(1) <= 0.0 && height_swing_.value(1) <= 0.0) {
-      throw std::runtime_error(
+      refuse(
           "`amplitude_side` and `amplitude_height` are 0, so that no figure has a length: raise "
           "one, or leave this randomizer out and take `kind: hold`");
     }
@@ -45,14 +45,14 @@ class LissajousFamily : public Randomizer {
     require_order(phases_, "phase");
     require_order(speeds_, "peak_speed");
     if (ratios_.count() % 3 != 0 || ratios_.count() == 0) {
-      throw std::runtime_error("`ratios` has " + std::to_string(ratios_.count()) +
-                               " values; allowed: three for each ratio, such as 2, 1, 1");
+      refuse("`ratios` has ", ratios_.count(),
+             " values; allowed: three for each ratio, such as 2, 1, 1");
     }
     for (int k = 0; k < ratios_.count(); k += 3) {
       if (ratios_.value(k) != 0.0 || ratios_.value(k + 1) != 0.0 || ratios_.value(k + 2) != 0.0) {
         continue;
       }
-      throw std::runtime_error("`ratios` has 0, 0, 0, by which nothing swings: leave these out");
+      refuse("`ratios` has 0, 0, 0, by which nothing swings: leave these out");
     }
   }
 
@@ -101,8 +101,8 @@ class LissajousFamily : public Randomizer {
 
   static void require_free(const RobotInfo& robot) {
     if (robot.fixed_base == 0) return;
-    throw std::runtime_error("robot `" + std::string(robot.name) +
-                             "` has a fixed base, which cannot start elsewhere: leave `robot` out");
+    refuse("robot `", robot.name,
+           "` has a fixed base, which cannot start elsewhere: leave `robot` out");
   }
 
   /// Places the robot near the figure's beginning, in every episode: the figure may last for
@@ -120,77 +120,37 @@ class LissajousFamily : public Randomizer {
 
   static void require_order(const RealsParameter& range, const std::string& name) {
     if (range.value(0) <= range.value(1)) return;
-    throw std::runtime_error("`" + name + "` is " + to_text(range.value(0)) + " to " +
-                             to_text(range.value(1)) + ": swap them");
+    refuse("`", name, "` is ", range.value(0), " to ", range.value(1), ": swap them");
   }
 
   TextParameter reference_{
       this,
-      {.name = "reference",
-       .value = "robot.controllers.reference",
-       .doc = "path of a controller `reference`, or `task`, of kind lissajous with `yaw: drawn`"}};
-  RealsParameter side_{this,
-                       {.name = "amplitude_side",
-                        .unit = "m",
-                        .values = {1.35, 1.75},
-                        .count = 2,
-                        .min = 0.0,
-                        .doc = "smallest and largest amplitude along x, and along y"}};
-  RealsParameter height_swing_{this,
-                               {.name = "amplitude_height",
-                                .unit = "m",
-                                .values = {0.3, 0.4},
-                                .count = 2,
-                                .min = 0.0,
-                                .doc = "the same along z"}};
-  RealsParameter height_{this,
-                         {.name = "height",
-                          .unit = "m",
-                          .values = {0.7, 1.0},
-                          .count = 2,
-                          .doc = "smallest and largest height of the figure's centre"}};
-  RealsParameter phases_{this,
-                         {.name = "phase",
-                          .unit = "rad",
-                          .values = {70.0 * kPi / 180.0, 110.0 * kPi / 180.0},
-                          .count = 2,
-                          .min = -1e3,
-                          .max = 1e3,
-                          .doc = "smallest and largest phase lead of x over y"}};
-  RealsParameter speeds_{this,
-                         {.name = "peak_speed",
-                          .unit = "m/s",
-                          .values = {1.0, 1.5},
-                          .count = 2,
-                          .min = 1e-3,
-                          .max = 1e3,
-                          .doc = "smallest and largest peak speed on the figure"}};
-  RealsParameter ratios_{this,
-                         {.name = "ratios",
-                          .values = {1, 1, 1, 2, 2, 1, 1, 1, 2, 2, 1, 1, 1, 2, 1},
-                          .count = -1,
-                          .min = 0.0,
-                          .max = 16.0,
-                          .doc = "cycles of x, y, z, three for each figure; equally likely"}};
+      word("reference", "robot.controllers.reference",
+           "path of a controller `reference`, or `task`, of kind lissajous with `yaw: drawn`")};
+  RealsParameter side_{this, reals("amplitude_side", "m", {1.35, 1.75}, at_least(0.0),
+                                   "smallest and largest amplitude along x, and along y")};
+  RealsParameter height_swing_{
+      this, reals("amplitude_height", "m", {0.3, 0.4}, at_least(0.0), "the same along z")};
+  RealsParameter height_{this, reals("height", "m", {0.7, 1.0}, kAny,
+                                     "smallest and largest height of the figure's centre")};
+  RealsParameter phases_{
+      this, reals("phase", "rad", {70.0 * kPi / 180.0, 110.0 * kPi / 180.0}, between(-1e3, 1e3),
+                  "smallest and largest phase lead of x over y")};
+  RealsParameter speeds_{this, reals("peak_speed", "m/s", {1.0, 1.5}, between(1e-3, 1e3),
+                                     "smallest and largest peak speed on the figure")};
+  RealsParameter ratios_{
+      this, list("ratios", "", {1, 1, 1, 2, 2, 1, 1, 1, 2, 2, 1, 1, 1, 2, 1}, between(0.0, 16.0),
+                 "cycles of x, y, z, three for each figure; equally likely")};
   RealParameter along_share_{
-      this,
-      {.name = "along",
-       .value = 0.5,
-       .min = 0.0,
-       .max = 1.0,
-       .doc = "share of the episodes with the heading along the path; else it is fixed"}};
+      this, real("along", "", 0.5, between(0.0, 1.0),
+                 "share of the episodes with the heading along the path; else it is fixed")};
   IntegerParameter every_{this, randomization::every_spec()};
   TextParameter robot_{
       this,
-      {.name = "robot",
-       .doc = "robot that starts near the figure's beginning; empty: none is moved"}};
+      word("robot", "", "robot that starts near the figure's beginning; empty: none is moved")};
   RealsParameter start_within_{
-      this,
-      {.name = "start_within",
-       .unit = "m",
-       .values = {0.5, 0.5, 0.25},
-       .min = 0.0,
-       .doc = "largest distance of `robot` from the figure's beginning, along each axis of W"}};
+      this, reals("start_within", "m", {0.5, 0.5, 0.25}, at_least(0.0),
+                  "largest distance of `robot` from the figure's beginning, along each axis of W")};
 
   int amplitude_ = 0, centre_ = 0, cycles_ = 0, phase_ = 0, speed_ = 0, along_ = 0;
   int middle_ = 0;  ///< centre[0]

@@ -18,17 +18,17 @@ class RandomStart : public Randomizer {
       if (only >= 0 && r != only) continue;
       if (info.fixed_base != 0) {
         if (only < 0) continue;
-        throw std::runtime_error("robot `" + std::string(info.name) +
-                                 "` has a fixed base, which cannot start elsewhere: name another "
-                                 "robot, or leave `start` out");
+        refuse("robot `", info.name,
+               "` has a fixed base, which cannot start elsewhere: name another robot, or leave "
+               "`start` out");
       }
       robots_.push_back(target(setup, info));
     }
     if (robots_.empty()) {
-      throw std::runtime_error("no robot has a floating base: leave `start` out");
+      refuse("no robot has a floating base: leave `start` out");
     }
     if (together_.value() && moves_ && !relative_.value() && robots_.size() > 1) {
-      throw std::runtime_error(
+      refuse(
           "`together` without `relative` would put all robots in one place: set `relative: true`, "
           "so that the draw is added to each robot's own pose");
     }
@@ -61,17 +61,15 @@ class RandomStart : public Randomizer {
   static void require_order(const std::string& low_name, double low, const std::string& high_name,
                             double high) {
     if (low <= high) return;
-    throw std::runtime_error("`" + low_name + "` " + to_text(low) + " is above `" + high_name +
-                             "` " + to_text(high) + ": swap them");
+    refuse("`", low_name, "` ", low, " is above `", high_name, "` ", high, ": swap them");
   }
 
   void check_ranges() {
     require_order("yaw_min", yaw_min_.value(), "yaw_max", yaw_max_.value());
     const int low = position_min_.count(), high = position_max_.count();
     if (low != high || (low != 0 && low != 3)) {
-      throw std::runtime_error("`position_min` has " + std::to_string(low) +
-                               " values and `position_max` " + std::to_string(high) +
-                               ": give both [x, y, z], or neither to keep the scenario's position");
+      refuse("`position_min` has ", low, " values and `position_max` ", high,
+             ": give both [x, y, z], or neither to keep the scenario's position");
     }
     moves_ = low == 3;
     for (int k = 0; k < low; ++k) {
@@ -115,9 +113,8 @@ class RandomStart : public Randomizer {
       lift += std::fabs(t.rotors.back().lift);
     }
     if (!(lift > 1e-6)) {
-      throw std::runtime_error("robot `" + std::string(info.name) +
-                               "` has no rotor that lifts, so that there is no hover speed: set "
-                               "`rotor_speed: keep`");
+      refuse("robot `", info.name,
+             "` has no rotor that lifts, so that there is no hover speed: set `rotor_speed: keep`");
     }
     return t;
   }
@@ -191,58 +188,34 @@ class RandomStart : public Randomizer {
     }
   }
 
-  TextParameter robot_{
-      this, {.name = "robot", .doc = "name of the robot; empty: every robot with a free base"}};
-  BooleanParameter relative_{this,
-                             {.name = "relative",
-                              .value = false,
-                              .doc = "true: position, yaw and tilt are added to the scenario's "
-                                     "pose; false: they replace it"}};
-  BooleanParameter together_{this,
-                             {.name = "together",
-                              .value = false,
-                              .doc = "true: every robot gets the same draw; false: each its own"}};
-  RealsParameter position_min_{this,
-                               {.name = "position_min",
-                                .unit = "m",
-                                .count = -1,
-                                .doc = "lower corner of the box of positions (W axes); none: the "
-                                       "scenario's position"}};
-  RealsParameter position_max_{this,
-                               {.name = "position_max",
-                                .unit = "m",
-                                .count = -1,
-                                .doc = "upper corner of the box of positions (W axes)"}};
-  RealParameter min_height_{this,
-                            {.name = "min_height",
-                             .unit = "m",
-                             .value = 0.0,
-                             .doc = "least initial height of the base (W z)"}};
-  RealParameter yaw_min_{this,
-                         {.name = "yaw_min", .unit = "rad", .doc = "smallest random heading"}};
-  RealParameter yaw_max_{this, {.name = "yaw_max", .unit = "rad", .doc = "largest random heading"}};
-  RealParameter tilt_max_{this,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "largest tilt, about a random horizontal axis"}};
-  RealParameter velocity_max_{this,
-                              {.name = "velocity_max",
-                               .unit = "m/s",
-                               .min = 0.0,
-                               .doc = "largest velocity, in any direction"}};
-  RealParameter rate_max_{this,
-                          {.name = "rate_max",
-                           .unit = "rad/s",
-                           .min = 0.0,
-                           .doc = "largest angular velocity, about any axis"}};
-  TextParameter hover_{
+  TextParameter robot_{this,
+                       word("robot", "", "name of the robot; empty: every robot with a free base")};
+  BooleanParameter relative_{
       this,
-      {.name = "rotor_speed",
-       .value = "keep",
-       .choices = {"keep", "hover"},
-       .doc = "keep: the scenario's; hover: the speed that carries the random weight"}};
+      boolean(
+          "relative", false,
+          "true: position, yaw and tilt are added to the scenario's pose; false: they replace it")};
+  BooleanParameter together_{
+      this,
+      boolean("together", false, "true: every robot gets the same draw; false: each its own")};
+  RealsParameter position_min_{
+      this, list("position_min", "m", {}, kAny,
+                 "lower corner of the box of positions (W axes); none: the scenario's position")};
+  RealsParameter position_max_{
+      this, list("position_max", "m", {}, kAny, "upper corner of the box of positions (W axes)")};
+  RealParameter min_height_{
+      this, real("min_height", "m", 0.0, kAny, "least initial height of the base (W z)")};
+  RealParameter yaw_min_{this, real("yaw_min", "rad", 0.0, kAny, "smallest random heading")};
+  RealParameter yaw_max_{this, real("yaw_max", "rad", 0.0, kAny, "largest random heading")};
+  RealParameter tilt_max_{this, real("tilt_max", "rad", 0.0, between(0.0, kPi),
+                                     "largest tilt, about a random horizontal axis")};
+  RealParameter velocity_max_{
+      this, real("velocity_max", "m/s", 0.0, at_least(0.0), "largest velocity, in any direction")};
+  RealParameter rate_max_{this, real("rate_max", "rad/s", 0.0, at_least(0.0),
+                                     "largest angular velocity, about any axis")};
+  TextParameter hover_{
+      this, choice("rotor_speed", "keep", {"keep", "hover"},
+                   "keep: the scenario's; hover: the speed that carries the random weight")};
 
   std::vector<Target> robots_;
   Vec3<double> low_{0.0, 0.0, 0.0}, high_{0.0, 0.0, 0.0};  ///< box of positions [m]

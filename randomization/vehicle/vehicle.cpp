@@ -35,7 +35,7 @@ class Vehicle : public Randomizer {
     read_ranges();
     gravity_ = norm(Vec3<double>{setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]});
     if (!(gravity_ > 0.0)) {
-      throw std::runtime_error(
+      refuse(
           "`gravity` is 0, so that `thrust_to_weight` has no weight: give the scenario a gravity");
     }
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
@@ -136,7 +136,9 @@ class Vehicle : public Randomizer {
   /// ---- configuration
 
   static std::string text_of(const Range& range) {
-    return "[" + to_text(range.low) + ", " + to_text(range.high) + "]";
+    std::string text = "[";
+    text.append(to_text(range.low)).append(", ").append(to_text(range.high)).append("]");
+    return text;
   }
   static Range preset_range(const VehicleRow& row, const std::string& preset) {
     return preset == "scaling" ? row.scaling : preset == "l2f" ? row.l2f : row.raptor;
@@ -169,13 +171,11 @@ class Vehicle : public Randomizer {
     const RealsParameter& given = *given_[static_cast<std::size_t>(k)];
     const std::string name = kVehicleRows[k].name;
     if (given.count() != 2) {
-      throw std::runtime_error("`" + name + "` has " + std::to_string(given.count()) +
-                               " values: write [low, high]");
+      refuse("`", name, "` has ", given.count(), " values: write [low, high]");
     }
     const Range range{given.value(0), given.value(1)};
     if (range.low > range.high) {
-      throw std::runtime_error("`" + name + "` " + text_of(range) +
-                               " runs backwards: write [low, high]");
+      refuse("`", name, "` ", text_of(range), " runs backwards: write [low, high]");
     }
     return range;
   }
@@ -187,9 +187,8 @@ class Vehicle : public Randomizer {
     for (const int k : alternatives) {
       if (given_[static_cast<std::size_t>(k)]->count() == 0) continue;
       if (chosen >= 0) {
-        throw std::runtime_error(std::string("`") + kVehicleRows[chosen].name + "` and `" +
-                                 kVehicleRows[k].name +
-                                 "` stand for one another: leave one of them out");
+        refuse("`", kVehicleRows[chosen].name, "` and `", kVehicleRows[k].name,
+               "` stand for one another: leave one of them out");
       }
       chosen = k;
     }
@@ -205,10 +204,9 @@ class Vehicle : public Randomizer {
     const Range &pitch = ranges[kPitchInertia], &yaw = ranges[kYawInertia];
     for (const double a : {pitch.low, pitch.high}) {
       if (std::abs(1.0 - a) <= yaw.low * (1.0 + a)) continue;
-      throw std::runtime_error("`pitch_inertia` " + text_of(pitch) + " and `yaw_inertia` " +
-                               text_of(yaw) +
-                               " include moments of inertia that no rigid body has: bring "
-                               "`pitch_inertia` nearer to 1, or raise `yaw_inertia`");
+      refuse("`pitch_inertia` ", text_of(pitch), " and `yaw_inertia` ", text_of(yaw),
+             " include moments of inertia that no rigid body has: bring `pitch_inertia` nearer to "
+             "1, or raise `yaw_inertia`");
     }
   }
 
@@ -231,12 +229,12 @@ class Vehicle : public Randomizer {
     const std::string name = "robot `" + std::string(robot.name) + "` ";
     const View<RotorInfo> rotors = setup.rotors_of(r);
     if (robot.body_count != 1 || robot.fixed_base != 0) {
-      throw std::runtime_error(name + (robot.fixed_base != 0 ? "has a fixed base" : "has joints") +
-                               ": a vehicle is one free body; name another robot in `robot`");
+      refuse(name, (robot.fixed_base != 0 ? "has a fixed base" : "has joints"),
+             ": a vehicle is one free body; name another robot in `robot`");
     }
     if (rotors.size() != 4) {
-      throw std::runtime_error(name + "has " + std::to_string(rotors.size()) +
-                               " rotors: a vehicle has 4; name another robot in `robot`");
+      refuse(name, "has ", rotors.size(),
+             " rotors: a vehicle has 4; name another robot in `robot`");
     }
     const BodyInfo& base = setup.bodies()[robot.first_body];
     Target t{base.first_param, {base.com[0], base.com[1], base.com[2]}, {}};
@@ -247,9 +245,9 @@ class Vehicle : public Randomizer {
       for (int k = 0; k < SKYBODY_ROTOR_CONSTANT_COUNT; ++k) setup.writes(rotor.first_param + k);
     }
     if (turns != 0.0) {
-      throw std::runtime_error(name +
-                               "has more rotors of one sense than of the other, and would turn: "
-                               "let two be ccw and two cw");
+      refuse(name,
+             "has more rotors of one sense than of the other, and would turn: let two be ccw and "
+             "two cw");
     }
     setup.writes(t.body + SKYBODY_BODY_MASS);
     for (int k = 0; k < 6; ++k) setup.writes(t.body + SKYBODY_BODY_INERTIA + k);
@@ -262,47 +260,32 @@ class Vehicle : public Randomizer {
     const double arm = sqrt(from.x * from.x + from.y * from.y);
     const std::string name = "rotor `" + std::string(rotor.name) + "` of " + robot;
     if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 1.0) {
-      throw std::runtime_error(name +
-                               "does not push along the body's z, as a vehicle's rotors do: give "
-                               "it `axis: [0, 0, 1]`");
+      refuse(
+          name,
+          "does not push along the body's z, as a vehicle's rotors do: give it `axis: [0, 0, 1]`");
     }
     if (!(arm > 1e-6)) {
-      throw std::runtime_error(name +
-                               "sits on the body's z axis, so that its arm has no direction: move "
-                               "it aside");
+      refuse(name, "sits on the body's z axis, so that its arm has no direction: move it aside");
     }
     return {rotor.first_param, from.x / arm, from.y / arm, from.z / arm,
             from.x * from.y >= 0.0 ? 1.0 : -1.0};
   }
 
   TextParameter robot_{
-      this,
-      {.name = "robot", .doc = "name of the robot; empty: every robot, each its own vehicle"}};
-  TextParameter preset_{this,
-                        {.name = "preset",
-                         .value = "scaling",
-                         .choices = {"scaling", "l2f", "raptor"},
-                         .doc = "ranges of the quantities not given"}};
-  TextParameter mass_by_{this,
-                         {.name = "mass_by",
-                          .value = "preset",
-                          .choices = {"preset", "logarithm", "size"},
-                          .doc = "the mass is uniform in its logarithm (preset scaling) or in its "
-                                 "cube root (the others)"}};
-  TextParameter tau_by_{this,
-                        {.name = "tau_by",
-                         .value = "preset",
-                         .choices = {"preset", "mass", "itself"},
-                         .doc = "mass: time constants grow with the mass's sixth root (preset "
-                                "scaling); itself: they do not (the others)"}};
+      this, word("robot", "", "name of the robot; empty: every robot, each its own vehicle")};
+  TextParameter preset_{this, choice("preset", "scaling", {"scaling", "l2f", "raptor"},
+                                     "ranges of the quantities not given")};
+  TextParameter mass_by_{this, choice("mass_by", "preset", {"preset", "logarithm", "size"},
+                                      "the mass is uniform in its logarithm (preset scaling) or in "
+                                      "its cube root (the others)")};
+  TextParameter tau_by_{this, choice("tau_by", "preset", {"preset", "mass", "itself"},
+                                     "mass: time constants grow with the mass's sixth root (preset "
+                                     "scaling); itself: they do not (the others)")};
   IntegerParameter every_{this, every_spec()};
   IntegerParameter fleet_{this,
-                          {.name = "fleet",
-                           .value = 0,
-                           .min = 0,
-                           .max = 1000000000,
-                           .doc = "number of vehicles, the same for all environments of a seed, "
-                                  "one of which is drawn; 0: each draw is another vehicle"}};
+                          integer("fleet", "", 0, between(0, 1000000000),
+                                  "number of vehicles, the same for all environments of a seed, "
+                                  "one of which is drawn; 0: each draw is another vehicle")};
   std::array<std::unique_ptr<RealsParameter>, kVehicleQuantityCount> given_;
 
   std::array<Distribution, kVehicleQuantityCount> laws_;

@@ -1,5 +1,6 @@
 // Scales masses, inertias and rotor constants around their nominal values.
 #include <algorithm>
+#include <deque>
 #include <vector>
 
 #include "randomization/common/schedule.h"
@@ -9,22 +10,25 @@ namespace {
 
 class VehicleConstants : public Randomizer {
  public:
+  VehicleConstants() {
+    for (const RotorRow& row : kRotorRows) {
+      rotor_.emplace_back(this, scale(row.name, "scale range, each rotor separately"));
+    }
+  }
+
   template <class Real>
   using State = randomization::Schedule<Real>;
 
   void configure(const Setup& setup) override {
-    const RealsParameter* rotor[kRotorConstants] = {
-        &thrust_, &moment_, &drag_, &rolling_, &rotor_inertia_, nullptr, &tau_up_, &tau_down_};
-    const Range unit{1.0, 1.0};
     mass_range_ = range_of(mass_, "mass");
     inertia_range_ = range_of(inertia_, "inertia");
-    for (int k = 0; k < kRotorConstants; ++k) {
-      rotor_range_[k] = rotor[k] != nullptr ? range_of(*rotor[k], kRotorNames[k]) : unit;
+    for (std::size_t k = 0; k < rotor_.size(); ++k) {
+      rotor_range_[kRotorRows[k].constant] = range_of(rotor_[k], kRotorRows[k].name);
     }
     choose_bodies(setup);
     choose_rotors(setup);
     if (bodies_.empty() && rotors_.empty()) {
-      throw std::runtime_error(
+      refuse(
           "every range is [1, 1], so that nothing would be drawn: give at least one, such as "
           "`mass: [0.9, 1.1]`");
     }
@@ -49,13 +53,22 @@ class VehicleConstants : public Randomizer {
  private:
   static constexpr int kRotorConstants = SKYBODY_ROTOR_TAU_DOWN + 1;  // excludes the hub's position
   static constexpr int kBodyConstants = SKYBODY_BODY_CONSTANT_COUNT;
-  /// In the order of SkybodyRotorConstant.
-  static constexpr const char* kRotorNames[kRotorConstants] = {
-      "thrust_constant", "moment_constant", "drag",   "rolling_moment",
-      "rotor_inertia",   "max_speed",       "tau_up", "tau_down"};
+  /// The constants of rotors that are scaled, by the names of their parameters.
+  struct RotorRow {
+    const char* name;
+    int constant;  ///< SkybodyRotorConstant
+  };
+  static constexpr RotorRow kRotorRows[] = {
+      {"thrust_constant", SKYBODY_ROTOR_THRUST_CONSTANT},
+      {"moment_constant", SKYBODY_ROTOR_MOMENT_CONSTANT},
+      {"drag", SKYBODY_ROTOR_DRAG_CONSTANT},
+      {"rolling_moment", SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT},
+      {"rotor_inertia", SKYBODY_ROTOR_INERTIA},
+      {"tau_up", SKYBODY_ROTOR_TAU_UP},
+      {"tau_down", SKYBODY_ROTOR_TAU_DOWN}};
 
   struct Range {
-    double low, high;
+    double low = 1.0, high = 1.0;
     bool idle() const { return low == 1.0 && high == 1.0; }
   };
   struct Target {
@@ -65,8 +78,7 @@ class VehicleConstants : public Randomizer {
 
   static Range range_of(const RealsParameter& p, const std::string& name) {
     if (p.value(0) > p.value(1)) {
-      throw std::runtime_error("`" + name + "` [" + to_text(p.value(0)) + ", " +
-                               to_text(p.value(1)) + "] runs backwards: write [low, high]");
+      refuse("`", name, "` [", p.value(0), ", ", p.value(1), "] runs backwards: write [low, high]");
     }
     return {p.value(0), p.value(1)};
   }
@@ -142,28 +154,19 @@ class VehicleConstants : public Randomizer {
   }
 
   static RealsSpec scale(const char* name, const char* doc) {
-    return {.name = name, .values = {1.0, 1.0}, .count = 2, .min = 0.01, .max = 100.0, .doc = doc};
+    return reals(name, "", {1.0, 1.0}, between(0.01, 100.0), doc);
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "name of the robot; empty: every robot"}};
-  TextsParameter links_{
-      this, {.name = "links", .doc = "links of the scaled bodies; none: all of the robot"}};
+  TextParameter robot_{this, word("robot", "", "name of the robot; empty: every robot")};
+  TextsParameter links_{this, words("links", "links of the scaled bodies; none: all of the robot")};
   IntegerParameter every_{this, randomization::every_spec()};
   RealsParameter mass_{this, scale("mass", "range of the scale of each body's mass")};
   RealsParameter inertia_{this, scale("inertia", "range of the scale of each body's inertia")};
-  BooleanParameter couple_{this,
-                           {.name = "couple_inertia",
-                            .value = true,
-                            .doc = "also scale a body's inertia with its mass"}};
-  RealsParameter thrust_{this, scale("thrust_constant", "scale range, each rotor separately")};
-  RealsParameter moment_{this, scale("moment_constant", "scale range, each rotor separately")};
-  RealsParameter drag_{this, scale("drag", "scale range, each rotor separately")};
-  RealsParameter rolling_{this, scale("rolling_moment", "scale range, each rotor separately")};
-  RealsParameter rotor_inertia_{this, scale("rotor_inertia", "scale range, each rotor separately")};
-  RealsParameter tau_up_{this, scale("tau_up", "scale range, each rotor separately")};
-  RealsParameter tau_down_{this, scale("tau_down", "scale range, each rotor separately")};
+  BooleanParameter couple_{
+      this, boolean("couple_inertia", true, "also scale a body's inertia with its mass")};
+  std::deque<RealsParameter> rotor_;  ///< in the order of kRotorRows
 
-  Range mass_range_{1.0, 1.0}, inertia_range_{1.0, 1.0};
+  Range mass_range_, inertia_range_;
   Range rotor_range_[kRotorConstants] = {};
   std::vector<Target> bodies_, rotors_;
 };

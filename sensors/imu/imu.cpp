@@ -1,13 +1,16 @@
-// Inertial measurement unit on any link: specific force and angular rate, with noise, bias walk,
-// rate and latency.
-#include <skybody/plugin.h>
-
-#include <numeric>
+// Inertial measurement unit on any link: specific force and angular rate, with the errors
+// of real units.
+#include "sensors/common/mount.h"
+#include "sensors/common/timed_sensor.h"
+#include "sensors/imu/triad.h"
 
 namespace skybody {
 namespace {
 
-class Imu : public Sensor {
+using sensor::fill_normal;
+using sensor::vec3_of;
+
+class Imu : public sensor::TimedSensor {
  public:
   template <class Real>
   struct State {
@@ -19,33 +22,19 @@ class Imu : public Sensor {
   };
 
   void configure(const Setup& setup) override {
-    const int robot = setup.robot(robot_.value());
-    std::string name = link_.value();
-    if (name.empty()) name = setup.bodies()[setup.robots()[robot].first_body].name;
-    const LinkInfo& link = setup.link(robot, name);
-    const Quat<double> frame{link.rotation[0], link.rotation[1], link.rotation[2],
-                             link.rotation[3]};
-    body_ = link.body;
-    point_ = Vec3<double>{link.position[0], link.position[1], link.position[2]} +
-             rotate(frame, position_.vec3());
-    rotation_ =
-        frame * from_rpy(orientation_.value(0), orientation_.value(1), orientation_.value(2));
+    mount_.configure(setup);
     gravity_ = setup.find_params("gravity")[0];
     dt_ = setup.dt();
-    // Called at the greatest common divisor of period and latency; the delay line has one entry per
-    // call.
-    const std::int64_t call = std::gcd(period_.value(), latency_.value());
-    places_ = static_cast<int>(latency_.value() / call);
-    interval_ = static_cast<double>(period_.value()) * dt_;
+    preset_ = imu::preset_called(preset_name_.value());
+    accelerometer_.configure(preset_.accelerometer);
+    gyroscope_.configure(preset_.gyroscope);
+    is_unstable_ = accelerometer_.is_unstable() || gyroscope_.is_unstable();
+    has_g_sensitivity_ = g_sensitivity_.is_given() || preset_.g_sensitivity > 0.0;
     setup.need_bodies_before();
-    setup.period(static_cast<int>(call));
-    if (places_ > 0) {
-      setup.buffer(kSize * places_);
-    } else {
-      setup.only_when_read();
-    }
-    setup.channel("specific_force", "m/s^2", 3, -kInfinity, kInfinity, robot);
-    setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity, robot);
+    configure_timing(
+        setup, {.size = 6, .own_words = is_unstable_ ? 6 : 0, .may_leave_out = !is_unstable_});
+    setup.channel("specific_force", "m/s^2", 3, -kInfinity, kInfinity, mount_.robot());
+    setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity, mount_.robot());
   }
 
   /// Draws the initial biases of the episode.
@@ -53,65 +42,103 @@ class Imu : public Sensor {
   void reset(const EnvView<Real>& env, State<Real>& state) const {
     Real draws[6];
     fill_normal(random(env, kStartDraws), draws);
-    state.force_bias = vec3(draws, 0) * accelerometer_bias_(env);
-    state.rate_bias = vec3(draws, 3) * gyroscope_bias_(env);
+    state.force_bias =
+        vec3_of(draws, 0) * standard(accelerometer_bias_, preset_.accelerometer.bias, env);
+    state.rate_bias = vec3_of(draws, 3) * standard(gyroscope_bias_, preset_.gyroscope.bias, env);
     state.walked = Real(0.0);
   }
 
   template <class Real>
   void sense(const EnvView<Real>& env, State<Real>& state, Values<Real> output,
              Values<Real> buffer) const {
-    const Real step = to_real(env.physics_step());
-    const double period = static_cast<double>(period_.value());
-    const auto due = step - period * floor(step / period) == 0.0;
-    sample(env, state, due);
-    deliver(state, env.physics_step() == Word<Real>(0), output, buffer);
+    const auto is_due = due(env, buffer);
+    if (any(is_due)) sample(env, state, is_due, buffer);
+    const Values<Real> taken = room(env, output);
+    taken.set(0, state.force);
+    taken.set(3, state.rate);
+    deliver(env, is_due, taken, output, buffer);
   }
 
  private:
-  static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1, kWalkDraws = 2;
-  static constexpr int kSize = 6;
+  static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1, kWalkDraws = 2,
+                                 kWanderDraws = 3;
   /// Limit of physics steps without calls. A restored state may contain any value.
   static constexpr double kLongestLeftOut = SKYBODY_LONGEST_LEFT_OUT;
 
-  /// Standard normals, in a loop, because the code of one draw is large.
-  template <class Real, int N>
-  static SKYBODY_INLINE void fill_normal(Random<Real> draw, Real (&draws)[N]) {
-    static_assert(N % 2 == 0);
-    for (int k = 0; k < N; k += 2) draw.normal_pair(draws[k], draws[k + 1]);
-  }
-  template <class Real, int N>
-  static SKYBODY_INLINE Vec3<Real> vec3(const Real (&draws)[N], int first) {
-    return {draws[first], draws[first + 1], draws[first + 2]};
-  }
-
+  /// A parameter, or the preset's value where neither scenario nor draw sets it.
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> point_velocity(const BodyMotion<Real>& m) const {
-    const Vec3<Real> arm{Real(point_.x), Real(point_.y), Real(point_.z)};
-    return m.velocity + rotate(m.rotation, cross(m.angular_velocity, arm));
+  static SKYBODY_INLINE Real standard(const RealParameter& given, double preset,
+                                      const EnvView<Real>& env) {
+    const Real value = given(env);
+    if (given.is_given() || preset == 0.0) return value;
+    return select(value > 0.0, value, Real(preset));
+  }
+  template <class Real>
+  SKYBODY_INLINE Real force_noise(const EnvView<Real>& env) const {
+    return standard(accelerometer_noise_, preset_.accelerometer.noise, env);
+  }
+  template <class Real>
+  SKYBODY_INLINE Real rate_noise(const EnvView<Real>& env) const {
+    return standard(gyroscope_noise_, preset_.gyroscope.noise, env);
   }
 
   /// Takes samples in the lanes of `due`.
   template <class Real>
-  SKYBODY_INLINE void sample(const EnvView<Real>& env, State<Real>& state, MaskOf<Real> due) const {
-    const BodyMotion<Real> now = env.body(body_), before = env.body_before(body_);
-    const Vec3<Real> acceleration = (point_velocity(now) - point_velocity(before)) / Real(dt_);
-    const Quat<Real> mount{Real(rotation_.w), Real(rotation_.x), Real(rotation_.y),
-                           Real(rotation_.z)};
+  SKYBODY_INLINE void sample(const EnvView<Real>& env, State<Real>& state, const MaskOf<Real>& due,
+                             const Values<Real>& buffer) const {
+    const BodyMotion<Real> now = env.body(mount_.body()), before = env.body_before(mount_.body());
+    const Vec3<Real> acceleration =
+        (mount_.velocity(env, now) - mount_.velocity(env, before)) / Real(dt_);
+    const Quat<Real> axes = mount_.rotation(env);
     const Vec3<Real> gravity{env.param(gravity_), env.param(gravity_ + 1), env.param(gravity_ + 2)};
-    Vec3<Real> force = rotate_inverse(now.rotation * mount, acceleration - gravity);
-    Vec3<Real> rate = rotate_inverse(mount, now.angular_velocity);
-    if (any(is_on(accelerometer_noise_(env), gyroscope_noise_(env)))) {
+    Vec3<Real> force = rotate_inverse(now.rotation * axes, acceleration - gravity);
+    Vec3<Real> rate = rotate_inverse(axes, now.angular_velocity);
+    distort(env, force, rate);
+    if (any(is_on(force_noise(env), rate_noise(env)))) {
       Real draws[6];
       fill_normal(random(env, kSampleDraws), draws);
-      add_noise(vec3(draws, 0), accelerometer_noise_(env), force);
-      add_noise(vec3(draws, 3), gyroscope_noise_(env), rate);
+      add_noise(vec3_of(draws, 0), force_noise(env), force);
+      add_noise(vec3_of(draws, 3), rate_noise(env), rate);
     }
-    walk(env, state);
+    walk(env, state, buffer);
     force += state.force_bias;
     rate += state.rate_bias;
-    state.force = select(due, force, state.force);
-    state.rate = select(due, rate, state.rate);
+    if (is_unstable_) wander(env, due, force, rate, buffer);
+    state.force = select(due, accelerometer_.digitized(env, force), state.force);
+    state.rate = select(due, gyroscope_.digitized(env, rate), state.rate);
+  }
+
+  /// Errors in proportion to the motion.
+  template <class Real>
+  SKYBODY_INLINE void distort(const EnvView<Real>& env, Vec3<Real>& force, Vec3<Real>& rate) const {
+    rate = gyroscope_.distorted(env, rate);
+    if (has_g_sensitivity_) {
+      const double g = preset_.g_sensitivity;
+      const Vec3<Real> per_force = g_sensitivity_.is_given()
+                                       ? g_sensitivity_.vec3(env)
+                                       : Vec3<Real>{Real(g), Real(g), Real(g)};
+      rate += multiply_elements(per_force, force);
+    }
+    force = accelerometer_.distorted(env, force);
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Real instability(const EnvView<Real>& env, int i) const {
+    return i < 3 ? accelerometer_.instability(env) : gyroscope_.instability(env);
+  }
+
+  /// Adds the wandering biases, after their next step.
+  template <class Real>
+  SKYBODY_INLINE void wander(const EnvView<Real>& env, const MaskOf<Real>& due, Vec3<Real>& force,
+                             Vec3<Real>& rate, const Values<Real>& buffer) const {
+    Real draws[6];
+    fill_normal(random(env, kWanderDraws), draws);
+    for (int i = 0; i < 6; ++i) {
+      sensor::wandered(env, due, instability(env, i), instability_time_(env), interval(), draws[i],
+                       buffer, i);
+    }
+    force += buffer.vec3(0);
+    rate += buffer.vec3(3);
   }
 
   template <class Real>
@@ -121,24 +148,26 @@ class Imu : public Sensor {
 
   /// Random walk of the biases since the last call, one due sample after another.
   template <class Real>
-  SKYBODY_INLINE void walk(const EnvView<Real>& env, State<Real>& state) const {
+  SKYBODY_INLINE void walk(const EnvView<Real>& env, State<Real>& state,
+                           const Values<Real>& buffer) const {
     const Real now = to_real(env.physics_step());
     if (none(is_on(accelerometer_walk_(env), gyroscope_walk_(env)))) {
       state.walked = now;
       return;
     }
-    const double period = static_cast<double>(period_.value());
-    const Real longest_ago = now - (kLongestLeftOut + period);
+    const double steps = static_cast<double>(period());
+    const Real first = phase(buffer);
+    const Real longest_ago = now - (kLongestLeftOut + steps);
     const Real walked = select(state.walked >= longest_ago, state.walked, longest_ago);
-    Real sample = (floor(walked / period) + 1.0) * period;
+    Real sample = first + (floor((walked - first) / steps) + 1.0) * steps;
     // Counted loop: a restored step number may be so large that adding a period changes nothing.
-    const int most = static_cast<int>(kLongestLeftOut / period) + 2;
+    const int most = static_cast<int>(kLongestLeftOut / steps) + 2;
     for (int k = 0; k < most && any(logical_and(sample <= now, env.served())); ++k) {
       Real draws[6];
       fill_normal(random_at(env, to_word(sample), kWalkDraws), draws);
-      walk(vec3(draws, 0), accelerometer_walk_(env), sample <= now, state.force_bias);
-      walk(vec3(draws, 3), gyroscope_walk_(env), sample <= now, state.rate_bias);
-      sample += period;
+      walk(vec3_of(draws, 0), accelerometer_walk_(env), sample <= now, state.force_bias);
+      walk(vec3_of(draws, 3), gyroscope_walk_(env), sample <= now, state.rate_bias);
+      sample += steps;
     }
     state.walked = now;
   }
@@ -147,110 +176,56 @@ class Imu : public Sensor {
   template <class Real>
   SKYBODY_INLINE void walk(const Vec3<Real>& draw, const Real& density, MaskOf<Real> walks,
                            Vec3<Real>& bias) const {
-    const Vec3<Real> moved = bias + draw * (density * sqrt(interval_));
+    const Vec3<Real> moved = bias + draw * (density * sqrt(interval()));
     bias = select(logical_and(walks, density > 0.0), moved, bias);
   }
   template <class Real>
   SKYBODY_INLINE void add_noise(const Vec3<Real>& draw, const Real& density,
                                 Vec3<Real>& value) const {
-    value = select(density > 0.0, value + draw * (density / sqrt(interval_)), value);
+    value = select(density > 0.0, value + draw * (density / sqrt(interval())), value);
   }
 
-  /// The delay line advances by one entry per call; at a reset it is filled with the first sample.
-  template <class Real>
-  SKYBODY_INLINE void deliver(const State<Real>& state, MaskOf<Real> fresh, Values<Real> output,
-                              Values<Real> buffer) const {
-    if (places_ == 0) {
-      output.set(0, state.force);
-      output.set(3, state.rate);
-      return;
-    }
-    output.set(0, select(fresh, state.force, buffer.vec3(0)));
-    output.set(3, select(fresh, state.rate, buffer.vec3(3)));
-    for (int i = 0; i + 1 < places_; ++i) {
-      const int to = kSize * i, from = kSize * (i + 1);
-      buffer.set(to, select(fresh, state.force, buffer.vec3(from)));
-      buffer.set(to + 3, select(fresh, state.rate, buffer.vec3(from + 3)));
-    }
-    buffer.set(kSize * (places_ - 1), state.force);
-    buffer.set(kSize * (places_ - 1) + 3, state.rate);
-  }
+  sensor::Mount mount_{this};
+  TextParameter preset_name_{
+      this,
+      choice("preset", "none", {"none", "bmi088", "icm42688", "mpu6000", "adis16448"},
+             "errors of a part by its datasheet; parameters that are set replace its values")};
+  RealParameter accelerometer_noise_{
+      this, randomizable(real("accelerometer_noise", "m/s^2/sqrt(Hz)", 0.0, at_least(0.0),
+                              "density of the white noise"))};
+  RealParameter gyroscope_noise_{
+      this, randomizable(real("gyroscope_noise", "rad/s/sqrt(Hz)", 0.0, at_least(0.0),
+                              "density of the white noise"))};
+  RealParameter accelerometer_walk_{
+      this, randomizable(real("accelerometer_walk", "m/s^3/sqrt(Hz)", 0.0, at_least(0.0),
+                              "density of the bias's random walk"))};
+  RealParameter gyroscope_walk_{
+      this, randomizable(real("gyroscope_walk", "rad/s^2/sqrt(Hz)", 0.0, at_least(0.0),
+                              "density of the bias's random walk"))};
+  RealParameter accelerometer_bias_{
+      this, randomizable(real("accelerometer_bias", "m/s^2", 0.0, at_least(0.0),
+                              "standard deviation of the bias at a reset, per axis"))};
+  RealParameter gyroscope_bias_{
+      this, randomizable(real("gyroscope_bias", "rad/s", 0.0, at_least(0.0),
+                              "standard deviation of the bias at a reset, per axis"))};
 
-  TextParameter robot_{
-      this, {.name = "robot", .doc = "robot with the link; optional for a single robot"}};
-  TextParameter link_{this, {.name = "link", .doc = "link of the sensor; empty: the base"}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 1,
-                            .min = 1,
-                            .max = 1000000,
-                            .doc = "interval of samples"}};
-  IntegerParameter latency_{this,
-                            {.name = "latency",
-                             .unit = "physics steps",
-                             .value = 0,
-                             .min = 0,
-                             .max = 1000,
-                             .doc = "delay from a sample to the output"}};
-  RealsParameter position_{this,
-                           {.name = "position",
-                            .unit = "m",
-                            .values = {0.0, 0.0, 0.0},
-                            .doc = "position of the sensor in the link's frame"}};
-  RealsParameter orientation_{this,
-                              {.name = "orientation",
-                               .unit = "rad",
-                               .values = {0.0, 0.0, 0.0},
-                               .doc = "roll, pitch, yaw of the sensor's axes in the link's frame"}};
-  RealParameter accelerometer_noise_{this,
-                                     {.name = "accelerometer_noise",
-                                      .unit = "m/s^2/sqrt(Hz)",
-                                      .min = 0.0,
-                                      .doc = "density of the white noise",
-                                      .randomizable = true}};
-  RealParameter gyroscope_noise_{this,
-                                 {.name = "gyroscope_noise",
-                                  .unit = "rad/s/sqrt(Hz)",
-                                  .min = 0.0,
-                                  .doc = "density of the white noise",
-                                  .randomizable = true}};
-  RealParameter accelerometer_walk_{this,
-                                    {.name = "accelerometer_walk",
-                                     .unit = "m/s^3/sqrt(Hz)",
-                                     .min = 0.0,
-                                     .doc = "density of the bias's random walk",
-                                     .randomizable = true}};
-  RealParameter gyroscope_walk_{this,
-                                {.name = "gyroscope_walk",
-                                 .unit = "rad/s^2/sqrt(Hz)",
-                                 .min = 0.0,
-                                 .doc = "density of the bias's random walk",
-                                 .randomizable = true}};
-  RealParameter accelerometer_bias_{this,
-                                    {.name = "accelerometer_bias",
-                                     .unit = "m/s^2",
-                                     .min = 0.0,
-                                     .doc = "standard deviation of the bias at a reset, per axis",
-                                     .randomizable = true}};
-  RealParameter gyroscope_bias_{this,
-                                {.name = "gyroscope_bias",
-                                 .unit = "rad/s",
-                                 .min = 0.0,
-                                 .doc = "standard deviation of the bias at a reset, per axis",
-                                 .randomizable = true}};
+  imu::Triad accelerometer_{this, imu::kAccelerometer};
+  imu::Triad gyroscope_{this, imu::kGyroscope};
+  RealsParameter g_sensitivity_{
+      this, when_given(reals("g_sensitivity", "rad/s/(m/s^2)", {0.0, 0.0, 0.0}, kAny,
+                             "angular rate of x, y, z per specific force on that axis"))};
+  RealParameter instability_time_{this,
+                                  when_given(real("instability_time", "s", 100.0, at_least(1e-3),
+                                                  "correlation time of the wandering biases"))};
 
-  int body_ = 0;
-  Vec3<double> point_{};     ///< position of the sensor, body frame [m]
-  Quat<double> rotation_{};  ///< body from sensor
-  int gravity_ = 0;          ///< first EnvParam
+  imu::Preset preset_{};
+  int gravity_ = 0;  ///< first EnvParam
   double dt_ = 0.0;
-  double interval_ = 0.0;  ///< between samples [s]
-  int places_ = 0;         ///< length of the delay line
+  bool is_unstable_ = false, has_g_sensitivity_ = false;
 };
 
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Imu, "imu", "1.0.0",
+SKYBODY_PLUGIN(skybody::Imu, "imu", "1.1.0",
                "Inertial measurement unit: specific force [m/s^2] and angular rate [rad/s].");

@@ -1,10 +1,10 @@
 // Range finder on any link: distance along rays to the nearest obstacle or the ground, with noise
-// and rate.
-#include <skybody/plugin.h>
-
+// and the times of sensors/common.
 #include <vector>
 
 #include "plugins/obstacles/ray.h"
+#include "sensors/common/mount.h"
+#include "sensors/common/timed_sensor.h"
 
 namespace skybody {
 namespace {
@@ -13,30 +13,33 @@ using obstacles::Obstacle;
 using obstacles::PlacedObstacle;
 using obstacles::Ray;
 
-class RangeFinder : public Sensor {
+class RangeFinder : public sensor::TimedSensor {
  public:
   void configure(const Setup& setup) override {
-    const int robot = setup.robot(robot_.value());
-    std::string name = link_.value();
-    if (name.empty()) name = setup.bodies()[setup.robots()[robot].first_body].name;
-    const LinkInfo& link = setup.link(robot, name);
-    const Quat<double> frame{link.rotation[0], link.rotation[1], link.rotation[2],
-                             link.rotation[3]};
-    body_ = link.body;
-    point_ = Vec3<double>{link.position[0], link.position[1], link.position[2]} +
-             rotate(frame, position_.vec3());
-    mount_ = frame * from_rpy(orientation_.value(0), orientation_.value(1), orientation_.value(2));
+    mount_.configure(setup);
     obstacles_ = obstacles::find(setup, "sensor `range_finder`");
     add_rays();
-    setup.period(static_cast<int>(period_.value()));
-    if (period_.value() == 1) setup.only_when_read();
-    setup.channel("range", "m", static_cast<int>(rays_.size()), 0.0, max_range_.value(), robot);
+    configure_timing(setup, {.size = count(), .may_leave_out = true});
+    setup.channel("range", "m", count(), 0.0, max_range_.value(), mount_.robot());
   }
 
   template <class Real>
-  void sense(const EnvView<Real>& env, State<Real>&, Values<Real> output) const {
-    const Vec3<Real> from = origin(env);
-    const Quat<Real> axes = axes_of(env);
+  void sense(const EnvView<Real>& env, State<Real>&, Values<Real> output,
+             Values<Real> buffer) const {
+    const auto is_due = due(env, buffer);
+    const Values<Real> ranges = room(env, output);
+    if (any(is_due)) scan(env, ranges);
+    deliver(env, is_due, ranges, output, buffer);
+  }
+
+ private:
+  int count() const { return static_cast<int>(rays_.size()); }
+
+  template <class Real>
+  SKYBODY_INLINE void scan(const EnvView<Real>& env, const Values<Real>& output) const {
+    const BodyMotion<Real> body = env.body(mount_.body());
+    const Vec3<Real> from = mount_.position(env, body);
+    const Quat<Real> axes = axes_of(env, body);
     for (int i = 0; i < count(); ++i) output.set(i, to_ground(turned(from, axes, i)));
     for (const Obstacle& obstacle : obstacles_) {
       const PlacedObstacle<Real> placed = obstacles::place(env, obstacle);
@@ -49,9 +52,6 @@ class RangeFinder : public Sensor {
     if (any(noise_(env) > 0.0)) add_noise(env, output);
   }
 
- private:
-  int count() const { return static_cast<int>(rays_.size()); }
-
   /// Rings in the order of `elevations`, each with its rays counter-clockwise.
   void add_rays() {
     const int around = static_cast<int>(count_.value());
@@ -59,7 +59,7 @@ class RangeFinder : public Sensor {
     const bool is_ring = field >= kTwoPi;  // the last ray would coincide with the first
     const int gaps = is_ring ? around : around - 1;
     if (elevations_.count() == 0) {
-      throw std::runtime_error("`elevations` is empty: give one or more, such as [0]");
+      refuse("`elevations` is empty: give one or more, such as [0]");
     }
     for (int e = 0; e < elevations_.count(); ++e) {
       const SinCos<double> rise = sincos(elevations_.value(e));
@@ -71,16 +71,10 @@ class RangeFinder : public Sensor {
     }
   }
 
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> origin(const EnvView<Real>& env) const {
-    const BodyMotion<Real> body = env.body(body_);
-    return body.position + rotate(body.rotation, to_real<Real>(point_));
-  }
-
   /// W from the rays' axes.
   template <class Real>
-  SKYBODY_INLINE Quat<Real> axes_of(const EnvView<Real>& env) const {
-    const Quat<Real> axes = env.body(body_).rotation * to_real<Real>(mount_);
+  SKYBODY_INLINE Quat<Real> axes_of(const EnvView<Real>& env, const BodyMotion<Real>& body) const {
+    const Quat<Real> axes = body.rotation * mount_.rotation(env);
     if (!level_.value()) return axes;
     const SinCos<Real> half = sincos(0.5 * yaw(axes));
     return {half.cos, Real(0.0), Real(0.0), half.sin};
@@ -113,80 +107,30 @@ class RangeFinder : public Sensor {
     }
   }
 
-  TextParameter robot_{
-      this, {.name = "robot", .doc = "robot with the link; optional for a single robot"}};
-  TextParameter link_{this, {.name = "link", .doc = "link of the sensor; empty: the base"}};
-  RealsParameter position_{this,
-                           {.name = "position",
-                            .unit = "m",
-                            .values = {0.0, 0.0, 0.0},
-                            .doc = "position of the sensor in the link's frame"}};
-  RealsParameter orientation_{
-      this,
-      {.name = "orientation",
-       .unit = "rad",
-       .values = {0.0, 0.0, 0.0},
-       .doc = "roll, pitch, yaw of the sensor's axes in the link's frame; x is forward"}};
+  sensor::Mount mount_{this};
   BooleanParameter level_{
       this,
-      {.name = "level",
-       .value = false,
-       .doc = "rays are level, as on a gimbal, and turn only with the heading"}};
-  IntegerParameter count_{this,
-                          {.name = "rays",
-                           .value = 16,
-                           .min = 1,
-                           .max = 360,
-                           .doc = "number of rays per ring, counter-clockwise"}};
+      boolean("level", false, "rays are level, as on a gimbal, and turn only with the heading")};
+  IntegerParameter count_{
+      this, integer("rays", "", 16, between(1, 360), "number of rays per ring, counter-clockwise")};
   RealParameter field_of_view_{this,
-                               {.name = "field_of_view",
-                                .unit = "rad",
-                                .value = kTwoPi,
-                                .min = 0.0,
-                                .max = kTwoPi,
-                                .doc = "angle from the first ray of a ring to the last, forward in "
-                                       "the middle; 2 pi: all round, starting forward"}};
+                               real("field_of_view", "rad", kTwoPi, between(0.0, kTwoPi),
+                                    "angle from the first ray of a ring to the last, forward in "
+                                    "the middle; 2 pi: all round, starting forward")};
   RealsParameter elevations_{this,
-                             {.name = "elevations",
-                              .unit = "rad",
-                              .values = {0.0},
-                              .count = -1,
-                              .min = -0.5 * kPi,
-                              .max = 0.5 * kPi,
-                              .doc = "elevation of each ring above the sensor's horizontal plane"}};
-  RealParameter max_range_{this,
-                           {.name = "max_range",
-                            .unit = "m",
-                            .value = 5.0,
-                            .min = 1e-3,
-                            .max = 1e6,
-                            .doc = "reading of a ray without a hit"}};
-  RealParameter noise_{this,
-                       {.name = "noise",
-                        .unit = "m",
-                        .value = 0.0,
-                        .min = 0.0,
-                        .doc = "standard deviation of each reading",
-                        .randomizable = true}};
-  BooleanParameter ground_{
-      this, {.name = "ground", .value = true, .doc = "rays end at the plane z = 0 of W"}};
-  IntegerParameter period_{this,
-                           {.name = "period",
-                            .unit = "physics steps",
-                            .value = 1,
-                            .min = 1,
-                            .max = 1000000,
-                            .doc = "interval of readings"}};
-
+                             list("elevations", "rad", {0.0}, between(-0.5 * kPi, 0.5 * kPi),
+                                  "elevation of each ring above the sensor's horizontal plane")};
+  RealParameter max_range_{
+      this, real("max_range", "m", 5.0, between(1e-3, 1e6), "reading of a ray without a hit")};
+  RealParameter noise_{this, randomizable(real("noise", "m", 0.0, at_least(0.0),
+                                               "standard deviation of each reading"))};
+  BooleanParameter ground_{this, boolean("ground", true, "rays end at the plane z = 0 of W")};
   std::vector<Obstacle> obstacles_;
   std::vector<Vec3<double>> rays_;  ///< unit vectors, sensor axes
-  Vec3<double> point_{};            ///< position of the sensor, in the body's frame [m]
-  Quat<double> mount_{1.0, 0.0, 0.0, 0.0};
-  int body_ = 0;
 };
 
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::RangeFinder, "range_finder", "1.0.0",
+SKYBODY_PLUGIN(skybody::RangeFinder, "range_finder", "1.1.0",
                "Distances along rays to obstacles and ground, with noise and a sample rate.");

@@ -16,9 +16,8 @@ class Chase : public Task {
   void configure(const Setup& setup) override {
     const int evader = setup.robot(evader_.value());
     if (pen_.value() > limits_.bound()) {
-      throw std::runtime_error("`pen` " + to_text(pen_.value()) + " reaches beyond `bound` " +
-                               to_text(limits_.bound()) +
-                               ", where an episode ends: raise that, or make the pen smaller");
+      refuse("`pen` ", pen_.value(), " reaches beyond `bound` ", limits_.bound(),
+             ", where an episode ends: raise that, or make the pen smaller");
     }
     add_pursuers(setup, evader);
     evades_ = setup.robots()[evader].action_count > 0;
@@ -102,7 +101,8 @@ class Chase : public Task {
     int index, body;
     std::string name;
     int memory = 0;  ///< buffer word: a distance at the last step [m]
-    Part place = {}, velocity = {}, attitude = {}, angular_velocity = {}, evades = {};
+    Part place = {}, evades = {};
+    MotionParts motion = {};
     std::vector<Sight> others = {};  ///< of an agent: all others, the evader first
   };
   /// Joint result of all pursuers.
@@ -130,9 +130,7 @@ class Chase : public Task {
     const Robot& robot = at(i);
     const BodyMotion<Real> body = env.body(robot.body);
     robot.place.set(row, body.position);
-    robot.velocity.set(row, body.velocity);
-    robot.attitude.set(row, canonical(body.rotation));
-    robot.angular_velocity.set(row, body.angular_velocity);
+    robot.motion.set(row, body);
     if (evades_) robot.evades.set(row, Real(i == pursuers_ ? 1.0 : 0.0));
     for (int k = 0; k < static_cast<int>(robot.others.size()); ++k) {
       const BodyMotion<Real> other = env.body(at(other_of(i, k)).body);
@@ -250,15 +248,14 @@ class Chase : public Task {
       if (r == evader) continue;
       const RobotInfo& info = setup.robots()[r];
       if (info.action_count == 0) {
-        throw std::runtime_error("robot `" + std::string(info.name) +
-                                 "` takes no action, so that it cannot pursue: give it a "
-                                 "controller, such as `ctbr`, or take it out");
+        refuse("robot `", info.name,
+               "` takes no action, so that it cannot pursue: give it a controller, such as `ctbr`, "
+               "or take it out");
       }
       add_robot(setup, r);
     }
     if (count() > 0) return;
-    throw std::runtime_error("there is nobody to pursue `" + evader_.value() +
-                             "`: a chase needs two robots or more");
+    refuse("there is nobody to pursue `", evader_.value(), "`: a chase needs two robots or more");
   }
 
   void add_robot(const Setup& setup, int r) {
@@ -268,17 +265,9 @@ class Chase : public Task {
 
   void declare_observation(const Setup& setup, int i) {
     Robot& robot = robots_[static_cast<std::size_t>(i)];
-    const auto part = [&](const std::string& name, const char* unit, int count, const char* doc,
-                          double low = -kInfinity, double high = kInfinity) {
-      return observation_.add(setup,
-                              {robot.name + "." + name, unit, count, doc, low, high, robot.index});
-    };
+    const RobotParts part(setup, observation_, robot.index, robot.name + ".");
     robot.place = part("position", "m", 3, "position of the base's frame, W");
-    robot.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, W");
-    robot.attitude =
-        part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", -1.0, 1.0);
-    robot.angular_velocity =
-        part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    robot.motion.declare(part);
     if (evades_) {
       robot.evades =
           part("evades", "", 1, "1: the evader, 0: a pursuer; only if both are agents", 0.0, 1.0);
@@ -291,76 +280,34 @@ class Chase : public Task {
     }
   }
 
-  TextParameter evader_{
-      this,
-      {.name = "evader", .value = "evader", .doc = "name of the robot that all others pursue"}};
-  RealParameter capture_radius_{this,
-                                {.name = "capture_radius",
-                                 .unit = "m",
-                                 .value = 0.5,
-                                 .min = 1e-3,
-                                 .doc = "a pursuer nearer than this has caught the evader"}};
-  RealParameter separation_min_{this,
-                                {.name = "separation_min",
-                                 .unit = "m",
-                                 .value = 0.4,
-                                 .min = 0.0,
-                                 .doc = "two pursuers fail nearer than this"}};
-  RealParameter height_min_{this,
-                            {.name = "height_min",
-                             .unit = "m",
-                             .value = 0.2,
-                             .doc = "a robot fails below this height (W z)"}};
+  TextParameter evader_{this, word("evader", "evader", "name of the robot that all others pursue")};
+  RealParameter capture_radius_{this, real("capture_radius", "m", 0.5, at_least(1e-3),
+                                           "a pursuer nearer than this has caught the evader")};
+  RealParameter separation_min_{
+      this, real("separation_min", "m", 0.4, at_least(0.0), "two pursuers fail nearer than this")};
+  RealParameter height_min_{
+      this, real("height_min", "m", 0.2, kAny, "a robot fails below this height (W z)")};
   FlightLimits limits_{this};
-  RealParameter progress_reward_{this,
-                                 {.name = "progress_reward",
-                                  .unit = "1/m",
-                                  .value = 1.0,
-                                  .min = 0.0,
-                                  .doc = "reward per metre of approach to the evader"}};
+  RealParameter progress_reward_{this, real("progress_reward", "1/m", 1.0, at_least(0.0),
+                                            "reward per metre of approach to the evader")};
   RealParameter capture_reward_{this,
-                                {.name = "capture_reward",
-                                 .value = 5.0,
-                                 .min = 0.0,
-                                 .doc = "reward of each pursuer when one has caught the evader"}};
-  RealParameter time_cost_{
-      this, {.name = "time_cost", .value = 0.02, .min = 0.0, .doc = "cost per step"}};
-  RealParameter safe_distance_{this,
-                               {.name = "safe_distance",
-                                .unit = "m",
-                                .value = 0.8,
-                                .min = 1e-3,
-                                .doc = "pursuers nearer to one another than this pay a cost"}};
+                                real("capture_reward", "", 5.0, at_least(0.0),
+                                     "reward of each pursuer when one has caught the evader")};
+  RealParameter time_cost_{this, real("time_cost", "", 0.02, at_least(0.0), "cost per step")};
+  RealParameter safe_distance_{this, real("safe_distance", "m", 0.8, at_least(1e-3),
+                                          "pursuers nearer to one another than this pay a cost")};
   RealParameter crowd_cost_{
-      this,
-      {.name = "crowd_cost",
-       .value = 0.2,
-       .min = 0.0,
-       .doc = "cost at 0 m from another pursuer; quadratic up to `safe_distance`"}};
-  RealParameter rate_cost_{this,
-                           {.name = "rate_cost",
-                            .unit = "s^2/rad^2",
-                            .value = 0.001,
-                            .min = 0.0,
-                            .doc = "cost per squared angular velocity"}};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -5.0,
-                                 .max = 0.0,
-                                 .doc = "reward of the robots that fail"}};
+      this, real("crowd_cost", "", 0.2, at_least(0.0),
+                 "cost at 0 m from another pursuer; quadratic up to `safe_distance`")};
+  RealParameter rate_cost_{this, real("rate_cost", "s^2/rad^2", 0.001, at_least(0.0),
+                                      "cost per squared angular velocity")};
+  RealParameter failure_reward_{
+      this, real("failure_reward", "", -5.0, at_most(0.0), "reward of the robots that fail")};
   RealParameter ring_{
-      this,
-      {.name = "ring",
-       .unit = "m",
-       .value = 1.0,
-       .min = 0.0,
-       .doc = "distance from the evader of the baseline's goals, except for the first pursuer"}};
-  RealParameter pen_{this,
-                     {.name = "pen",
-                      .unit = "m",
-                      .value = 3.0,
-                      .min = 0.0,
-                      .doc = "the baseline's evader keeps x and y within this (W)"}};
+      this, real("ring", "m", 1.0, at_least(0.0),
+                 "distance from the evader of the baseline's goals, except for the first pursuer")};
+  RealParameter pen_{this, real("pen", "m", 3.0, at_least(0.0),
+                                "the baseline's evader keeps x and y within this (W)")};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -84,39 +84,18 @@ class CarriedLimits {
   }
 
   Plugin* owner_;
-  RealParameter tilt_max_{owner_,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = 1.4,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "the team fails if a robot tilts more; pi: never"}};
-  RealParameter load_tilt_max_{owner_,
-                               {.name = "load_tilt_max",
-                                .unit = "rad",
-                                .value = 1.0,
-                                .min = 0.0,
-                                .max = kPi,
-                                .doc = "the team fails if the load tilts more; pi: never"}};
-  RealParameter bound_max_{owner_,
-                           {.name = "bound",
-                            .unit = "m",
-                            .value = 10.0,
-                            .min = 1e-3,
-                            .doc = "the team fails if a coordinate of a robot or of the load "
-                                   "exceeds this in magnitude (W)"}};
-  RealParameter separation_min_{owner_,
-                                {.name = "separation_min",
-                                 .unit = "m",
-                                 .value = 0.5,
-                                 .min = 0.0,
-                                 .doc = "the team fails if two robots are closer; 0: never"}};
+  RealParameter tilt_max_{owner_, real("tilt_max", "rad", 1.4, between(0.0, kPi),
+                                       "the team fails if a robot tilts more; pi: never")};
+  RealParameter load_tilt_max_{owner_, real("load_tilt_max", "rad", 1.0, between(0.0, kPi),
+                                            "the team fails if the load tilts more; pi: never")};
+  RealParameter bound_max_{owner_, real("bound", "m", 10.0, at_least(1e-3),
+                                        "the team fails if a coordinate of a robot or of the load "
+                                        "exceeds this in magnitude (W)")};
+  RealParameter separation_min_{owner_, real("separation_min", "m", 0.5, at_least(0.0),
+                                             "the team fails if two robots are closer; 0: never")};
   RealParameter height_min_{
-      owner_,
-      {.name = "height_min",
-       .unit = "m",
-       .value = 0.3,
-       .doc = "the team fails if the load is lower (W z), because it was dropped"}};
+      owner_, real("height_min", "m", 0.3, kAny,
+                   "the team fails if the load is lower (W z), because it was dropped")};
 
   double tilt_cosine_ = -2.0, load_tilt_cosine_ = -2.0;
   task_kit::Part tilt_, load_tilt_, bound_, separation_, dropped_;

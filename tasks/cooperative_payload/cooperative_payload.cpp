@@ -98,7 +98,8 @@ class CooperativePayload : public Task {
     std::string name;
     Vec3<double> place;       ///< relative to the load, in the frame of its target [m]
     Vec3<double> attachment;  ///< on the load, in its frame [m]
-    Part place_error = {}, velocity = {}, attitude = {}, angular_velocity = {};
+    Part place_error = {};
+    MotionParts motion = {};
     Part load_error = {}, load_yaw_error = {}, load_velocity = {}, load_attitude = {},
          load_angular_velocity = {}, attachment_offset = {};
     std::vector<Sight> others = {};  ///< in the order of carriers_, without the carrier itself
@@ -119,20 +120,20 @@ class CooperativePayload : public Task {
         const RobotInfo& info = setup.robots()[r];
         if (info.rotor_count > 0 || info.action_count > 0) continue;
         if (load_robot_ >= 0) {
-          throw std::runtime_error("`" + std::string(setup.robots()[load_robot_].name) + "` and `" +
-                                   info.name + "` could both be the load: say which one by `load`");
+          refuse("`", setup.robots()[load_robot_].name, "` and `", info.name,
+                 "` could both be the load: say which one by `load`");
         }
         load_robot_ = r;
       }
     }
     if (load_robot_ < 0) {
-      throw std::runtime_error(
+      refuse(
           "there is no load: add a robot without rotors and controllers that couplings hang on the "
           "others, or take task `formation`");
     }
     if (setup.robots()[load_robot_].action_count > 0) {
-      throw std::runtime_error("the load `" + std::string(setup.robots()[load_robot_].name) +
-                               "` takes actions: name a robot without controllers");
+      refuse("the load `", setup.robots()[load_robot_].name,
+             "` takes actions: name a robot without controllers");
     }
     load_body_ = setup.robots()[load_robot_].first_body;
   }
@@ -151,10 +152,9 @@ class CooperativePayload : public Task {
     }
     const int count = static_cast<int>(carriers_.size());
     if (count < kRobotsNeeded) {
-      throw std::runtime_error("a load is carried by two robots or more, and " +
-                               std::to_string(count) + (count == 1 ? " takes" : " take") +
-                               " actions: add robots with controllers, or take task "
-                               "`payload`");
+      refuse("a load is carried by two robots or more, and ", count,
+             (count == 1 ? " takes" : " take"),
+             " actions: add robots with controllers, or take task `payload`");
     }
     take_lists(count);
   }
@@ -164,9 +164,8 @@ class CooperativePayload : public Task {
     for (const auto* list : {&places_, &attachments_}) {
       const std::string name = list == &places_ ? "places" : "attachments";
       if (list->count() == 0 || list->count() == 3 * count) continue;
-      throw std::runtime_error("`" + name + "` has " + std::to_string(list->count()) +
-                               " values for " + std::to_string(count) +
-                               " robots: write x, y, z for each, or leave it out");
+      refuse("`", name, "` has ", list->count(), " values for ", count,
+             " robots: write x, y, z for each, or leave it out");
     }
     for (int i = 0; i < count; ++i) {
       Carrier& carrier = carriers_[static_cast<std::size_t>(i)];
@@ -186,17 +185,10 @@ class CooperativePayload : public Task {
   }
 
   void declare_observation(const Setup& setup, Carrier& carrier) {
-    const auto part = [&](const std::string& name, const char* unit, int count, const char* doc,
-                          double bound = kInfinity) {
-      return observation_.add(
-          setup, {carrier.name + "." + name, unit, count, doc, -bound, bound, carrier.index});
-    };
+    const RobotParts part(setup, observation_, carrier.index, carrier.name + ".");
     carrier.place_error =
         part("place_error", "m", 3, "own place about the load's target - position, W");
-    carrier.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, W");
-    carrier.attitude = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
-    carrier.angular_velocity =
-        part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    carrier.motion.declare(part);
     carrier.load_error = part("load_position_error", "m", 3, "target - position of the load, W");
     carrier.load_yaw_error =
         part("load_yaw_error", "rad", 1, "target yaw - yaw of the load, wrapped", kPi);
@@ -240,9 +232,7 @@ class CooperativePayload : public Task {
                               const BodyMotion<Real>& body, const Vec3<Real>& place_error,
                               const LoadView<Real>& load, const Values<Real>& row) const {
     carrier.place_error.set(row, place_error);
-    carrier.velocity.set(row, body.velocity);
-    carrier.attitude.set(row, canonical(body.rotation));
-    carrier.angular_velocity.set(row, body.angular_velocity);
+    carrier.motion.set(row, body);
     carrier.load_error.set(row, load.error);
     carrier.load_yaw_error.set(row, load.yaw_error);
     carrier.load_velocity.set(row, load.body.velocity);
@@ -291,9 +281,7 @@ class CooperativePayload : public Task {
   }
 
   TextParameter load_{
-      this,
-      {.name = "load",
-       .doc = "name of the load; empty: the only robot without rotors and actions"}};
+      this, word("load", "", "name of the load; empty: the only robot without rotors and actions")};
   DrawnPose target_{
       this,
       {.target = {0.0, 0.0, 1.4, 0.0},
@@ -303,46 +291,27 @@ class CooperativePayload : public Task {
       0.4,
       "largest magnitude of a drawn heading of the load"};
   RealsParameter places_{this,
-                         {.name = "places",
-                          .unit = "m",
-                          .count = -1,
-                          .doc = "x, y, z of each robot relative to the load at its target, in "
-                                 "axes that turn with the target's yaw; none: as in the scenario"}};
+                         list("places", "m", {}, kAny,
+                              "x, y, z of each robot relative to the load at its target, in axes "
+                              "that turn with the target's yaw; none: as in the scenario")};
   RealsParameter attachments_{
       this,
-      {.name = "attachments",
-       .unit = "m",
-       .count = -1,
-       .doc = "x, y, z of each robot's point on the load, in the load's frame; none: its origin"}};
+      list("attachments", "m", {}, kAny,
+           "x, y, z of each robot's point on the load, in the load's frame; none: its origin")};
   CarriedLimits limits_{this};
-  RealParameter load_precision_reward_{this,
-                                       {.name = "load_precision_reward",
-                                        .value = 0.0,
-                                        .min = 0.0,
-                                        .doc = "weight of 1 / (1 + |e| / 0.2 m) of the load in "
-                                               "every reward: a gradient close to the target"}};
+  RealParameter load_precision_reward_{this, real("load_precision_reward", "", 0.0, at_least(0.0),
+                                                  "weight of 1 / (1 + |e| / 0.2 m) of the load in "
+                                                  "every reward: a gradient close to the target")};
   GoalShaping shaping_{this};
   RealParameter failure_reward_{
-      this,
-      {.name = "failure_reward",
-       .value = 0.0,
-       .max = 0.0,
-       .doc = "added if an episode terminates, for a robot that has failed or whose load has"}};
+      this, real("failure_reward", "", 0.0, at_most(0.0),
+                 "added if an episode terminates, for a robot that has failed or whose load has")};
   RealParameter success_distance_{
-      this,
-      {.name = "success_distance",
-       .unit = "m",
-       .value = 0.15,
-       .min = 0.0,
-       .doc = "the load has arrived if closer than this to its target (info `success`)"}};
+      this, real("success_distance", "m", 0.15, at_least(0.0),
+                 "the load has arrived if closer than this to its target (info `success`)")};
   RealParameter success_yaw_{
-      this,
-      {.name = "success_yaw",
-       .unit = "rad",
-       .value = 0.2,
-       .min = 0.0,
-       .max = 4.0,
-       .doc = "the load has arrived if its heading error is less than this, too"}};
+      this, real("success_yaw", "rad", 0.2, between(0.0, 4.0),
+                 "the load has arrived if its heading error is less than this, too")};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -156,16 +156,15 @@ class Formation : public Task {
 
   void add_robots(const Setup& setup) {
     if (setup.robots().size() < 2) {
-      throw std::runtime_error(
-          "a formation needs two robots or more, and there is 1: add robots, "
-          "or take task `hover`");
+      refuse(
+          "a formation needs two robots or more, and there is 1: add robots, or take task `hover`");
     }
     for (int r = 0; r < setup.robots().size(); ++r) {
       const RobotInfo& info = setup.robots()[r];
       if (info.action_count == 0) {
-        throw std::runtime_error("robot `" + std::string(info.name) +
-                                 "` takes no action, so that it cannot fly to its place: give it a "
-                                 "controller, such as `rotor_speed`, that no team feeds");
+        refuse("robot `", info.name,
+               "` takes no action, so that it cannot fly to its place: give it a controller, such "
+               "as `rotor_speed`, that no team feeds");
       }
       robots_.push_back({r, info.first_body, info.body_count, info.name});
     }
@@ -178,14 +177,10 @@ class Formation : public Task {
 
   void declare_observation(const Setup& setup, int i) {
     Robot& robot = robots_[static_cast<std::size_t>(i)];
-    const auto part = [&](const std::string& name, const char* unit, int count, const char* doc,
-                          double low = -kInfinity, double high = kInfinity) {
-      return observation_.add(setup,
-                              {robot.name + "." + name, unit, count, doc, low, high, robot.index});
-    };
+    const RobotParts part(setup, observation_, robot.index, robot.name + ".");
     robot.target_error = part("target_error", "m", 3, "target - position, W");
     robot.velocity = part("velocity", "m/s", 3, "velocity of the base's frame, W");
-    robot.rotation = part("rotation", "", 9, "matrix W from B, row by row", -1.0, 1.0);
+    robot.rotation = part("rotation", "", 9, "matrix W from B, row by row", 1.0);
     robot.angular_velocity =
         part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
     robot.others = Part(observation_.size(), kSight * (count() - 1), "others");
@@ -193,10 +188,10 @@ class Formation : public Task {
       if (other.index == robot.index) continue;
       const std::string of = other.name + ".";
       part(of + "offset", "m", 3, "position of the other - own position, W");
-      part(of + "distance", "m", 1, "length of the offset", 0.0);
+      part(of + "distance", "m", 1, "length of the offset", 0.0, kInfinity);
       part(of + "velocity", "m/s", 3, "velocity of the other, W");
       part(of + "rotation", "", 9, "rotation of the other: matrix W from its axes, row by row",
-           -1.0, 1.0);
+           1.0);
     }
     if (sees_place_.value()) {
       robot.place_error = part("place_error", "m", 3, "target + own place - position, W");
@@ -328,12 +323,8 @@ class Formation : public Task {
     return separation * (formation + formation * (arrival + forward) + kArrivalReward * arrival);
   }
 
-  RealParameter radius_{this,
-                        {.name = "radius",
-                         .unit = "m",
-                         .value = 1.0,
-                         .min = 0.01,
-                         .doc = "radius of the polygon with the robots' places at its corners"}};
+  RealParameter radius_{this, real("radius", "m", 1.0, at_least(0.01),
+                                   "radius of the polygon with the robots' places at its corners")};
   DrawnTarget target_{this,
                       {.target = {0.0, 0.0, 1.5},
                        .low = {-2.0, -2.0, -2.0},
@@ -342,57 +333,33 @@ class Formation : public Task {
                        .high_doc = "upper corner of the box of random targets, see `relative`"}};
   BooleanParameter relative_{
       this,
-      {.name = "relative",
-       .value = true,
-       .doc = "the box of random targets is relative to the first robot's start; false: to W"}};
-  RealParameter min_height_{this,
-                            {.name = "min_height",
-                             .unit = "m",
-                             .value = 1.0,
-                             .doc = "least height of a random target (W z)"}};
+      boolean("relative", true,
+              "the box of random targets is relative to the first robot's start; false: to W")};
+  RealParameter min_height_{
+      this, real("min_height", "m", 1.0, kAny, "least height of a random target (W z)")};
   RealParameter separation_min_{
-      this,
-      {.name = "separation_min",
-       .unit = "m",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "an episode terminates if two robots are closer than this; 0: never"}};
-  RealParameter tilt_max_{
-      this,
-      {.name = "tilt_max",
-       .unit = "rad",
-       .value = kPi,
-       .min = 0.0,
-       .max = kPi,
-       .doc = "an episode terminates if a robot tilts more than this; pi: never"}};
+      this, real("separation_min", "m", 0.0, at_least(0.0),
+                 "an episode terminates if two robots are closer than this; 0: never")};
+  RealParameter tilt_max_{this,
+                          real("tilt_max", "rad", kPi, between(0.0, kPi),
+                               "an episode terminates if a robot tilts more than this; pi: never")};
   RealParameter distance_max_{
       this,
-      {.name = "distance_max",
-       .unit = "m",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "an episode terminates if a robot is farther than this from the target; 0: never"}};
+      real("distance_max", "m", 0.0, at_least(0.0),
+           "an episode terminates if a robot is farther than this from the target; 0: never")};
   BooleanParameter sees_place_{this,
-                               {.name = "sees_place",
-                                .value = false,
-                                .doc = "each robot observes the vector to its own place; with one "
-                                       "policy for all, no other column identifies it"}};
+                               boolean("sees_place", false,
+                                       "each robot observes the vector to its own place; with one "
+                                       "policy for all, no other column identifies it")};
   NearestObstacles obstacles_{this};
   GoalShaping shaping_{this};
   RealParameter failure_reward_{
-      this,
-      {.name = "failure_reward",
-       .value = 0.0,
-       .max = 0.0,
-       .doc = "added if an episode terminates, for a robot that has failed"}};
+      this, real("failure_reward", "", 0.0, at_most(0.0),
+                 "added if an episode terminates, for a robot that has failed")};
 
   RealParameter success_error_{
-      this,
-      {.name = "success_error",
-       .unit = "m",
-       .value = 0.3,
-       .min = 0.0,
-       .doc = "the formation is complete below this `formation_error` (info `success`)"}};
+      this, real("success_error", "m", 0.3, at_least(0.0),
+                 "the formation is complete below this `formation_error` (info `success`)")};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -24,7 +24,7 @@ class Hover : public Task {
       if (only < 0 ? !(team && is_load) : r == only) add_robot(setup, r, team);
     }
     if (robots_.empty()) {
-      throw std::runtime_error(
+      refuse(
           "no robot has rotors or takes actions, so that none can hover: give one a controller, or "
           "take task `watch`");
     }
@@ -99,8 +99,8 @@ class Hover : public Task {
     int body;
     int first_action;
     Vec3<double> offset;  ///< from the team's centre [m]
-    Part position_error = {}, yaw_error = {}, velocity = {}, attitude = {}, angular_velocity = {},
-         actions = {};
+    Part position_error = {}, yaw_error = {}, actions = {};
+    MotionParts motion = {};
     Part distance_info = {}, yaw_info = {}, tilt_info = {}, speed_info = {};
     History past_actions = {};  ///< this step's, then the previous one; empty: not observed
   };
@@ -111,9 +111,7 @@ class Hover : public Task {
                               const Values<Real>& buffer, const Values<Real>& row) const {
     robot.position_error.set(row, error);
     robot.yaw_error.set(row, yaw_error);
-    robot.velocity.set(row, body.velocity);
-    robot.attitude.set(row, canonical(body.rotation));
-    robot.angular_velocity.set(row, body.angular_velocity);
+    robot.motion.set(row, body);
     robot.past_actions.observe(buffer, robot.actions, row);
   }
 
@@ -132,25 +130,19 @@ class Hover : public Task {
     const RobotInfo& info = setup.robots()[index];
     const int actions = action_count(info, "hover");
     const std::string prefix = team ? std::string(info.name) + "." : "";
-    const auto part = [&](const char* name, const char* unit, int count, double bound,
-                          const char* doc) {
-      return observation_.add(setup, {prefix + name, unit, count, doc, -bound, bound, index});
-    };
+    const RobotParts part(setup, observation_, index, prefix);
     Robot robot{index,
                 info.first_body,
                 info.first_action,
                 {info.position[0], info.position[1], info.position[2]}};
-    robot.position_error = part("position_error", "m", 3, kInfinity, "target - position, W");
+    robot.position_error = part("position_error", "m", 3, "target - position, W");
     robot.yaw_error =
-        part("yaw_error", "rad", 1, kPi, "target yaw - own yaw, wrapped to [-pi, pi]");
-    robot.velocity = part("velocity", "m/s", 3, kInfinity, "velocity of the base's frame, W");
-    robot.attitude = part("attitude", "", 4, 1.0, "quaternion w x y z, W from B, with w >= 0");
-    robot.angular_velocity =
-        part("angular_velocity", "rad/s", 3, kInfinity, "angular velocity of the base, B");
+        part("yaw_error", "rad", 1, "target yaw - own yaw, wrapped to [-pi, pi]", kPi);
+    robot.motion.declare(part);
     if (past_actions_.value()) {
       robot.actions =
-          part("actions", "", 2 * actions, 1.0,
-               "action of this step, then of the step before, in [-1, 1]; -1 at a reset");
+          part("actions", "", 2 * actions,
+               "action of this step, then of the step before, in [-1, 1]; -1 at a reset", 1.0);
       robot.past_actions = History(memory_, 2, actions);
     }
     robot.distance_info =
@@ -168,9 +160,8 @@ class Hover : public Task {
   void set_offsets() {
     const int count = static_cast<int>(robots_.size());
     if (formation_.count() != 0 && formation_.count() != 3 * count) {
-      throw std::runtime_error("`formation` has " + std::to_string(formation_.count()) +
-                               " values for " + std::to_string(count) +
-                               " robots: write x, y, z for each, or leave it out");
+      refuse("`formation` has ", formation_.count(), " values for ", count,
+             " robots: write x, y, z for each, or leave it out");
     }
     Vec3<double> mean{0.0, 0.0, 0.0};
     for (const Robot& r : robots_) mean += r.offset;
@@ -199,41 +190,29 @@ class Hover : public Task {
                             [&](int k) { return env.action(robot.first_action + k); });
   }
 
-  TextParameter robot_{this,
-                       {.name = "robot",
-                        .doc = "name of the robot; empty: all robots except loads (neither rotors "
-                               "nor actions), as a team"}};
+  TextParameter robot_{this, word("robot", "",
+                                  "name of the robot; empty: all robots except loads (neither "
+                                  "rotors nor actions), as a team")};
   DrawnPose target_{this,
                     {.target = {0.0, 0.0, 1.75, 0.0},
                      .low = {-5.0, -5.0, 0.5},
                      .high = {5.0, 5.0, 3.0},
                      .doc = "x, y, z (W), yaw; drawn for each episode if the scenario gives none"},
                     0.72};
-  RealsParameter formation_{this,
-                            {.name = "formation",
-                             .unit = "m",
-                             .count = -1,
-                             .doc = "x, y, z of each robot relative to the target; none: the "
-                                    "scenario's positions relative to their mean"}};
+  RealsParameter formation_{this, list("formation", "m", {}, kAny,
+                                       "x, y, z of each robot relative to the target; none: the "
+                                       "scenario's positions relative to their mean")};
   BooleanParameter past_actions_{
       this,
-      {.name = "past_actions",
-       .value = true,
-       .doc = "observe the last two actions; false: a policy that needs them must have memory"}};
+      boolean("past_actions", true,
+              "observe the last two actions; false: a policy that needs them must have memory")};
   FlightLimits limits_{this};
   GoalShaping shaping_{this};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = 0.0,
-                                 .max = 0.0,
-                                 .doc = "added if an episode terminates"}};
+  RealParameter failure_reward_{
+      this, real("failure_reward", "", 0.0, at_most(0.0), "added if an episode terminates")};
   RealParameter success_distance_{
-      this,
-      {.name = "success_distance",
-       .unit = "m",
-       .value = 0.1,
-       .min = 0.0,
-       .doc = "a robot has arrived if closer than this to its position (info `success`)"}};
+      this, real("success_distance", "m", 0.1, at_least(0.0),
+                 "a robot has arrived if closer than this to its position (info `success`)")};
 
   ObservationParts observation_;
   InfoParts infos_;

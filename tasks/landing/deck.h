@@ -39,8 +39,8 @@ class Deck {
       half_y_ = 0.5 * shape.size[1];
     }
     if (area > 0.0) return;
-    throw std::runtime_error("the base of robot `" + std::string(info.name) +
-                             "` has no box to land on: give its link a `<collision>` with a box");
+    refuse("the base of robot `", info.name,
+           "` has no box to land on: give its link a `<collision>` with a box");
   }
 
   double half_x() const { return half_x_; }  ///< half the length of its edges [m]
@@ -88,9 +88,9 @@ class TouchdownPoints {
       if (shape.body == body_) add(shape);
     }
     if (!points_.empty()) return;
-    throw std::runtime_error("the base of robot `" + std::string(info.name) +
-                             "` has no collision shape, so that it cannot touch a deck: give its "
-                             "link a `<collision>`");
+    refuse(
+        "the base of robot `", info.name,
+        "` has no collision shape, so that it cannot touch a deck: give its link a `<collision>`");
   }
 
   template <class Real>

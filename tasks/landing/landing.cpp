@@ -22,8 +22,7 @@ class Landing : public Task {
     const int robot = robot_of(setup, pad);
     const RobotInfo& info = setup.robots()[robot];
     body_ = info.first_body;
-    first_action_ = info.first_action;
-    actions_ = action_count(info, "landing");
+    action_ = ActionPart(info, "landing");
     step_time_ = setup.dt() * setup.action_repeat();
     hull_.configure(setup, robot);
     deck_.configure(setup, pad);
@@ -128,10 +127,7 @@ class Landing : public Task {
     yaw_error_.set(row, -yaw(at.rotation));
     attitude_.set(row, canonical(at.rotation));
     angular_velocity_.set(row, body.angular_velocity);
-    const auto stepped = env.step() > Word<Real>(0);
-    for (int k = 0; k < actions_; ++k) {
-      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
-    }
+    action_.set(env, row);
   }
 
   /// Height above the cone [m], and kRoom.
@@ -146,46 +142,39 @@ class Landing : public Task {
     if (!robot_.value().empty()) {
       const int robot = setup.robot(robot_.value());
       if (robot != pad) return robot;
-      throw std::runtime_error("`robot` and `pad` are both `" + robot_.value() +
-                               "`: name another robot to land on");
+      refuse("`robot` and `pad` are both `", robot_.value(), "`: name another robot to land on");
     }
     int found = -1;
     for (int r = 0; r < setup.robots().size(); ++r) {
       if (setup.robots()[r].action_count == 0 || r == pad) continue;
-      if (found >= 0) throw std::runtime_error("several robots take actions: name one by `robot`");
+      if (found >= 0) refuse("several robots take actions: name one by `robot`");
       found = r;
     }
     if (found >= 0) return found;
-    throw std::runtime_error(
+    refuse(
         "no robot but the pad takes actions, so that none can land: give one a controller, such as "
         "`rotor_speed`");
   }
 
   void check_limits() {
     if (rest_speed_.value() > crash_speed_.value()) {
-      throw std::runtime_error("`rest_speed` " + to_text(rest_speed_.value()) +
-                               " is above `crash_speed` " + to_text(crash_speed_.value()) +
-                               ": swap them");
+      refuse("`rest_speed` ", rest_speed_.value(), " is above `crash_speed` ", crash_speed_.value(),
+             ": swap them");
     }
     if (rest_tilt_.value() > crash_tilt_.value()) {
-      throw std::runtime_error("`rest_tilt` " + to_text(rest_tilt_.value()) +
-                               " is above `crash_tilt` " + to_text(crash_tilt_.value()) +
-                               ": swap them");
+      refuse("`rest_tilt` ", rest_tilt_.value(), " is above `crash_tilt` ", crash_tilt_.value(),
+             ": swap them");
     }
     const double half = min(deck_.half_x(), deck_.half_y());
     if (inset_.value() >= half) {
-      throw std::runtime_error("`inset` " + to_text(inset_.value()) +
-                               " leaves nothing of the deck; allowed: less than " + to_text(half));
+      refuse("`inset` ", inset_.value(), " leaves nothing of the deck; allowed: less than ", half);
     }
     crash_cosine_ = tilt_cosine_limit(crash_tilt_.value());
     rest_cosine_ = tilt_cosine_limit(rest_tilt_.value());
   }
 
   void declare(const Setup& setup, int robot) {
-    const auto part = [&](const char* name, const char* unit, int count, const char* doc,
-                          double bound = kInfinity) {
-      return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
-    };
+    const RobotParts part(setup, observation_, robot);
     position_error_ = part(
         "position_error", "m", 3,
         "x, y: deck's centre - position; z: its top face - the robot's lowest point; deck axes");
@@ -193,7 +182,7 @@ class Landing : public Task {
     yaw_error_ = part("yaw_error", "rad", 1, "the deck's yaw - own yaw", kPi);
     attitude_ = part("attitude", "", 4, "quaternion w x y z, deck from B, with w >= 0", 1.0);
     angular_velocity_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
-    action_ = part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
+    action_.declare(part);
     distance_info_ = infos_.add(setup, "position_error", "m",
                                 "distance of the robot's lowest point from the deck's centre");
     speed_info_ = infos_.add(setup, "speed", "m/s", "speed relative to the deck");
@@ -208,110 +197,56 @@ class Landing : public Task {
                                "on the deck, slow, level, within its edges; ends the episode");
   }
 
-  TextParameter robot_{
-      this, {.name = "robot", .doc = "name of the robot; optional if only one takes actions"}};
-  TextParameter pad_{
-      this, {.name = "pad", .value = "pad", .doc = "robot whose base is the box to land on"}};
+  TextParameter robot_{this,
+                       word("robot", "", "name of the robot; optional if only one takes actions")};
+  TextParameter pad_{this, word("pad", "pad", "robot whose base is the box to land on")};
   RealParameter touch_height_{
-      this,
-      {.name = "touch_height",
-       .unit = "m",
-       .value = 0.005,
-       .min = 0.0,
-       .max = 1.0,
-       .doc = "the robot touches the deck if its lowest point is less than this above it"}};
-  RealParameter rest_speed_{this,
-                            {.name = "rest_speed",
-                             .unit = "m/s",
-                             .value = 0.2,
-                             .min = 0.0,
-                             .doc = "landed: largest speed relative to the deck"}};
-  RealParameter rest_tilt_{this,
-                           {.name = "rest_tilt",
-                            .unit = "rad",
-                            .value = 0.2,
-                            .min = 0.0,
-                            .max = kPi,
-                            .doc = "landed: largest tilt relative to the deck"}};
-  RealParameter inset_{this,
-                       {.name = "inset",
-                        .unit = "m",
-                        .value = 0.1,
-                        .min = 0.0,
-                        .doc = "landed: least distance of the base from the deck's edges"}};
-  RealParameter crash_speed_{this,
-                             {.name = "crash_speed",
-                              .unit = "m/s",
-                              .value = 1.0,
-                              .min = 0.0,
-                              .doc = "a touch after a faster approach is a crash"}};
+      this, real("touch_height", "m", 0.005, between(0.0, 1.0),
+                 "the robot touches the deck if its lowest point is less than this above it")};
+  RealParameter rest_speed_{this, real("rest_speed", "m/s", 0.2, at_least(0.0),
+                                       "landed: largest speed relative to the deck")};
+  RealParameter rest_tilt_{this, real("rest_tilt", "rad", 0.2, between(0.0, kPi),
+                                      "landed: largest tilt relative to the deck")};
+  RealParameter inset_{this, real("inset", "m", 0.1, at_least(0.0),
+                                  "landed: least distance of the base from the deck's edges")};
+  RealParameter crash_speed_{this, real("crash_speed", "m/s", 1.0, at_least(0.0),
+                                        "a touch after a faster approach is a crash")};
   RealParameter crash_tilt_{this,
-                            {.name = "crash_tilt",
-                             .unit = "rad",
-                             .value = 0.5,
-                             .min = 0.0,
-                             .max = kPi,
-                             .doc = "a touch with a larger tilt relative to the deck is a crash"}};
-  RealParameter distance_max_{this,
-                              {.name = "distance_max",
-                               .unit = "m",
-                               .value = 5.0,
-                               .min = 0.0,
-                               .doc = "a robot fails farther than this from the deck's centre"}};
+                            real("crash_tilt", "rad", 0.5, between(0.0, kPi),
+                                 "a touch with a larger tilt relative to the deck is a crash")};
+  RealParameter distance_max_{this, real("distance_max", "m", 5.0, at_least(0.0),
+                                         "a robot fails farther than this from the deck's centre")};
   RealParameter time_max_{this,
-                          {.name = "time_max",
-                           .unit = "s",
-                           .value = 0.0,
-                           .min = 0.0,
-                           .doc = "a robot fails if it has not landed after this time; 0: never"}};
+                          real("time_max", "s", 0.0, at_least(0.0),
+                               "a robot fails if it has not landed after this time; 0: never")};
   FlightLimits limits_{this};
-  RealParameter progress_reward_{this,
-                                 {.name = "progress_reward",
-                                  .unit = "1/m",
-                                  .value = 5.0,
-                                  .min = 0.0,
-                                  .doc = "reward per metre of approach"}};
+  RealParameter progress_reward_{
+      this, real("progress_reward", "1/m", 5.0, at_least(0.0), "reward per metre of approach")};
   RealParameter approach_rate_{
-      this,
-      {.name = "approach_rate",
-       .unit = "1/s",
-       .value = 1.0,
-       .min = 0.0,
-       .doc = "the speed `rest_speed` + `approach_rate` * distance costs nothing"}};
+      this, real("approach_rate", "1/s", 1.0, at_least(0.0),
+                 "the speed `rest_speed` + `approach_rate` * distance costs nothing")};
   RealParameter speed_cost_{
-      this,
-      {.name = "speed_cost",
-       .unit = "s/m",
-       .value = 0.05,
-       .min = 0.0,
-       .doc = "cost per step of the speed above `rest_speed` + `approach_rate` * distance"}};
-  RealParameter rate_cost_{this,
-                           {.name = "rate_cost",
-                            .unit = "s^2/rad^2",
-                            .value = 0.001,
-                            .min = 0.0,
-                            .doc = "cost per squared angular velocity"}};
+      this, real("speed_cost", "s/m", 0.05, at_least(0.0),
+                 "cost per step of the speed above `rest_speed` + `approach_rate` * distance")};
+  RealParameter rate_cost_{this, real("rate_cost", "s^2/rad^2", 0.001, at_least(0.0),
+                                      "cost per squared angular velocity")};
   RealParameter landing_reward_{
-      this, {.name = "landing_reward", .value = 20.0, .min = 0.0, .doc = "reward of a landing"}};
+      this, real("landing_reward", "", 20.0, at_least(0.0), "reward of a landing")};
   RealParameter failure_reward_{
-      this, {.name = "failure_reward", .value = -10.0, .max = 0.0, .doc = "reward of a failure"}};
+      this, real("failure_reward", "", -10.0, at_most(0.0), "reward of a failure")};
   RealParameter descent_{
-      this,
-      {.name = "descent",
-       .unit = "m/s",
-       .value = 0.4,
-       .min = 0.01,
-       .max = 100.0,
-       .doc = "speed at which the goal sinks to the deck, for the baseline `hold`"}};
+      this, real("descent", "m/s", 0.4, between(0.01, 100.0),
+                 "speed at which the goal sinks to the deck, for the baseline `hold`")};
 
   ObservationParts observation_;
   InfoParts infos_;
-  Part position_error_, velocity_, yaw_error_, attitude_, angular_velocity_, action_;
+  Part position_error_, velocity_, yaw_error_, attitude_, angular_velocity_;
+  ActionPart action_;
   Part distance_info_, speed_info_, tilt_info_;
   Part crash_failure_, outside_failure_, time_failure_, success_;
   landing::Deck deck_;
   landing::TouchdownPoints hull_;
-  int body_ = 0, first_action_ = 0, actions_ = 0;
+  int body_ = 0;
   double step_time_ = 0.0;  ///< duration of an action [s]
   double crash_cosine_ = -2.0, rest_cosine_ = -2.0;
 };

@@ -30,12 +30,8 @@ class Obstacles : public Task {
     target_.require_above(height_min_.value());
     obstacles_ = obstacles::find(setup, "task `obstacles`");
     require_obstacles();
-    const int robot = setup.robot(robot_.value());
-    const RobotInfo& info = setup.robots()[robot];
-    body_ = info.first_body;
-    first_action_ = info.first_action;
-    actions_ = action_count(info, "obstacles");
-    declare_observation(setup, robot);
+    robot_.configure(setup, "obstacles");
+    declare_observation(setup);
     distance_info_ = infos_.add(setup, "position_error", "m", "distance from the target");
     clearance_info_ =
         infos_.add(setup, "clearance", "m", "distance of the nearest surface minus `radius`");
@@ -46,7 +42,7 @@ class Obstacles : public Task {
     ground_failure_ = declare_failure(setup, infos_, "ground", "below `height_min`");
     success_ = declare_success(setup, infos_,
                                "within `success_distance` of the target, which ends the episode");
-    setup.goal(robot, body_);
+    setup.goal(robot_.index(), robot_.body());
   }
 
   template <class Real>
@@ -56,7 +52,7 @@ class Obstacles : public Task {
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
-    const BodyMotion<Real> body = env.body(body_);
+    const BodyMotion<Real> body = env.body(robot_.body());
     const Vec3<Real> error = target_.position(env) - body.position;
     const Sight<Real> sight =
         obstacles::look(env, obstacles_, body.position, seen(), view_.value());
@@ -84,7 +80,7 @@ class Obstacles : public Task {
   /// A point ahead on a way between the obstacles; near the target, the target itself.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
-    const BodyMotion<Real> body = env.body(body_);
+    const BodyMotion<Real> body = env.body(robot_.body());
     const Vec3<Real> target = target_.position(env);
     const Vec3<Real> way = Guide::way(env, obstacles_, body.position, target, body.velocity,
                                       radius_.value() + safe_distance_.value());
@@ -107,27 +103,20 @@ class Obstacles : public Task {
   void require_obstacles() const {
     const int count = static_cast<int>(obstacles_.size());
     if (count == 0) {
-      throw std::runtime_error(
+      refuse(
           "the scenario has no obstacles: add some, or take task `hover`, which flies to a point");
     }
     if (seen() <= count) return;
-    throw std::runtime_error(
-        "`nearest` is " + std::to_string(seen()) + ", and there " +
-        (count == 1 ? "is 1 obstacle" : "are " + std::to_string(count) + " obstacles") +
-        ": take no more than there are");
+    refuse("`nearest` is ", seen(), ", and there ",
+           (count == 1 ? "is 1 obstacle" : "are " + std::to_string(count) + " obstacles"),
+           ": take no more than there are");
   }
 
-  void declare_observation(const Setup& setup, int robot) {
-    const auto part = [&](const std::string& name, const char* unit, int count, const char* doc,
-                          double low = -kInfinity, double high = kInfinity) {
-      return observation_.add(setup, {name, unit, count, doc, low, high, robot});
-    };
+  void declare_observation(const Setup& setup) {
+    const RobotParts part(setup, observation_, robot_.index());
     error_ = part("position_error", "m", 3, "target - position, W");
-    velocity_ = part("velocity", "m/s", 3, "velocity of the base's frame, W");
-    attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", -1.0, 1.0);
-    rates_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
-    action_ =
-        part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", -1.0, 1.0);
+    motion_.declare(part);
+    robot_.action.declare(part);
     for (int k = 0; k < seen(); ++k) {
       const std::string name = "nearest_" + std::to_string(k + 1) + ".";
       const double view = view_.value();
@@ -137,7 +126,7 @@ class Obstacles : public Task {
            part(name + "distance", "m", 1,
                 "distance of that point, below 0 inside; `view` beyond it", -kInfinity, view),
            part(name + "size", "m", 3, "size of the obstacle as in the scenario; 0: beyond `view`",
-                0.0)});
+                0.0, kInfinity)});
     }
   }
 
@@ -146,13 +135,8 @@ class Obstacles : public Task {
                               const Vec3<Real>& error, const Sight<Real>& sight,
                               const Values<Real>& row) const {
     error_.set(row, error);
-    velocity_.set(row, body.velocity);
-    attitude_.set(row, canonical(body.rotation));
-    rates_.set(row, body.angular_velocity);
-    const auto stepped = env.step() > Word<Real>(0);
-    for (int k = 0; k < actions_; ++k) {
-      action_.set(row, choose(stepped, env.action(first_action_ + k), Real(-1.0)), k);
-    }
+    motion_.set(row, body);
+    robot_.action.set(env, row);
     for (int k = 0; k < seen(); ++k) {
       const SeenParts& parts = parts_[static_cast<std::size_t>(k)];
       parts.way.set(row, sight.seen[k].way);
@@ -172,95 +156,50 @@ class Obstacles : public Task {
            choose(failed, Real(failure_reward_.value()), arrival);
   }
 
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
+  OneRobot robot_{this};
   DrawnTarget target_{
       this, {.target = {6.0, 0.0, 1.2}, .low = {5.5, -2.0, 1.0}, .high = {6.5, 2.0, 1.4}}};
   IntegerParameter nearest_{
       this,
-      {.name = "nearest",
-       .value = 4,
-       .min = 0,
-       .max = obstacles::kMostSeen,
-       .doc =
-           "number of observed obstacles, the nearest first; 0: none, if a sensor observes them"}};
-  RealParameter view_{this,
-                      {.name = "view",
-                       .unit = "m",
-                       .value = 4.0,
-                       .min = 1e-3,
-                       .max = 1e6,
-                       .doc = "range in which obstacles are observed"}};
-  RealParameter radius_{this,
-                        {.name = "radius",
-                         .unit = "m",
-                         .value = 0.2,
-                         .min = 0.0,
-                         .max = 100.0,
-                         .doc = "radius of the robot: a nearer surface is a collision"}};
-  RealParameter height_min_{this,
-                            {.name = "height_min",
-                             .unit = "m",
-                             .value = 0.1,
-                             .doc = "a robot fails below this height (W z)"}};
+      integer(
+          "nearest", "", 4, between(0, obstacles::kMostSeen),
+          "number of observed obstacles, the nearest first; 0: none, if a sensor observes them")};
+  RealParameter view_{
+      this, real("view", "m", 4.0, between(1e-3, 1e6), "range in which obstacles are observed")};
+  RealParameter radius_{this, real("radius", "m", 0.2, between(0.0, 100.0),
+                                   "radius of the robot: a nearer surface is a collision")};
+  RealParameter height_min_{
+      this, real("height_min", "m", 0.1, kAny, "a robot fails below this height (W z)")};
   FlightLimits limits_{this};
-  RealParameter success_distance_{
-      this,
-      {.name = "success_distance",
-       .unit = "m",
-       .value = 0.3,
-       .min = 0.0,
-       .doc = "the robot has arrived if nearer than this to the target"}};
-  RealParameter progress_reward_{this,
-                                 {.name = "progress_reward",
-                                  .unit = "1/m",
-                                  .value = 1.0,
-                                  .min = 0.0,
-                                  .doc = "reward per metre of approach to the target"}};
+  RealParameter success_distance_{this,
+                                  real("success_distance", "m", 0.3, at_least(0.0),
+                                       "the robot has arrived if nearer than this to the target")};
+  RealParameter progress_reward_{this, real("progress_reward", "1/m", 1.0, at_least(0.0),
+                                            "reward per metre of approach to the target")};
   RealParameter safe_distance_{
       this,
-      {.name = "safe_distance",
-       .unit = "m",
-       .value = 0.3,
-       .min = 1e-3,
-       .doc = "a smaller clearance costs reward; the baseline keeps this clearance if possible"}};
+      real("safe_distance", "m", 0.3, at_least(1e-3),
+           "a smaller clearance costs reward; the baseline keeps this clearance if possible")};
   RealParameter clearance_cost_{
-      this,
-      {.name = "clearance_cost",
-       .value = 0.1,
-       .min = 0.0,
-       .doc = "cost of a step at zero clearance; quadratic up to `safe_distance`"}};
-  RealParameter rate_cost_{this,
-                           {.name = "rate_cost",
-                            .unit = "s^2/rad^2",
-                            .value = 0.001,
-                            .min = 0.0,
-                            .doc = "cost per squared angular velocity"}};
-  RealParameter success_reward_{this,
-                                {.name = "success_reward",
-                                 .value = 5.0,
-                                 .min = 0.0,
-                                 .doc = "reward of the step that arrives"}};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -5.0,
-                                 .max = 0.0,
-                                 .doc = "reward of the step in which the robot fails"}};
-  RealParameter lead_{this,
-                      {.name = "lead",
-                       .unit = "m",
-                       .value = 0.6,
-                       .min = 0.01,
-                       .doc = "distance of the baseline's goal ahead, which sets its speed"}};
+      this, real("clearance_cost", "", 0.1, at_least(0.0),
+                 "cost of a step at zero clearance; quadratic up to `safe_distance`")};
+  RealParameter rate_cost_{this, real("rate_cost", "s^2/rad^2", 0.001, at_least(0.0),
+                                      "cost per squared angular velocity")};
+  RealParameter success_reward_{
+      this, real("success_reward", "", 5.0, at_least(0.0), "reward of the step that arrives")};
+  RealParameter failure_reward_{this, real("failure_reward", "", -5.0, at_most(0.0),
+                                           "reward of the step in which the robot fails")};
+  RealParameter lead_{this, real("lead", "m", 0.6, at_least(0.01),
+                                 "distance of the baseline's goal ahead, which sets its speed")};
 
   ObservationParts observation_;
   InfoParts infos_;
-  Part error_, velocity_, attitude_, rates_, action_;
+  Part error_;
+  MotionParts motion_;
   std::vector<SeenParts> parts_;
   Part distance_info_, clearance_info_, speed_info_;
   Part collision_failure_, ground_failure_, success_;
   std::vector<Obstacle> obstacles_;
-  int body_ = 0, first_action_ = 0, actions_ = 0;
 };
 
 }  // namespace

@@ -11,23 +11,16 @@ class Payload : public Task {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    const int robot = setup.robot(robot_.value());
-    const RobotInfo& info = setup.robots()[robot];
+    const RobotInfo& info = robot_.configure(setup, "payload");
+    const int robot = robot_.index();
     const LinkInfo& link = setup.link(robot, link_.value());
-    base_ = info.first_body;
-    payload_ = link.body;
-    center_ = {link.com[0], link.com[1], link.com[2]};
-    if (payload_ == base_) {
-      throw std::runtime_error("link `" + link_.value() + "` is fixed to the base of robot `" +
-                               std::string(info.name) + "`: name one that hangs on a joint");
+    payload_ = {link.body, {link.com[0], link.com[1], link.com[2]}};
+    if (payload_.body == robot_.body()) {
+      refuse("link `", link_.value(), "` is fixed to the base of robot `", info.name,
+             "`: name one that hangs on a joint");
     }
     require_within(target_, "target", limits_.bound());
-    first_action_ = info.first_action;
-    actions_ = action_count(info, "payload");
-    const auto part = [&](const char* name, const char* unit, int count, const char* doc,
-                          double bound = kInfinity) {
-      return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
-    };
+    const RobotParts part(setup, observation_, robot);
     payload_error_ = part("payload_error", "m", 3, "payload - target, W");
     payload_offset_ = part("payload_offset", "m", 3, "payload - position of the base, W");
     attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
@@ -37,7 +30,7 @@ class Payload : public Task {
         part("payload_velocity", "m/s", 3, "velocity of the payload's centre of mass, W");
     payload_rates_ = part("payload_angular_velocity", "rad/s", 3,
                           "angular velocity of the payload, in its axes");
-    action_ = part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
+    robot_.action.declare(part);
     error_info_ =
         infos_.add(setup, "payload_error", "m", "distance of the payload from the target");
     tilt_info_ = infos_.add(setup, "tilt", "rad", "tilt of the base, 0 .. pi");
@@ -45,29 +38,23 @@ class Payload : public Task {
     limits_.configure(setup, infos_);
     success_ =
         declare_success(setup, infos_, "the payload within `success_distance` of the target");
-    setup.goal(robot, payload_);
+    setup.goal(robot, payload_.body);
   }
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
-    const BodyMotion<Real> robot = env.body(base_), load = env.body(payload_);
-    const Vec3<Real> arm = rotate(load.rotation, center<Real>());
-    const Vec3<Real> position = load.position + arm;
-    const Vec3<Real> velocity =
-        load.velocity + rotate(load.rotation, cross(load.angular_velocity, center<Real>()));
-    const Vec3<Real> error = position - target_.vec3(env);
+    const BodyMotion<Real> robot = env.body(robot_.body());
+    const BodyMotion<Real> load = payload_.at(env.body(payload_.body));
+    const Vec3<Real> error = load.position - target_.vec3(env);
     const Values<Real>& row = out.observation;
     payload_error_.set(row, error);
-    payload_offset_.set(row, position - robot.position);
+    payload_offset_.set(row, load.position - robot.position);
     attitude_.set(row, canonical(robot.rotation));
     velocity_.set(row, robot.velocity);
     angular_velocity_.set(row, robot.angular_velocity);
-    payload_velocity_.set(row, velocity);
+    payload_velocity_.set(row, load.velocity);
     payload_rates_.set(row, load.angular_velocity);
-    const auto stepped = env.step() > Word<Real>(0);
-    for (int k = 0; k < actions_; ++k) {
-      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
-    }
+    robot_.action.set(env, row);
     const Real turning = squared_norm(load.angular_velocity) + squared_norm(robot.angular_velocity);
     const Real reward =
         closeness(squared_norm(error), kDistanceWeight) + kRateReward * closeness(turning, 1.0);
@@ -88,8 +75,8 @@ class Payload : public Task {
   /// Goal pose of the payload's frame, in its present orientation.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
-    const Quat<Real> rotation = env.body(payload_).rotation;
-    goal.set(0, target_.vec3(env) - rotate(rotation, center<Real>()));
+    const Quat<Real> rotation = env.body(payload_.body).rotation;
+    goal.set(0, target_.vec3(env) - rotate(rotation, payload_.lever<Real>()));
     goal.set(3, yaw(rotation));
   }
 
@@ -106,42 +93,24 @@ class Payload : public Task {
            shaping_.cost(robot.rotation);
   }
 
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> center() const {
-    return {Real(center_.x), Real(center_.y), Real(center_.z)};
-  }
-
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
-  TextParameter link_{this, {.name = "payload_link", .value = "bob", .doc = "link of the payload"}};
-  RealsParameter target_{this,
-                         {.name = "target",
-                          .unit = "m",
-                          .values = {0.0, 0.0, 0.5},
-                          .doc = "target of the payload's centre of mass (W)",
-                          .randomizable = true}};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -50.0,
-                                 .doc = "reward of the step in which the robot fails"}};
+  OneRobot robot_{this};
+  TextParameter link_{this, word("payload_link", "bob", "link of the payload")};
+  RealsParameter target_{this, randomizable(reals("target", "m", {0.0, 0.0, 0.5}, kAny,
+                                                  "target of the payload's centre of mass (W)"))};
+  RealParameter failure_reward_{
+      this, real("failure_reward", "", -50.0, kAny, "reward of the step in which the robot fails")};
   RealParameter success_distance_{
-      this,
-      {.name = "success_distance",
-       .unit = "m",
-       .value = 0.1,
-       .min = 0.0,
-       .doc = "the payload has arrived if closer than this to the target (info `success`)"}};
+      this, real("success_distance", "m", 0.1, at_least(0.0),
+                 "the payload has arrived if closer than this to the target (info `success`)")};
   FlightLimits limits_{this};
   GoalShaping shaping_{this};
 
   ObservationParts observation_;
   InfoParts infos_;
   Part payload_error_, payload_offset_, attitude_, velocity_, angular_velocity_, payload_velocity_,
-      payload_rates_, action_;
+      payload_rates_;
   Part error_info_, tilt_info_, speed_info_, success_;
-  int base_ = 0, payload_ = 0;
-  int first_action_ = 0, actions_ = 0;
-  Vec3<double> center_{};  ///< centre of mass, in the payload body's frame [m]
+  BodyPoint payload_;  ///< the payload's centre of mass
 };
 
 }  // namespace

@@ -12,11 +12,9 @@ using namespace task_kit;
 class Pendulum : public Task {
  public:
   void configure(const Setup& setup) override {
-    const int robot = setup.robot(robot_.value());
-    const RobotInfo& info = setup.robots()[robot];
+    robot_.configure(setup, "pendulum");
+    const int robot = robot_.index();
     find_bodies(setup, robot);
-    first_action_ = info.first_action;
-    actions_ = action_count(info, "pendulum");
     dt_ = setup.dt();
     require_within_horizon(setup, steps_.value(), "history");
     require_within(target_, "target", limits_.bound());
@@ -34,7 +32,7 @@ class Pendulum : public Task {
         declare_failure(setup, infos_, "fallen", "the pendulum less upright than `upright_min`");
     success_ = declare_success(setup, infos_, "the bob within `success_distance` of the target");
     setup.buffer(memory_.size());
-    setup.goal(robot, bob_, center_);
+    setup.goal(robot, bob_.body, bob_.point);
   }
 
   template <class Real>
@@ -45,7 +43,7 @@ class Pendulum : public Task {
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out,
                 Values<Real> buffer) const {
-    const BodyMotion<Real> base = env.body(base_), bob = at_center(env.body(bob_));
+    const BodyMotion<Real> base = env.body(robot_.body()), bob = bob_.at(env.body(bob_.body));
     const Vec3<Real> error = bob.position - target_.vec3(env);
     const Vec3<Real> offset = bob.position - base.position;
     remember(env, base, bob, error, offset, buffer);
@@ -73,7 +71,7 @@ class Pendulum : public Task {
   /// Goal pose of the bob's body, in its present orientation.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
-    goal.set(0, target_.vec3(env) - rotate(env.body(bob_).rotation, center<Real>()));
+    goal.set(0, target_.vec3(env) - rotate(env.body(bob_.body).rotation, bob_.lever<Real>()));
     goal.set(3, Real(0.0));
   }
 
@@ -86,19 +84,19 @@ class Pendulum : public Task {
     History history;
     Part part;
   };
+  struct Observed {
+    Track bob_error, bob_offset, bob_velocity, bob_rates, velocity, attitude, rates, past_actions;
+  };
 
   void find_bodies(const Setup& setup, int robot) {
     const RobotInfo& info = setup.robots()[robot];
     const LinkInfo& link = setup.link(robot, link_.value());
-    base_ = info.first_body;
-    bob_ = link.body;
-    center_ = {link.com[0], link.com[1], link.com[2]};
-    if (bob_ == base_) {
-      throw std::runtime_error("link `" + link_.value() + "` is fixed to the base of robot `" +
-                               std::string(info.name) +
-                               "`: name one that stands on a joint, or put a joint between them");
+    bob_ = {link.body, {link.com[0], link.com[1], link.com[2]}};
+    if (bob_.body == robot_.body()) {
+      refuse("link `", link_.value(), "` is fixed to the base of robot `", info.name,
+             "`: name one that stands on a joint, or put a joint between them");
     }
-    base_param_ = setup.bodies()[base_].first_param;
+    base_param_ = setup.bodies()[robot_.body()].first_param;
     for (const RotorInfo& rotor : setup.rotors_of(robot))
       rotor_params_.push_back(rotor.first_param);
   }
@@ -114,18 +112,19 @@ class Pendulum : public Task {
   }
 
   void declare_states(const Setup& setup, int robot) {
-    bob_error_ = track(setup, robot, "bob_error", "m", 3, "bob - target, W");
-    bob_offset_ = track(setup, robot, "bob_offset", "m", 3, "bob - position of the base, W");
-    bob_velocity_ =
+    seen_.bob_error = track(setup, robot, "bob_error", "m", 3, "bob - target, W");
+    seen_.bob_offset = track(setup, robot, "bob_offset", "m", 3, "bob - position of the base, W");
+    seen_.bob_velocity =
         track(setup, robot, "bob_velocity", "m/s", 3, "velocity of the bob's centre of mass, W");
-    bob_rates_ = track(setup, robot, "bob_angular_velocity", "rad/s", 3,
-                       "angular velocity of the bob, in its axes");
-    velocity_ = track(setup, robot, "velocity", "m/s", 3, "velocity of the base's frame, W");
-    attitude_ = track(setup, robot, "attitude", "", 4,
-                      "quaternion w x y z of the base, W from B, with w >= 0", 1.0);
-    rates_ = track(setup, robot, "angular_velocity", "rad/s", 3, "angular velocity of the base, B");
-    past_actions_ = track(setup, robot, "actions", "", actions_,
-                          "actions in [-1, 1]; -1 before the first", 1.0);
+    seen_.bob_rates = track(setup, robot, "bob_angular_velocity", "rad/s", 3,
+                            "angular velocity of the bob, in its axes");
+    seen_.velocity = track(setup, robot, "velocity", "m/s", 3, "velocity of the base's frame, W");
+    seen_.attitude = track(setup, robot, "attitude", "", 4,
+                           "quaternion w x y z of the base, W from B, with w >= 0", 1.0);
+    seen_.rates =
+        track(setup, robot, "angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    seen_.past_actions = track(setup, robot, "actions", "", robot_.action.count(),
+                               "actions in [-1, 1]; -1 before the first", 1.0);
   }
 
   void declare_privileged(const Setup& setup, int robot) {
@@ -143,39 +142,25 @@ class Pendulum : public Task {
   }
 
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> center() const {
-    return {Real(center_.x), Real(center_.y), Real(center_.z)};
-  }
-
-  /// The motion of the bob's centre of mass.
-  template <class Real>
-  SKYBODY_INLINE BodyMotion<Real> at_center(BodyMotion<Real> body) const {
-    body.position = body.position + rotate(body.rotation, center<Real>());
-    body.velocity =
-        body.velocity + rotate(body.rotation, cross(body.angular_velocity, center<Real>()));
-    return body;
-  }
-
-  template <class Real>
   SKYBODY_INLINE void remember(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                const BodyMotion<Real>& bob, const Vec3<Real>& error,
                                const Vec3<Real>& offset, const Values<Real>& buffer) const {
     const MaskOf<Real> stepped = History::has_stepped(env);
-    note<Real>(stepped, buffer, bob_error_, error);
-    note<Real>(stepped, buffer, bob_offset_, offset);
-    note<Real>(stepped, buffer, bob_velocity_, bob.velocity);
-    note<Real>(stepped, buffer, bob_rates_, bob.angular_velocity);
-    note<Real>(stepped, buffer, velocity_, base.velocity);
+    note<Real>(stepped, buffer, seen_.bob_error, error);
+    note<Real>(stepped, buffer, seen_.bob_offset, offset);
+    note<Real>(stepped, buffer, seen_.bob_velocity, bob.velocity);
+    note<Real>(stepped, buffer, seen_.bob_rates, bob.angular_velocity);
+    note<Real>(stepped, buffer, seen_.velocity, base.velocity);
     const Quat<Real> q = canonical(base.rotation);
     const Real attitude[4] = {q.w, q.x, q.y, q.z};
-    attitude_.history.note<Real>(stepped, buffer, [&](int k) { return attitude[k]; });
-    note<Real>(stepped, buffer, rates_, base.angular_velocity);
-    past_actions_.history.note<Real>(stepped, buffer, [&](int k) {
-      return select(stepped, env.action(first_action_ + k), Real(-1.0));
+    seen_.attitude.history.note<Real>(stepped, buffer, [&](int k) { return attitude[k]; });
+    note<Real>(stepped, buffer, seen_.rates, base.angular_velocity);
+    seen_.past_actions.history.note<Real>(stepped, buffer, [&](int k) {
+      return select(stepped, robot_.action.value(env, k), Real(-1.0));
     });
     if (!is_privileged_.value()) return;
-    note_change<Real>(stepped, buffer, base_change_, base, env.body_before(base_));
-    note_change<Real>(stepped, buffer, bob_change_, bob, at_center(env.body_before(bob_)));
+    note_change<Real>(stepped, buffer, base_change_, base, env.body_before(robot_.body()));
+    note_change<Real>(stepped, buffer, bob_change_, bob, bob_.at(env.body_before(bob_.body)));
   }
 
   template <class Real>
@@ -205,8 +190,9 @@ class Pendulum : public Task {
   template <class Real>
   SKYBODY_INLINE void observe(const EnvView<Real>& env, const Values<Real>& buffer,
                               const Values<Real>& row) const {
-    for (const Track* track : {&bob_error_, &bob_offset_, &bob_velocity_, &bob_rates_, &velocity_,
-                               &attitude_, &rates_, &past_actions_}) {
+    for (const Track* track :
+         {&seen_.bob_error, &seen_.bob_offset, &seen_.bob_velocity, &seen_.bob_rates,
+          &seen_.velocity, &seen_.attitude, &seen_.rates, &seen_.past_actions}) {
       track->history.observe(buffer, track->part, row);
     }
     if (!is_privileged_.value()) return;
@@ -236,62 +222,39 @@ class Pendulum : public Task {
 
   static constexpr int kDerivatives = 13;  ///< 3 + 3 + 4 + 3
 
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
-  TextParameter link_{
-      this, {.name = "bob_link", .value = "bob", .doc = "link whose centre of mass is the bob"}};
-  RealsParameter target_{this,
-                         {.name = "target",
-                          .unit = "m",
-                          .values = {0.0, 0.0, 2.0},
-                          .doc = "target of the bob (W)",
-                          .randomizable = true}};
-  IntegerParameter steps_{
-      this,
-      {.name = "history", .value = 10, .min = 1, .max = 100, .doc = "number of observed steps"}};
+  OneRobot robot_{this};
+  TextParameter link_{this, word("bob_link", "bob", "link whose centre of mass is the bob")};
+  RealsParameter target_{
+      this, randomizable(reals("target", "m", {0.0, 0.0, 2.0}, kAny, "target of the bob (W)"))};
+  IntegerParameter steps_{this,
+                          integer("history", "", 10, between(1, 100), "number of observed steps")};
   BooleanParameter is_privileged_{
       this,
-      {.name = "privileged",
-       .value = true,
-       .doc = "give a critic derivatives, mass, inertia and lags as well"}};
+      boolean("privileged", true, "give a critic derivatives, mass, inertia and lags as well")};
   FlightLimits limits_{this, {.tilt_max = 1.57, .yaw_max = 4.0, .bound = 10.0}};
-  RealParameter height_min_{this,
-                            {.name = "height_min",
-                             .unit = "m",
-                             .value = 0.3,
-                             .doc = "a robot fails below this height (W z)"}};
+  RealParameter height_min_{
+      this, real("height_min", "m", 0.3, kAny, "a robot fails below this height (W z)")};
   RealParameter upright_min_{
-      this,
-      {.name = "upright_min",
-       .value = 0.2,
-       .min = -1.0,
-       .max = 1.0,
-       .doc = "a robot fails if the unit vector from the base to the bob has a smaller z (W)"}};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -5.0,
-                                 .max = 0.0,
-                                 .doc = "added for every violated limit"}};
+      this, real("upright_min", "", 0.2, between(-1.0, 1.0),
+                 "a robot fails if the unit vector from the base to the bob has a smaller z (W)")};
+  RealParameter failure_reward_{
+      this, real("failure_reward", "", -5.0, at_most(0.0), "added for every violated limit")};
   GoalShaping shaping_{this};
   RealParameter success_distance_{
-      this,
-      {.name = "success_distance",
-       .unit = "m",
-       .value = 0.3,
-       .min = 0.0,
-       .doc = "the bob has arrived if closer than this to the target (info `success`)"}};
+      this, real("success_distance", "m", 0.3, at_least(0.0),
+                 "the bob has arrived if closer than this to the target (info `success`)")};
 
   ObservationParts parts_;
   InfoParts infos_;
   BufferPlan memory_;
-  Track bob_error_, bob_offset_, bob_velocity_, bob_rates_, velocity_, attitude_, rates_,
-      past_actions_, base_change_, bob_change_;
+  Observed seen_;
+  Track base_change_, bob_change_;
   Part mass_, inertia_, lags_;
   Part error_info_, upright_info_, tilt_info_, low_failure_, fallen_failure_, success_;
-  int base_ = 0, bob_ = 0, first_action_ = 0, actions_ = 0, base_param_ = 0;
+  BodyPoint bob_;  ///< the centre of mass of the bob
+  int base_param_ = 0;
   std::vector<int> rotor_params_;  ///< first EnvParam of each rotor
   double dt_ = 0.0;                ///< [s]
-  Vec3<double> center_{};          ///< centre of mass of the bob, in its body's frame [m]
 };
 
 }  // namespace

@@ -75,10 +75,11 @@ class Racing : public Task {
     Part offset, velocity, lead;
   };
   struct Racer {
-    int index, body, first_action, actions;
+    int index, body;
+    ActionPart action;
     racing::PastWords past = {};
     Part gate = {}, normal = {}, next_gate = {}, next_normal = {}, velocity = {}, up = {},
-         angular_velocity = {}, action = {};
+         angular_velocity = {};
     std::vector<Sight> others = {};  ///< in the order of racers_, without the racer itself
     Part gates_info = {}, lap_info = {}, speed_info = {};
   };
@@ -147,10 +148,7 @@ class Racing : public Task {
     racer.velocity.set(row, in_body(body.velocity));
     racer.up.set(row, in_body(Vec3<Real>{Real(0.0), Real(0.0), Real(1.0)}));
     racer.angular_velocity.set(row, body.angular_velocity);
-    const auto stepped = env.step() > Word<Real>(0);
-    for (int k = 0; k < racer.actions; ++k) {
-      racer.action.set(row, select(stepped, env.action(racer.first_action + k), Real(-1.0)), k);
-    }
+    racer.action.set(env, row);
     for (int j = 0; j < count(); ++j) {
       if (j == i) continue;
       const Sight& sight = racer.others[static_cast<std::size_t>(j < i ? j : j - 1)];
@@ -209,18 +207,14 @@ class Racing : public Task {
   void check_first_gate() const {
     const double first = first_gate_.value();
     if (first == floor(first) && first < track_.size()) return;
-    throw std::runtime_error("`first_gate` is " + to_text(first) +
-                             "; allowed: whole numbers from "
-                             "0 to " +
-                             std::to_string(track_.size() - 1));
+    refuse("`first_gate` is ", first, "; allowed: whole numbers from 0 to ", track_.size() - 1);
   }
 
   /// Checks that parameters for several racers fit their number and the gates.
   void check_rivals() const {
     if (racers_.size() < 2 && rivalry_.value() > 0.0) {
-      throw std::runtime_error("`rivalry` is " + to_text(rivalry_.value()) +
-                               ", and there is one racer: add a robot that takes actions, or take "
-                               "0");
+      refuse("`rivalry` is ", rivalry_.value(),
+             ", and there is one racer: add a robot that takes actions, or take 0");
     }
     if (lane_width_.is_given()) {
       track_.require_lanes(lane_width_.value(), static_cast<int>(racers_.size()), radius_.value());
@@ -236,14 +230,13 @@ class Racing : public Task {
       }
     }
     if (robots.empty()) {
-      throw std::runtime_error(
+      refuse(
           "no robot takes actions, so that none can race: give one a controller, such as `ctbr`");
     }
     for (std::size_t i = 0; i < robots.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (robots[i] != robots[j]) continue;
-        throw std::runtime_error("robot `" + std::string(setup.robots()[robots[i]].name) +
-                                 "` is named twice: name each racer once");
+        refuse("robot `", setup.robots()[robots[i]].name, "` is named twice: name each racer once");
       }
       declare(setup, robots[i], robots);
     }
@@ -252,11 +245,8 @@ class Racing : public Task {
   void declare(const Setup& setup, int index, const std::vector<int>& robots) {
     const RobotInfo& info = setup.robots()[index];
     const std::string prefix = robots.size() > 1 ? std::string(info.name) + "." : "";
-    const auto part = [&](const std::string& name, const char* unit, int size, const char* doc,
-                          double bound = kInfinity) {
-      return observation_.add(setup, {prefix + name, unit, size, doc, -bound, bound, index});
-    };
-    Racer racer{index, info.first_body, info.first_action, action_count(info, "racing")};
+    const RobotParts part(setup, observation_, index, prefix);
+    Racer racer{index, info.first_body, ActionPart(info, "racing")};
     racer.past = racing::PastWords(memory_);
     racer.gate = part("gate", "m", 3, "centre of the next gate - position, B");
     racer.normal = part("gate_normal", "", 3, "unit vector through that gate, B", 1.0);
@@ -266,8 +256,7 @@ class Racing : public Task {
     racer.up = part("up", "", 3, "z axis of W, B: the attitude without the heading", 1.0);
     racer.angular_velocity =
         part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
-    racer.action =
-        part("action", "", racer.actions, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
+    racer.action.declare(part);
     for (const int other : robots) {
       if (other == index) continue;
       const std::string of = std::string(setup.robots()[other].name) + ".";
@@ -287,77 +276,39 @@ class Racing : public Task {
   }
 
   TextsParameter robots_{
-      this, {.name = "robots", .doc = "names of the racers; empty: all robots that take actions"}};
-  TextsParameter gates_{this,
-                        {.name = "gates",
-                         .doc = "obstacles of kind `gate` in the order of the track; empty: all, "
-                                "in the scenario's order"}};
-  IntegerParameter laps_{
-      this,
-      {.name = "laps", .value = 1, .min = 1, .max = 1000, .doc = "number of laps of the race"}};
+      this, words("robots", "names of the racers; empty: all robots that take actions")};
+  TextsParameter gates_{this, words("gates",
+                                    "obstacles of kind `gate` in the order of the track; empty: "
+                                    "all, in the scenario's order")};
+  IntegerParameter laps_{this,
+                         integer("laps", "", 1, between(1, 1000), "number of laps of the race")};
   RealParameter first_gate_{
       this,
-      {.name = "first_gate",
-       .value = 0.0,
-       .min = 0.0,
-       .max = 1000.0,
-       .doc = "index of the first gate, from 0; a lap ends with the gate before it",
-       .randomizable = true}};
-  RealParameter radius_{this,
-                        {.name = "radius",
-                         .unit = "m",
-                         .value = 0.2,
-                         .min = 0.0,
-                         .max = 100.0,
-                         .doc = "radius of a robot: it collides if nearer than this to a frame, or "
-                                "than twice this to another robot"}};
-  RealParameter height_min_{this,
-                            {.name = "height_min",
-                             .unit = "m",
-                             .value = 0.1,
-                             .doc = "a robot fails below this height (W z)"}};
+      randomizable(real("first_gate", "", 0.0, between(0.0, 1000.0),
+                        "index of the first gate, from 0; a lap ends with the gate before it"))};
+  RealParameter radius_{this, real("radius", "m", 0.2, between(0.0, 100.0),
+                                   "radius of a robot: it collides if nearer than this to a frame, "
+                                   "or than twice this to another robot")};
+  RealParameter height_min_{
+      this, real("height_min", "m", 0.1, kAny, "a robot fails below this height (W z)")};
   FlightLimits limits_{this};
   RealParameter progress_reward_{this,
-                                 {.name = "progress_reward",
-                                  .unit = "1/m",
-                                  .value = 1.0,
-                                  .min = 0.0,
-                                  .doc = "reward per metre of approach to the next gate's centre"}};
-  RealParameter gate_reward_{
-      this, {.name = "gate_reward", .value = 1.0, .min = 0.0, .doc = "reward per passed gate"}};
-  RealParameter rate_cost_{this,
-                           {.name = "rate_cost",
-                            .unit = "s^2/rad^2",
-                            .value = 0.0005,
-                            .min = 0.0,
-                            .doc = "cost per squared angular velocity"}};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -10.0,
-                                 .max = 0.0,
-                                 .doc = "reward added for a robot that fails"}};
+                                 real("progress_reward", "1/m", 1.0, at_least(0.0),
+                                      "reward per metre of approach to the next gate's centre")};
+  RealParameter gate_reward_{this,
+                             real("gate_reward", "", 1.0, at_least(0.0), "reward per passed gate")};
+  RealParameter rate_cost_{this, real("rate_cost", "s^2/rad^2", 0.0005, at_least(0.0),
+                                      "cost per squared angular velocity")};
+  RealParameter failure_reward_{
+      this, real("failure_reward", "", -10.0, at_most(0.0), "reward added for a robot that fails")};
   RealParameter rivalry_{
-      this,
-      {.name = "rivalry",
-       .value = 0.0,
-       .min = 0.0,
-       .max = 1.0,
-       .doc = "share of the others' progress reward, subtracted from a racer's reward"}};
-  RealParameter pace_{this,
-                      {.name = "pace",
-                       .unit = "m/s",
-                       .value = 2.0,
-                       .min = 0.01,
-                       .max = 100.0,
-                       .doc = "speed of the goals through gates, for the baseline `hold`"}};
+      this, real("rivalry", "", 0.0, between(0.0, 1.0),
+                 "share of the others' progress reward, subtracted from a racer's reward")};
+  RealParameter pace_{this, real("pace", "m/s", 2.0, between(0.01, 100.0),
+                                 "speed of the goals through gates, for the baseline `hold`")};
 
-  RealParameter lane_width_{this,
-                            {.name = "lane_width",
-                             .unit = "m",
-                             .value = 0.8,
-                             .min = 0.0,
-                             .max = 100.0,
-                             .doc = "distance between the lanes of several racers' goals"}};
+  RealParameter lane_width_{this, real("lane_width", "m", 0.8, between(0.0, 100.0),
+                                       "distance between the lanes of several racers' goals")};
 
   ObservationParts observation_;
   InfoParts infos_;

@@ -30,7 +30,7 @@ class Track {
     }
     for (const std::string& name : names) add(find(setup, name));
     if (gates_.empty()) {
-      throw std::runtime_error(
+      refuse(
           "there is no gate to race through: add `obstacles: [{name: gate_1, gate: [1.4, 1.4, "
           "0.1], position: [2, 0, 1.5]}]`");
     }
@@ -48,15 +48,13 @@ class Track {
       const Gate<double>& g = gate.nominal;
       const double lowest = g.centre.z - drop(g);
       if (lowest < min(height_min, 0.0) - kRounding) {
-        throw std::runtime_error("gate `" + gate.name + "` opens down to z = " + to_text(lowest) +
-                                 " m, below the ground: lift it by " +
-                                 to_text(min(height_min, 0.0) - lowest) + " m, or make it lower");
+        refuse("gate `", gate.name, "` opens down to z = ", lowest,
+               " m, below the ground: lift it by ", min(height_min, 0.0) - lowest,
+               " m, or make it lower");
       }
       if (g.centre.z >= height_min) continue;
-      throw std::runtime_error("gate `" + gate.name +
-                               "` has its middle at z = " + to_text(g.centre.z) +
-                               " m, below `height_min` " + to_text(height_min) +
-                               ", where an episode ends: lift it, or lower that");
+      refuse("gate `", gate.name, "` has its middle at z = ", g.centre.z, " m, below `height_min` ",
+             height_min, ", where an episode ends: lift it, or lower that");
     }
   }
 
@@ -66,11 +64,10 @@ class Track {
     for (const Entry& gate : gates_) {
       const Vec3<double>& half = gate.nominal.half;
       if (min(half.y, half.z) > radius) continue;
-      throw std::runtime_error("gate `" + gate.name + "` opens " + to_text(2.0 * half.y) +
-                               " m by " + to_text(2.0 * half.z) + " m, and nearer than `radius` " +
-                               to_text(radius) +
-                               " m to its frame a racer collides: let it open more than " +
-                               to_text(2.0 * radius) + " m each way");
+      refuse("gate `", gate.name, "` opens ", 2.0 * half.y, " m by ", 2.0 * half.z,
+             " m, and nearer than `radius` ", radius,
+             " m to its frame a racer collides: let it open more than ", 2.0 * radius,
+             " m each way");
     }
   }
 
@@ -80,11 +77,9 @@ class Track {
     for (const Entry& gate : gates_) {
       const double room = gate.nominal.half.y - radius;
       if (racers < 2 || aside <= room) continue;
-      throw std::runtime_error("`lane_width` " + to_text(width) + " leads racers " +
-                               to_text(aside) + " m aside, and gate `" + gate.name +
-                               "` lets those of `radius` " + to_text(radius) + " be " +
-                               to_text(room) + " m aside: take at most " +
-                               to_text(2.0 * room / (racers - 1)) + ", or widen the gate");
+      refuse("`lane_width` ", width, " leads racers ", aside, " m aside, and gate `", gate.name,
+             "` lets those of `radius` ", radius, " be ", room, " m aside: take at most ",
+             2.0 * room / (racers - 1), ", or widen the gate");
     }
   }
 
@@ -152,21 +147,18 @@ class Track {
       if (name == shape.name) return shape;
       known += (known.empty() ? "" : ", ") + std::string(shape.name);
     }
-    throw std::runtime_error("`gates` names no gate `" + name + "`: there are " +
-                             (known.empty() ? "none" : known));
+    refuse("`gates` names no gate `", name, "`: there are ", (known.empty() ? "none" : known));
   }
 
   void check_overlaps() const {
     for (std::size_t j = 1; j < gates_.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i) {
         if (gates_[i].obstacle.first_param == gates_[j].obstacle.first_param) {
-          throw std::runtime_error("`gates` names `" + gates_[i].name +
-                                   "` twice: name each gate once");
+          refuse("`gates` names `", gates_[i].name, "` twice: name each gate once");
         }
         if (overlap(gates_[i].nominal, gates_[j].nominal)) {
-          throw std::runtime_error("gate `" + gates_[j].name + "` at " + place_of(gates_[j]) +
-                                   " overlaps `" + gates_[i].name + "` at " + place_of(gates_[i]) +
-                                   ": move one of them away");
+          refuse("gate `", gates_[j].name, "` at ", place_of(gates_[j]), " overlaps `",
+                 gates_[i].name, "` at ", place_of(gates_[i]), ": move one of them away");
         }
       }
     }
@@ -182,14 +174,13 @@ class Track {
       if (behind <= kRounding) continue;
       const double before = -next.nominal.local(gate.nominal.centre).x;
       if (before > 0.0 && dot(gate.nominal.normal(), next.nominal.normal()) > 0.0) {
-        throw std::runtime_error("gate `" + next.name + "` stands " + to_text(before) +
-                                 " m behind `" + gate.name + "`; allowed: " + to_text(kLeave) +
-                                 " m or more. Move it on");
+        refuse("gate `", next.name, "` stands ", before, " m behind `", gate.name,
+               "`; allowed: ", kLeave, " m or more. Move it on");
       }
-      throw std::runtime_error("gate `" + next.name + "` faces away from `" + gate.name +
-                               "`: whoever leaves that one is " + to_text(behind) +
-                               " m behind the plane of this one; turn it about z by 3.14159, or "
-                               "give `gates` in another order");
+      refuse("gate `", next.name, "` faces away from `", gate.name,
+             "`: whoever leaves that one is ", behind,
+             " m behind the plane of this one; turn it about z by 3.14159, or give `gates` in "
+             "another order");
     }
   }
 

@@ -14,36 +14,27 @@ class Reach : public Task {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    const int robot = setup.robot(robot_.value());
-    const RobotInfo& info = setup.robots()[robot];
+    const RobotInfo& info = robot_.configure(setup, "reach");
+    const int robot = robot_.index();
     const LinkInfo& link = setup.link(robot, tool_.value());
-    base_ = info.first_body;
-    carrier_ = link.body;
-    lever_ = {link.position[0], link.position[1], link.position[2]};
+    grip_ = {link.body, {link.position[0], link.position[1], link.position[2]}};
     home_ = {info.position[0], info.position[1], info.position[2]};
     heading_ =
         yaw(Quat<double>{info.rotation[0], info.rotation[1], info.rotation[2], info.rotation[3]});
-    first_action_ = info.first_action;
-    actions_ = action_count(info, "reach");
     find_joints(setup, info);
     const int joints = static_cast<int>(joints_.size());
-    const auto part = [&](const char* name, const char* unit, int count, const char* doc,
-                          double bound = kInfinity) {
-      return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
-    };
+    const RobotParts part(setup, observation_, robot);
     tool_error_ = part("tool_error", "m", 3, "target of the tool - its position, W");
     tool_velocity_ = part("tool_velocity", "m/s", 3, "velocity of the tool, W");
     position_error_ =
         part("position_error", "m", 3, "the scenario's position - position of the base, W");
     yaw_error_ =
         part("yaw_error", "rad", 1, "the scenario's yaw - own yaw, wrapped to [-pi, pi]", kPi);
-    velocity_ = part("velocity", "m/s", 3, "velocity of the base's frame, W");
-    attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
-    angular_velocity_ = part("angular_velocity", "rad/s", 3, "angular velocity of the base, B");
+    motion_.declare(part);
     joint_positions_ = part("joint_positions", "", joints,
                             "positions of the arm's joints, from the base outwards [rad] or [m]");
     joint_rates_ = part("joint_rates", "", joints, "rates of the arm's joints [rad/s] or [m/s]");
-    action_ = part("action", "", actions_, "action of this step, in [-1, 1]; -1 at a reset", 1.0);
+    robot_.action.declare(part);
     tool_info_ = infos_.add(setup, "tool_error", "m", "distance of the tool from its target");
     position_info_ = infos_.add(setup, "position_error", "m",
                                 "distance of the base from its position in the scenario");
@@ -51,35 +42,28 @@ class Reach : public Task {
     require_within(from_home(place_.vec3()), "the tool's `place`", limits_.bound());
     limits_.configure(setup, infos_);
     success_ = declare_success(setup, infos_, "the tool within `success_distance` of its target");
-    setup.goal(robot, carrier_, lever_);
+    setup.goal(robot, grip_.body, grip_.point);
   }
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
-    const BodyMotion<Real> base = env.body(base_), carrier = env.body(carrier_);
+    const BodyMotion<Real> base = env.body(robot_.body()), carrier = env.body(grip_.body);
     const Vec3<Real> tool_error =
-        target(env) - carrier.position - rotate(carrier.rotation, lever<Real>());
-    const Vec3<Real> tool_velocity =
-        carrier.velocity + rotate(carrier.rotation, cross(carrier.angular_velocity, lever<Real>()));
+        target(env) - carrier.position - rotate(carrier.rotation, grip_.lever<Real>());
     const Vec3<Real> error = home<Real>() - base.position;
     const Real yaw_error = wrap_angle(Real(heading_) - yaw(base.rotation));
     const Values<Real>& row = out.observation;
     tool_error_.set(row, tool_error);
-    tool_velocity_.set(row, tool_velocity);
+    tool_velocity_.set(row, grip_.at(carrier).velocity);
     position_error_.set(row, error);
     yaw_error_.set(row, yaw_error);
-    velocity_.set(row, base.velocity);
-    attitude_.set(row, canonical(base.rotation));
-    angular_velocity_.set(row, base.angular_velocity);
+    motion_.set(row, base);
     for (int k = 0; k < static_cast<int>(joints_.size()); ++k) {
       const Coordinate& joint = joints_[static_cast<std::size_t>(k)];
       joint_positions_.set(row, env.q(joint.q), k);
       joint_rates_.set(row, env.u(joint.u), k);
     }
-    const auto stepped = env.step() > Word<Real>(0);
-    for (int k = 0; k < actions_; ++k) {
-      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
-    }
+    robot_.action.set(env, row);
     const PassedLimits<Real> passed = limits_.passed(base, yaw_error);
     const Real vehicle = squared_norm(error) + yaw_error * yaw_error;
     const Real reward =
@@ -100,7 +84,7 @@ class Reach : public Task {
   /// Goal pose of the body with the tool, in its present orientation; the vehicle's yaw.
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
-    goal.set(0, target(env) - rotate(env.body(carrier_).rotation, lever<Real>()));
+    goal.set(0, target(env) - rotate(env.body(grip_.body).rotation, grip_.lever<Real>()));
     goal.set(3, Real(heading_));
   }
 
@@ -116,19 +100,17 @@ class Reach : public Task {
 
   /// The joints between the base and the tool, from the base on.
   void find_joints(const Setup& setup, const RobotInfo& robot) {
-    for (int b = carrier_; b != base_; b = setup.bodies()[b].parent) {
+    for (int b = grip_.body; b != robot_.body(); b = setup.bodies()[b].parent) {
       const BodyInfo& body = setup.bodies()[b];
       if (body.joint != SKYBODY_PIN && body.joint != SKYBODY_SLIDER) {
-        throw std::runtime_error("joint `" + std::string(body.joint_name) + "` of robot `" +
-                                 std::string(robot.name) +
-                                 "` is neither revolute nor prismatic: task `reach` needs an arm "
-                                 "of such joints");
+        refuse("joint `", body.joint_name, "` of robot `", robot.name,
+               "` is neither revolute nor prismatic: task `reach` needs an arm of such joints");
       }
       joints_.push_back({body.first_q, body.first_u});
     }
     if (joints_.empty()) {
-      throw std::runtime_error("link `" + tool_.value() + "` is fixed to the base of robot `" +
-                               std::string(robot.name) + "`: name one that an arm moves");
+      refuse("link `", tool_.value(), "` is fixed to the base of robot `", robot.name,
+             "`: name one that an arm moves");
     }
     std::reverse(joints_.begin(), joints_.end());
   }
@@ -148,44 +130,26 @@ class Reach : public Task {
   SKYBODY_INLINE Vec3<Real> home() const {
     return {Real(home_.x), Real(home_.y), Real(home_.z)};
   }
-  template <class Real>
-  SKYBODY_INLINE Vec3<Real> lever() const {
-    return {Real(lever_.x), Real(lever_.y), Real(lever_.z)};
-  }
-
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
-  TextParameter tool_{this,
-                      {.name = "tool", .value = "gripper", .doc = "link whose frame is the tool"}};
+  OneRobot robot_{this};
+  TextParameter tool_{this, word("tool", "gripper", "link whose frame is the tool")};
   RealsParameter place_{this,
-                        {.name = "place",
-                         .unit = "m",
-                         .values = {0.0, 0.0, -0.4},
-                         .doc = "target of the tool, relative to the robot's position in the "
-                                "scenario; axes: that heading, level",
-                         .randomizable = true}};
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -50.0,
-                                 .doc = "reward of the step in which the robot fails"}};
+                        randomizable(reals("place", "m", {0.0, 0.0, -0.4}, kAny,
+                                           "target of the tool, relative to the robot's position "
+                                           "in the scenario; axes: that heading, level"))};
+  RealParameter failure_reward_{
+      this, real("failure_reward", "", -50.0, kAny, "reward of the step in which the robot fails")};
   RealParameter success_distance_{
-      this,
-      {.name = "success_distance",
-       .unit = "m",
-       .value = 0.02,
-       .min = 0.0,
-       .doc = "the tool has arrived if closer than this to its target (info `success`)"}};
+      this, real("success_distance", "m", 0.02, at_least(0.0),
+                 "the tool has arrived if closer than this to its target (info `success`)")};
   FlightLimits limits_{this};
 
   ObservationParts observation_;
   InfoParts infos_;
-  Part tool_error_, tool_velocity_, position_error_, yaw_error_, velocity_, attitude_,
-      angular_velocity_, joint_positions_, joint_rates_, action_;
+  Part tool_error_, tool_velocity_, position_error_, yaw_error_, joint_positions_, joint_rates_;
+  MotionParts motion_;
   Part tool_info_, position_info_, tilt_info_, success_;
-  int base_ = 0, carrier_ = 0;
-  int first_action_ = 0, actions_ = 0;
+  BodyPoint grip_;  ///< the tool
   std::vector<Coordinate> joints_;
-  Vec3<double> lever_{};  ///< position of the tool in the frame of its body [m]
   Vec3<double> home_{};   ///< the robot's position in the scenario, W [m]
   double heading_ = 0.0;  ///< the robot's yaw in the scenario [rad]
 };

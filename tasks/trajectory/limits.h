@@ -39,9 +39,8 @@ class PathLimits {
   void require_within(const reference::PathNumbers<double>& numbers, reference::Path path,
                       double duration) const {
     if (!(height_min_.value() < height_max_.value())) {
-      throw std::runtime_error("`height_min` " + to_text(height_min_.value()) +
-                               " is not below `height_max` " + to_text(height_max_.value()) +
-                               ": let heights lie between");
+      refuse("`height_min` ", height_min_.value(), " is not below `height_max` ",
+             height_max_.value(), ": let heights lie between");
     }
     constexpr int kSamples = 1024;
     path.approach = 0.0;  // the approach's start is random
@@ -59,39 +58,23 @@ class PathLimits {
  private:
   static void require_inside(const char* axis, double value, double low, double high, double time) {
     if (value >= low && value <= high) return;
-    throw std::runtime_error(std::string("the path leads to ") + axis + " = " + to_text(value) +
-                             " m after " + to_text(time) + " s, and beyond " +
-                             to_text(value < low ? low : high) +
-                             " m an episode has failed: move the path, or widen `side_max`, "
-                             "`height_min` or `height_max`");
+    refuse("the path leads to ", axis, " = ", value, " m after ", time, " s, and beyond ",
+           value < low ? low : high,
+           " m an episode has failed: move the path, or widen `side_max`, `height_min` or "
+           "`height_max`");
   }
 
   Plugin* owner_;
-  RealParameter side_max_{owner_,
-                          {.name = "side_max",
-                           .unit = "m",
-                           .value = 9.0,
-                           .min = 1e-3,
-                           .doc = "a robot fails if |x| or |y| exceeds this (W)"}};
-  RealParameter height_min_{
-      owner_,
-      {.name = "height_min", .unit = "m", .value = 0.1, .doc = "a robot fails below this height"}};
-  RealParameter height_max_{
-      owner_,
-      {.name = "height_max", .unit = "m", .value = 10.0, .doc = "a robot fails above this height"}};
-  RealParameter tilt_max_{owner_,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = 157.5 * kPi / 180.0,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "a robot fails beyond this tilt"}};
-  RealParameter rate_max_{owner_,
-                          {.name = "rate_max",
-                           .unit = "rad/s",
-                           .value = 10.0,
-                           .min = 1e-3,
-                           .doc = "a robot fails if it rotates faster than this"}};
+  RealParameter side_max_{owner_, real("side_max", "m", 9.0, at_least(1e-3),
+                                       "a robot fails if |x| or |y| exceeds this (W)")};
+  RealParameter height_min_{owner_,
+                            real("height_min", "m", 0.1, kAny, "a robot fails below this height")};
+  RealParameter height_max_{owner_,
+                            real("height_max", "m", 10.0, kAny, "a robot fails above this height")};
+  RealParameter tilt_max_{owner_, real("tilt_max", "rad", 157.5 * kPi / 180.0, between(0.0, kPi),
+                                       "a robot fails beyond this tilt")};
+  RealParameter rate_max_{owner_, real("rate_max", "rad/s", 10.0, at_least(1e-3),
+                                       "a robot fails if it rotates faster than this")};
 
   double tilt_cosine_ = -2.0;
   Part side_failure_, height_failure_, tilt_failure_, rate_failure_;

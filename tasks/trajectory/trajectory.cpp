@@ -24,22 +24,19 @@ class Trajectory : public Task {
   };
 
   void configure(const Setup& setup) override {
-    const int robot = setup.robot(robot_.value());
-    const RobotInfo& info = setup.robots()[robot];
-    body_ = info.first_body;
-    first_action_ = info.first_action;
+    robot_.configure(setup, "trajectory");
+    const int robot = robot_.index();
     dt_ = setup.dt();
     step_ = dt_ * setup.action_repeat();
     gravity_ = {setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]};
     window_ = {static_cast<int>(moments_.value()), spacing_.value()};
-    actions_ = action_count(info, "trajectory");
     observed_.configure(setup, {.history = static_cast<int>(entries_.value()),
                                 .window = window_.count,
                                 .matrices = matrices_.value(),
                                 .body_axes = axes_.value() == "body",
                                 .past_actions = past_actions_.value(),
                                 .robot = robot,
-                                .actions = actions_});
+                                .actions = robot_.action.count()});
     require_memory(setup);
     require_path(setup, robot);
     distance_info_ =
@@ -51,22 +48,22 @@ class Trajectory : public Task {
     limits_.configure(setup, infos_);
     success_ = declare_success(setup, infos_,
                                "`settle` is over and `mean_error` is below `success_distance`");
-    setup.goal(robot, body_);
+    setup.goal(robot, robot_.body());
   }
 
   template <class Real>
   void reset(const EnvView<Real>& env, State<Real>& state, Values<Real>) const {
-    state.path = path_start(path_parameters_, path_, env, env.body(body_).position);
+    state.path = path_start(path_parameters_, path_, env, env.body(robot_.body()).position);
   }
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out,
                 Values<Real> buffer) const {
     const PathNumbers<Real> numbers = path_numbers(path_parameters_, env, state.path);
-    const tracking::Flight<Real> flight = observed_.flight(env.body(body_));
+    const tracking::Flight<Real> flight = observed_.flight(env.body(robot_.body()));
     const Values<Real>& row = out.observation;
     observed_.past(
-        env, flight, [&](int k) { return env.action(first_action_ + k); }, buffer, row);
+        env, flight, [&](int k) { return robot_.action.value(env, k); }, buffer, row);
     const Real now = time(env);
     const Moment<Real, 3> moment = path_.at<3>(numbers, now);
     look_ahead(numbers, now, moment, flight, row);
@@ -119,9 +116,8 @@ class Trajectory : public Task {
     const double episode = setup.horizon() * step_;
     const double ahead = (window_.count - 1) * window_.spacing;
     if (episode <= 0.0 || ahead < episode) return;
-    throw std::runtime_error("`window` and `spacing` look ahead by " + to_text(ahead) +
-                             " s, and an episode ends after " + to_text(episode) +
-                             " s: look less far");
+    refuse("`window` and `spacing` look ahead by ", ahead, " s, and an episode ends after ",
+           episode, " s: look less far");
   }
 
   void require_path(const Setup& setup, int robot) {
@@ -180,8 +176,8 @@ class Trajectory : public Task {
                              const Vec3<Real>& error, const Vec3<Real>& slip, const Real& distance,
                              const Real& yaw_error) const {
     Real action(0.0);
-    for (int k = 0; k < actions_; ++k) {
-      const Real value = env.action(first_action_ + k);
+    for (int k = 0; k < robot_.action.count(); ++k) {
+      const Real value = robot_.action.value(env, k);
       action += value * value;
     }
     const Real cost = kSideWeight * (error.x * error.x + error.y * error.y) +
@@ -194,77 +190,44 @@ class Trajectory : public Task {
            heading_reward_.value() * closeness(yaw_error * yaw_error, kHeadingWeight);
   }
 
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "name of the robot; optional for a single robot"}};
-  IntegerParameter entries_{this,
-                            {.name = "history",
-                             .value = 20,
-                             .min = 1,
-                             .max = 256,
-                             .doc = "number of observed past steps"}};
+  OneRobot robot_{this};
+  IntegerParameter entries_{
+      this, integer("history", "", 20, between(1, 256), "number of observed past steps")};
   IntegerParameter moments_{this,
-                            {.name = "window",
-                             .value = 20,
-                             .min = 1,
-                             .max = 256,
-                             .doc = "number of observed moments of the path, the first is now"}};
-  RealParameter spacing_{this,
-                         {.name = "spacing",
-                          .unit = "s",
-                          .value = 0.01,
-                          .min = 1e-6,
-                          .max = 1e3,
-                          .doc = "time between two of these moments"}};
+                            integer("window", "", 20, between(1, 256),
+                                    "number of observed moments of the path, the first is now")};
+  RealParameter spacing_{
+      this, real("spacing", "s", 0.01, between(1e-6, 1e3), "time between two of these moments")};
   BooleanParameter matrices_{
       this,
-      {.name = "matrices",
-       .value = true,
-       .doc =
-           "observe past and future rotation matrices; false: the present attitude and yaw error"}};
-  TextParameter axes_{this,
-                      {.name = "axes",
-                       .value = "world",
-                       .choices = {"world", "body"},
-                       .doc = "axes of observed velocities and errors"}};
+      boolean(
+          "matrices", true,
+          "observe past and future rotation matrices; false: the present attitude and yaw error")};
+  TextParameter axes_{
+      this, choice("axes", "world", {"world", "body"}, "axes of observed velocities and errors")};
   BooleanParameter past_actions_{
       this,
-      {.name = "past_actions",
-       .value = true,
-       .doc =
-           "the history contains the actions; false: a policy that needs them must have memory"}};
+      boolean(
+          "past_actions", true,
+          "the history contains the actions; false: a policy that needs them must have memory")};
   reference::PathParameters path_parameters_{this};
   control::PathCheck check_{this};
   tracking::PathLimits limits_{this};
 
-  RealParameter failure_reward_{this,
-                                {.name = "failure_reward",
-                                 .value = -50.0,
-                                 .max = 0.0,
-                                 .doc = "reward of the step in which the robot fails"}};
+  RealParameter failure_reward_{this, real("failure_reward", "", -50.0, at_most(0.0),
+                                           "reward of the step in which the robot fails")};
   RealParameter precision_reward_{
-      this,
-      {.name = "precision_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a gradient close to the path"}};
+      this, real("precision_reward", "", 0.0, at_least(0.0),
+                 "weight of 1 / (1 + |e| / 0.2 m) in the reward: a gradient close to the path")};
   RealParameter heading_reward_{this,
-                                {.name = "heading_reward",
-                                 .value = 0.0,
-                                 .min = 0.0,
-                                 .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward"}};
+                                real("heading_reward", "", 0.0, at_least(0.0),
+                                     "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward")};
   RealParameter settle_{
       this,
-      {.name = "settle",
-       .unit = "s",
-       .value = 3.0,
-       .min = 0.0,
-       .doc = "time after a reset in which errors do not count; a shorter episode is no success"}};
-  RealParameter success_distance_{this,
-                                  {.name = "success_distance",
-                                   .unit = "m",
-                                   .value = 0.1,
-                                   .min = 0.0,
-                                   .doc = "a mean error below this is a success"}};
+      real("settle", "s", 3.0, at_least(0.0),
+           "time after a reset in which errors do not count; a shorter episode is no success")};
+  RealParameter success_distance_{this, real("success_distance", "m", 0.1, at_least(0.0),
+                                             "a mean error below this is a success")};
 
   tracking::Observed observed_;
   InfoParts infos_;
@@ -272,7 +235,6 @@ class Trajectory : public Task {
   Window window_;
   reference::Path path_;
   Vec3<double> gravity_{};
-  int body_ = 0, first_action_ = 0, actions_ = 0;
   double dt_ = 0.0, step_ = 0.0;
 };
 

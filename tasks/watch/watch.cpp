@@ -32,9 +32,8 @@ class Watch : public Task {
   }
 
  private:
-  TextParameter robot_{this,
-                       {.name = "robot", .doc = "robot with the link; empty: the only robot"}};
-  TextParameter link_name_{this, {.name = "link", .doc = "name of the link", .required = true}};
+  TextParameter robot_{this, word("robot", "", "robot with the link; empty: the only robot")};
+  TextParameter link_name_{this, required(word("link", "", "name of the link"))};
   LinkInfo link_{};
 };
 

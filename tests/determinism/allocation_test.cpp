@@ -81,7 +81,7 @@ namespace {
 class NoAllocation : public testing::TestWithParam<const char*> {};
 
 TEST_P(NoAllocation, OfOursHappensWhileStepping) {
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/" + std::string(GetParam())});
+  Simulation simulation({.scenario = GetParam()});
   HoldPolicy hold(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
@@ -101,7 +101,7 @@ TEST_P(NoAllocation, OfOursHappensWhileStepping) {
 }
 
 TEST(Allocation, DoesNotHappenInACollision) {
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/collision.yaml"});
+  Simulation simulation({.scenario = "collision"});
   simulation.keep_hash(false);
   HoldPolicy hold(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
@@ -161,7 +161,7 @@ TEST(Allocation, DoesNotHappenInAnUpdateOfANetworkAfterTheFirst) {
 /// Both vectors of a report, and the names of losses that are too long for the small-string buffer.
 TEST(Allocation, OfAnIterationIsItsReportAlone) {
   learn::LearnerOptions options;
-  options.compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover_learn.yaml", {}, {}});
+  options.compiled = compile_scenario({"hover_learn", {}, {}});
   options.total_steps = 1000000;
   options.threads = 2;
   options.hyper.envs = 64;
@@ -185,7 +185,7 @@ class NoAllocationInBatches : public testing::TestWithParam<PoolOptions> {};
 TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
   PoolOptions options = GetParam();
   options.envs = kEnvs;
-  const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+  const auto compiled = compile_scenario({"hover", {}, {}});
   Pool envs(compiled, options);
   envs.send_reset();
   std::vector<std::int32_t> ids;
@@ -215,7 +215,7 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
 /// On the ground and on a joint: queries of contact and joint forces allocate only the first time.
 TEST(Allocation, DoesNotHappenWherePluginsAskWhatBodiesFeel) {
   Simulation simulation(
-      {.scenario = SKYBODY_SOURCE_DIR "/scenarios/payload.yaml",
+      {.scenario = "payload",
        .overrides = {"sensors=[{plugin: feeling_sensor}]", "robots.quad.pose.position=[0, 0, 0.3]"},
        .plugin_path = {SKYBODY_BINARY_DIR "/tests/plugins/good"}});
   const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), -1.0f);
@@ -233,7 +233,7 @@ TEST(Allocation, DoesNotHappenInModelPredictiveControl) {
   if (!std::filesystem::exists(SKYBODY_BINARY_DIR "/lib/skybody/plugins/nmpc.so")) {
     GTEST_SKIP() << "built without DAQP";
   }
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+  Simulation simulation({.scenario = "hover",
                          .overrides = {"robots[0].controllers=[{plugin: nmpc}, {plugin: srt}]"}});
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
@@ -252,8 +252,7 @@ TEST(Allocation, DoesNotHappenWhereRotorsSaturateByLeastSquares) {
   for (const char* plugin : {"ctbt", "indi"}) {
     const std::string chain = std::string("robots[0].controllers=[{plugin: ") + plugin +
                               ", parameters: {allocation: qp}}]";
-    Simulation simulation(
-        {.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", .overrides = {chain}});
+    Simulation simulation({.scenario = "hover", .overrides = {chain}});
     std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
     simulation.reset();
     simulation.step(action);
@@ -269,7 +268,7 @@ TEST(Allocation, DoesNotHappenWhereRotorsSaturateByLeastSquares) {
 }
 
 TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
-  const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+  const auto compiled = compile_scenario({"hover", {}, {}});
   Pool envs(compiled, {.envs = kEnvs, .threads = 2});
   envs.send_reset();
   envs.recv();
@@ -290,15 +289,14 @@ INSTANTIATE_TEST_SUITE_P(
                     PoolOptions{.batch = kEnvs, .threads = 1, .autoreset = Autoreset::kSameStep},
                     PoolOptions{.batch = kEnvs, .threads = 2, .keep_hash = true}));
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenarios, NoAllocation,
-    testing::Values("hover.yaml", "payload.yaml", "formation.yaml", "collision.yaml",
-                    "hard_landing.yaml", "cooperative_payload.yaml", "gates.yaml",
-                    "platform_landing.yaml", "landing.yaml", "racing_duel.yaml",
-                    "racing_drawn.yaml", "four_bar.yaml", "windy_hover.yaml", "downwash_pair.yaml",
-                    "low_battery.yaml", "rotor_out.yaml", "arm.yaml", "payload_paper.yaml",
-                    "vehicles.yaml", "omav.yaml", "formation_obstacles.yaml", "obstacles.yaml",
-                    "chase.yaml", "pendulum.yaml", "trajectory.yaml"));
+INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
+                         testing::Values("hover", "payload", "formation", "collision",
+                                         "hard_landing", "cooperative_payload", "gates",
+                                         "platform_landing", "landing", "racing_duel",
+                                         "racing_drawn", "four_bar", "windy_hover", "downwash_pair",
+                                         "low_battery", "rotor_out", "arm", "payload_paper",
+                                         "vehicles", "omav", "formation_obstacles", "obstacles",
+                                         "chase", "pendulum", "trajectory", "hover_sensors"));
 
 }  // namespace
 }  // namespace skybody

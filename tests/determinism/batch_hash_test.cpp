@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <ostream>
@@ -16,6 +15,7 @@
 #include "core/assemble/compile_scenario.h"
 #include "core/base/math/random.h"
 #include "core/batch/pool.h"
+#include "core/io/files/shipped_files.h"
 #include "core/policy/hold/hold_policy.h"
 #include "core/simulation/simulation.h"
 
@@ -104,10 +104,6 @@ Pool make(const std::shared_ptr<const CompiledScenario>& compiled, const Shape& 
                          .keep_hash = true});
 }
 
-std::string file_of(const std::string& name) {
-  return SKYBODY_SOURCE_DIR "/scenarios/" + name + ".yaml";
-}
-
 struct Flight {
   std::string name, scenario;
   std::vector<std::string> overrides = {};
@@ -115,14 +111,9 @@ struct Flight {
 
 void PrintTo(const Flight& flight, std::ostream* out) { *out << flight.name; }
 
-std::vector<Flight> shipped_scenarios() {
+std::vector<Flight> shipped_flights() {
   std::vector<Flight> flights;
-  for (const auto& entry : std::filesystem::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
-    const std::string name = entry.path().stem().string();
-    if (entry.path().extension() == ".yaml") flights.push_back({name, name});
-  }
-  std::sort(flights.begin(), flights.end(),
-            [](const Flight& a, const Flight& b) { return a.name < b.name; });
+  for (const std::string& name : shipped_scenarios()) flights.push_back({name, name});
   return flights;
 }
 
@@ -146,7 +137,7 @@ std::vector<Flight> solvers() {
 class EveryShippedScenario : public testing::TestWithParam<Flight> {
  protected:
   std::shared_ptr<const CompiledScenario> compiled_ =
-      compile_scenario({file_of(GetParam().scenario), GetParam().overrides, {}});
+      compile_scenario({GetParam().scenario, GetParam().overrides, {}});
   /// Fewer steps for worlds of many robots and for error-controlled integrators, so that all
   /// scenarios take about the same time.
   int steps_ =
@@ -201,14 +192,14 @@ TEST_P(EveryShippedScenario, ANeighbourThatFaultsChangesNoOthersHash) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shipped_scenarios()),
+INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shipped_flights()),
                          [](const auto& flight) { return flight.param.name; });
 INSTANTIATE_TEST_SUITE_P(Solvers, EveryShippedScenario, testing::ValuesIn(solvers()),
                          [](const auto& flight) { return flight.param.name; });
 
 /// Denormals flushed and rounding downwards, as another library may leave the caller's thread.
 TEST(CallersFloatingPointMode, MovesNoHash) {
-  const auto compiled = compile_scenario({file_of("hover"), {}, {}});
+  const auto compiled = compile_scenario({"hover", {}, {}});
   const auto run = [&](int envs_count) {
     Pool envs(compiled, {.envs = envs_count, .threads = 1, .keep_hash = true});
     reset(envs);
@@ -230,7 +221,7 @@ TEST(CallersFloatingPointMode, MovesNoHash) {
 }
 
 TEST(CallersFloatingPointMode, MovesNothingInADirectWorld) {
-  const auto compiled = compile_scenario({file_of("hover"), {}, {}});
+  const auto compiled = compile_scenario({"hover", {}, {}});
   const auto run = [&] {
     Simulation simulation(compiled, kSeed, 0);
     simulation.reset();
@@ -251,8 +242,8 @@ TEST(CallersFloatingPointMode, MovesNothingInADirectWorld) {
 }
 
 TEST(Groups, AreAsLargeAsThreadsBatchesAndDynamicsAllow) {
-  const auto tree = compile_scenario({file_of("hover"), {}, {}});
-  const auto simbody = compile_scenario({file_of("hover"), {"stepping.dynamics=simbody"}, {}});
+  const auto tree = compile_scenario({"hover", {}, {}});
+  const auto simbody = compile_scenario({"hover", {"stepping.dynamics=simbody"}, {}});
   const auto lanes = [](const auto& compiled, int envs, int threads, int batch = 0,
                         Order order = Order::kFixed) {
     return Pool(compiled, {.envs = envs, .batch = batch, .threads = threads, .order = order})
@@ -270,7 +261,7 @@ TEST(Groups, AreAsLargeAsThreadsBatchesAndDynamicsAllow) {
 /// are saved and restored during the collisions, in lanes and one by one.
 TEST(Collision, HasOneHashInLanesAndAlone) {
   constexpr int kLanes = 8, kSteps = 140, kMidst = 102;
-  const auto compiled = compile_scenario({file_of("collision"), {}, {}});
+  const auto compiled = compile_scenario({"collision", {}, {}});
   Simulation simulation(compiled, kSeed, 0);
   simulation.reset();
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
@@ -315,12 +306,12 @@ std::string output_of(const std::string& command) {
 
 TEST(AnotherProcess, HasTheHashOfThisOne) {
   for (const std::string name : {"hover", "payload"}) {
-    Pool envs = make(compile_scenario({file_of(name), {}, {}}), {2, 2, Order::kArrival});
+    Pool envs = make(compile_scenario({name, {}, {}}), {2, 2, Order::kArrival});
     reset(envs);
     fly(envs, 0, 60, kNobody);
     HashChain first;
     first.update(envs.hash(0));
-    EXPECT_EQ(output_of(SKYBODY_PROGRAM " hash --steps 60 --seed 7 " + file_of(name)),
+    EXPECT_EQ(output_of(SKYBODY_PROGRAM " hash --steps 60 --seed 7 " + name),
               to_hex(first.value()) + "\n");
   }
 }

@@ -15,8 +15,6 @@
 namespace skybody {
 namespace {
 
-std::string scenario(const std::string& name) { return SKYBODY_SOURCE_DIR "/scenarios/" + name; }
-
 /// The actions depend only on the step.
 void fly(Simulation& simulation, int steps, std::uint64_t salt = 0) {
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
@@ -34,7 +32,7 @@ void fly(Simulation& simulation, int steps, std::uint64_t salt = 0) {
 class EveryScenario : public testing::TestWithParam<const char*> {
  protected:
   Simulation make(std::uint64_t seed = 5) {
-    return Simulation({.scenario = scenario(GetParam()), .seed = seed});
+    return Simulation({.scenario = GetParam(), .seed = seed});
   }
 };
 
@@ -94,25 +92,23 @@ TEST_P(EveryScenario, AForkHasTheSameFutureAndARekeyedOneItsOwn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
-                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
-                                         "formation_2.yaml", "formation_20.yaml", "boom.yaml",
-                                         "hard_landing.yaml", "cooperative_payload.yaml",
-                                         "formation_obstacles.yaml", "forest.yaml", "gates.yaml",
-                                         "platform_landing.yaml", "landing.yaml",
-                                         "racing_duel.yaml", "racing_drawn.yaml", "four_bar.yaml",
-                                         "windy_hover.yaml", "downwash_pair.yaml",
-                                         "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
-                                         "payload_paper.yaml", "vehicles.yaml", "omav.yaml"));
+                         testing::Values("hover", "payload", "formation", "formation_2",
+                                         "formation_20", "boom", "hard_landing",
+                                         "cooperative_payload", "formation_obstacles", "forest",
+                                         "gates", "platform_landing", "landing", "racing_duel",
+                                         "racing_drawn", "four_bar", "windy_hover", "downwash_pair",
+                                         "low_battery", "rotor_out", "arm", "payload_paper",
+                                         "vehicles", "omav"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
-  Simulation hover({.scenario = scenario("hover.yaml")});
-  Simulation payload({.scenario = scenario("payload.yaml")});
+  Simulation hover({.scenario = "hover"});
+  Simulation payload({.scenario = "payload"});
   hover.reset();
   EXPECT_THROW(payload.restore(hover.save()), Error);
 }
 
 TEST(Simulation, RefusesAnActionOfAnotherSizeAndAStepBeforeAReset) {
-  Simulation hover({.scenario = scenario("hover.yaml")});
+  Simulation hover({.scenario = "hover"});
   const std::vector<float> four(4), five(5);
   EXPECT_THROW(hover.step(four), Error);
   hover.reset();
@@ -121,7 +117,7 @@ TEST(Simulation, RefusesAnActionOfAnotherSizeAndAStepBeforeAReset) {
 
 TEST(Simulation, AWrenchOnTheBodyStartsInBalanceWithTheRotorsOfTheStart) {
   Simulation hover(
-      {.scenario = scenario("hover.yaml"),
+      {.scenario = "hover",
        .overrides = {"robots[0].controllers=[{plugin: ctbt, parameters: {apply: body}}]"}});
   hover.reset();
   for (const double speed : hover.rotor_speeds())
@@ -137,7 +133,7 @@ TEST(Simulation, AWrenchOnTheBodyStartsInBalanceWithTheRotorsOfTheStart) {
 }
 
 TEST(Simulation, RandomizingInMidFlightChangesParametersAndNotTheMotion) {
-  Simulation payload({.scenario = scenario("payload.yaml"), .seed = 2});
+  Simulation payload({.scenario = "payload", .seed = 2});
   payload.reset();
   fly(payload, 5);
   const auto params = payload.params();
@@ -149,7 +145,7 @@ TEST(Simulation, RandomizingInMidFlightChangesParametersAndNotTheMotion) {
 }
 
 TEST(Simulation, ParametersAreReadSetAndHeldToTheirBounds) {
-  Simulation hover({.scenario = scenario("hover.yaml")});
+  Simulation hover({.scenario = "hover"});
   hover.reset();
   const std::string path = hover.compiled().layout().param_info[0].path;
   hover.set_param(path, 1.0);

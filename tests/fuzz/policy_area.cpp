@@ -42,9 +42,16 @@ Content content_of(const fs::path& file) {
                   {}};
   std::vector<float> in(static_cast<std::size_t>(policy.observation_size));
   std::vector<float> out(static_cast<std::size_t>(policy.action_size));
+  std::size_t largest = 0;
+  for (const PolicyImage& image : policy.images) {
+    largest = std::max(largest, static_cast<std::size_t>(image.height) * image.width *
+                                    static_cast<std::size_t>(image.channels));
+  }
+  const std::vector<std::uint8_t> pixels(largest, 100);
+  const std::vector<ImageView> images(policy.images.size(), {ColumnType::kUint8, pixels.data()});
   for (int set = 0; set < kObservations; ++set) {
     for (std::size_t k = 0; k < in.size(); ++k) in[k] = observation(set, k);
-    network.act(in, out);
+    network.act(in, out, images);
     for (const float value : out) {
       content.actions.emplace_back();
       std::memcpy(&content.actions.back(), &value, sizeof value);

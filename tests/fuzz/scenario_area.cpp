@@ -1,4 +1,5 @@
 // YAML scenarios. A line `#file NAME` begins another file, which the first may include.
+#include "core/io/files/shipped_files.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/flight_check.h"
@@ -13,12 +14,9 @@ constexpr const char* kMark = "#file ";
 /// Files of one input; more are ignored.
 constexpr std::size_t kMostFiles = 32;
 
-const char* const kShipped[] = {"hover.yaml",       "payload.yaml",
-                                "formation_2.yaml", "collision.yaml",
-                                "boom.yaml",        "hard_landing.yaml",
-                                "hover_learn.yaml", "hover_firefly.yaml",
-                                "four_bar.yaml",    "cooperative_payload.yaml",
-                                "arm.yaml"};
+const char* const kShipped[] = {
+    "hover",       "payload",       "formation_2", "collision",           "boom", "hard_landing",
+    "hover_learn", "hover_firefly", "four_bar",    "cooperative_payload", "arm"};
 
 /// Features that shipped scenarios lack: obstacles, anchors, several includes.
 // Boxes are small: Simbody takes a third of a second to prepare one of a metre.
@@ -117,7 +115,8 @@ class Bundle {
 class ScenarioArea : public Area {
  public:
   ScenarioArea() {
-    for (const char* name : kShipped) material_.seeds.push_back(shipped(name));
+    for (const char* name : kShipped)
+      material_.seeds.push_back(read_bytes(*find_shipped_scenario(name)));
     for (const char* text : kOwn) material_.seeds.emplace_back(text);
     material_.words = yaml_words();
   }

@@ -69,7 +69,7 @@ class Flight:
         return FOLDER / f"{self.name}.json"
 
     def options(self, envs: int = ENVS) -> list[str]:
-        """For `skybody hash` and experiments/hash_run.py alike."""
+        """For `skybody hash` and research/determinism/hash_run.py alike."""
         horizon = f"stepping.horizon={max(2, self.steps // EPISODES)}"
         options = [self.scenario, f"--envs={envs}", f"--steps={self.steps}", f"--seed={SEED}"]
         for override in (*self.overrides, horizon):
@@ -86,13 +86,24 @@ FAILS_EARLY = ("effects[0].parameters.earliest=0.1", "effects[0].parameters.late
 REACHES_EARLY = tuple(f"randomization[{k}].parameters.time=[0.1,0.4]" for k in range(2))
 # Taut ropes move as rods do, and in episodes this short they stay taut. These are slack at first.
 SLACK = tuple(f"couplings.{name}_rod.length=1.04" for name in ("alpha", "bravo", "charlie"))
+# All images of a camera that is late and not in step with the actions.
+ALL_IMAGES = (
+    "sensors.front.parameters.outputs=[depth, range, instance, class, normal, rgb]",
+    "sensors.front.parameters.period=7",
+    "sensors.front.parameters.phase=3",
+    "sensors.front.parameters.latency=11",
+    "observe=[front.depth, front.range, front.instance, front.class, front.normal, front.rgb]",
+)
 FLIGHTS = (
     Flight("hover", "hover"),
+    Flight("hover_camera", "hover_camera"),
+    Flight("hover_camera_late", "hover_camera", overrides=ALL_IMAGES),
     Flight("hover_crazyflie", "hover_crazyflie"),
     Flight("hover_firefly", "hover_firefly"),
     Flight("hover_hummingbird", "hover_hummingbird"),
     Flight("hover_learn", "hover_learn"),
     Flight("hover_on_ground", "hover", overrides=NEAR_THE_GROUND),
+    Flight("hover_sensors", "hover_sensors"),
     Flight("payload", "payload"),
     Flight("payload_paper", "payload_paper"),
     Flight("payload_1khz", "payload_1khz"),

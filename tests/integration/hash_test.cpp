@@ -4,19 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <set>
 
 #include "core/base/math/random.h"
 #include "core/base/simd/isa.h"
+#include "core/io/files/shipped_files.h"
 #include "core/simulation/simulation.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Short episodes, so that the hash covers resets.
 const std::string kHorizon = "stepping.horizon=7";
@@ -50,15 +48,6 @@ std::string hash_of(const std::string& scenario, const std::vector<std::string>&
   const Outcome outcome = run_skybody(arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return outcome.out;
-}
-
-std::vector<std::string> shipped_scenarios() {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 class HashMatrix : public testing::TestWithParam<std::string> {};
@@ -154,7 +143,7 @@ TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
 TEST(Hash, IsTheSameWithTheCLibrarysVariantsForThisProcessorSwitchedOff) {
   const std::vector<std::string> arguments = {
       "hash",
-      (SKYBODY_SOURCE_DIR "/bench/scenarios/pin_rod.yaml"),
+      (SKYBODY_SOURCE_DIR "/research/bench/scenarios/pin_rod.yaml"),
       "--envs",
       "9",
       "--steps",

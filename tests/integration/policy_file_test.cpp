@@ -132,7 +132,9 @@ TEST_P(BadPolicies, GetOneClearError) {
 
 const BadPolicy kBadPolicies[] = {
     {"another_format", [](Draft& d) { d.format = "onnx"; },
-     "not a policy: its format is `onnx`; allowed: `skybody-policy`"},
+     "not a policy: its format is `onnx`; allowed: `skybody-policy`; give a policy.h5, which "
+     "`skybody "
+     "train` writes"},
     {"no_format", [](Draft& d) { d.left_out = "format"; },
      "the attribute `format` of `/` is missing in this policy file"},
     {"newer_version", [](Draft& d) { d.version = 3; },

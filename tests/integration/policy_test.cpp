@@ -146,7 +146,8 @@ TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
     return outcome.err;
   };
   EXPECT_EQ(run("text.h5"),
-            "text.h5: error: not a policy file: it does not begin with `skybody-policy 2`\n");
+            "text.h5: error: not a policy file: it does not begin with `skybody-policy 2`; give a "
+            "policy.h5, which `skybody train` writes\n");
   EXPECT_EQ(run("cut.h5"), std::string("cut.h5: error: ") + kDamaged + "\n");
   EXPECT_EQ(
       run("old.h5"),
@@ -279,7 +280,11 @@ TEST(RunPolicy, WarnsOfAnotherScenarioAndRefusesOtherSizes) {
   draft.scenario = "other";
   draft.scenario_hash = "0123456789abcdef";
   write_policy(folder.path() / "other.h5", draft);
-  write_policy(folder.path() / "small.h5", {});
+  draft.scenario = "hover";
+  write_policy(folder.path() / "changed.h5", draft);
+  Draft small_draft;
+  small_draft.scenario = "elsewhere";
+  write_policy(folder.path() / "small.h5", small_draft);
   const auto run = [&](const char* policy) {
     return run_skybody(
         {"run", "hover", "--policy", policy, "--steps", "5", "--out", "out", "--no-picture"},
@@ -287,12 +292,21 @@ TEST(RunPolicy, WarnsOfAnotherScenarioAndRefusesOtherSizes) {
   };
   const Outcome other = run("other.h5");
   EXPECT_EQ(other.exit_code, 0) << other.err;
-  EXPECT_THAT(other.err, HasSubstr("warning: the policy other.h5 was trained on `other` with hash "
-                                   "0123456789abcdef; this is `hover` with hash " +
-                                   to_hex(simulation.scenario().hash)));
+  EXPECT_THAT(other.err,
+              HasSubstr("warning: the policy other.h5 was trained on `other`, and flies `hover`: "
+                        "both have 22 observations and 4 actions, their meaning and the flight may "
+                        "differ\n"));
+  const Outcome changed = run("changed.h5");
+  EXPECT_EQ(changed.exit_code, 0) << changed.err;
+  EXPECT_THAT(changed.err,
+              HasSubstr("warning: the policy changed.h5 was trained on `hover`, whose values have "
+                        "changed since: observations and actions have the same size, "));
   const Outcome small = run("small.h5");
   EXPECT_EQ(small.exit_code, 2);
-  EXPECT_THAT(small.err, HasSubstr("error: the policy small.h5 has observations of 2 values; "));
+  EXPECT_EQ(
+      small.err,
+      "error: the policy small.h5 was trained on `elsewhere` with 2 observations and 1 action; "
+      "`hover` has 22 observations and 4 actions: fly it in `elsewhere`\n");
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ void add_column(HashChain& chain, const Hdf5Reader& reader, const char* path, st
 void rehash(const fs::path& file, const ReplayHeader& header) {
   HashChain chain = replay_chain(header);
   {
-    const Hdf5Reader reader(file, "replay");
+    const Hdf5Reader reader(file, "replay", "");
     const auto burst = reader.all<std::uint64_t>(kReplayBursts);
     for (std::size_t k = 0; k < kReplayColumnCount; ++k) {
       const auto& [path, type, width] = kReplayColumns[k];

@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -389,7 +390,7 @@ TEST(Replay, RefusesAScenarioThatHasChanged) {
   const ProcessOptions here{.folder = folder.path()};
   const auto write = [&](const char* gravity) {
     std::ofstream(folder.path() / "mine.yaml")
-        << "include: " SKYBODY_SOURCE_DIR "/scenarios/hover.yaml\ngravity: " << gravity << "\n";
+        << "include: hover.yaml\ngravity: " << gravity << "\n";
   };
   write("[0, 0, -9.81]");
   ASSERT_EQ(
@@ -423,10 +424,13 @@ TEST(Replay, SaysWhatIsWrongWithFilesThatAreNoRecordings) {
   };
   EXPECT_EQ(error_of("gone.h5"), "gone.h5: error: the file does not exist\n");
   EXPECT_THAT(error_of("cut.h5"), StartsWith("cut.h5: error: not a replay file, or cut short: "));
-  EXPECT_THAT(error_of("text.h5"), StartsWith("text.h5: error: not a replay file"));
+  const std::string remedy = "; give a recording, which `skybody hash --record FILE` writes\n";
+  EXPECT_THAT(error_of("text.h5"),
+              AllOf(StartsWith("text.h5: error: not a replay file"), EndsWith(remedy)));
   EXPECT_EQ(error_of("flight/flight.h5"),
             "flight/flight.h5: error: not a replay: its format is a text of variable length, as no "
-            "replay has\n");
+            "replay has" +
+                remedy);
 }
 
 }  // namespace

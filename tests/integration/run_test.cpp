@@ -10,6 +10,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "core/io/files/shipped_files.h"
 #include "tests/integration/flight_file.h"
 #include "tests/integration/process.h"
 
@@ -22,7 +23,7 @@ using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const char* const kHover = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml";
+const char* const kHover = "hover";
 
 std::string python() {
   const char* chosen = std::getenv("SKYBODY_PYTHON");
@@ -192,14 +193,13 @@ TEST(Run, HoldFollowsTheTrajectoryOfATaskByTheLawsThatTakeOne) {
 }
 
 TEST(Run, FliesEveryShippedScenario) {
-  for (const auto& entry : fs::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
-    if (entry.path().extension() != ".yaml") continue;
+  for (const std::string& name : shipped_scenarios()) {
     const TemporaryFolder folder;
-    const Outcome outcome = run_skybody({"run", entry.path().string(), "--steps", "30", "--out",
-                                         folder.path().string(), "--no-picture"});
-    EXPECT_EQ(outcome.exit_code, 0) << entry.path() << outcome.err;
+    const Outcome outcome = run_skybody(
+        {"run", name, "--steps", "30", "--out", folder.path().string(), "--no-picture"});
+    EXPECT_EQ(outcome.exit_code, 0) << name << outcome.err;
     // An episode may end sooner: the pursuers of `chase` need about as long.
-    EXPECT_THAT(outcome.out, ContainsRegex("\nall +[1-3][0-9] ")) << entry.path();
+    EXPECT_THAT(outcome.out, ContainsRegex("\nall +[1-3][0-9] ")) << name;
   }
 }
 
@@ -300,7 +300,7 @@ TEST(Run, DrawsAPicture) {
 
 TEST(Run, LogsWhereAnythingTouches) {
   const TemporaryFolder folder;
-  const std::string collision = SKYBODY_SOURCE_DIR "/scenarios/collision.yaml";
+  const std::string collision = "collision";
   const Outcome outcome = run_skybody(
       {"run", collision, "--steps", "150", "--out", folder.path().string(), "--no-picture"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -13,9 +13,7 @@ namespace skybody {
 namespace {
 
 Simulation make(const std::string& scenario, const std::vector<std::string>& overrides = {}) {
-  return Simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/" + scenario + ".yaml",
-                     .overrides = overrides,
-                     .seed = 3});
+  return Simulation({.scenario = scenario, .overrides = overrides, .seed = 3});
 }
 
 /// Flies the hold policy's actions for `seconds`, or until the episode ends.

@@ -166,6 +166,71 @@ def test_a_recurrent_policy_file_acts_as_pytorch(tmp_path: Path) -> None:
         np.testing.assert_allclose(policy(x[:, t], states), np.clip(wanted[:, t], -1, 1), atol=1e-9)
 
 
+# Height, width, channels; channels, kernels, strides and padding of the convolutions; features.
+ENCODERS = [
+    (64, 64, 1, [16, 32, 32], [8, 4, 3], [4, 2, 1], False, 128, "relu"),
+    (33, 40, 3, [20, 16], [5, 4], [3, 2], True, 30, "tanh"),
+    (12, 12, 2, [], [], [], False, 7, "elu"),
+]
+
+
+def torch_encoder(layers: Any) -> Any:
+    """The layers on images (rows, channels, height, width), in double."""
+    modules: list[Any] = []
+    for weight, bias, activation, (height, width, stride, padding) in layers:
+        shape = (len(weight), height, width, weight.shape[1] // (height * width))
+        conv = torch.nn.Conv2d(
+            shape[3], shape[0], (height, width), stride=stride, dtype=torch.float64
+        )
+        with torch.no_grad():
+            conv.weight.copy_(torch.from_numpy(weight.reshape(shape)).permute(0, 3, 1, 2))
+            conv.bias.copy_(torch.from_numpy(bias))
+        if padding == "same":
+            modules.append(SamePadding(height, width, stride))
+        modules += [conv, ACTIVATIONS[activation]()]
+    return torch.nn.Sequential(*modules, torch.nn.Flatten())
+
+
+class SamePadding(torch.nn.Module):
+    """TensorFlow's padding `same`, which PyTorch has for a stride of 1 only."""
+
+    def __init__(self, height: int, width: int, stride: int) -> None:
+        super().__init__()
+        self._kernel, self._stride = (height, width), stride
+
+    def forward(self, x: Any) -> Any:
+        sides: list[int] = []
+        for size, kernel in zip(reversed(x.shape[2:]), reversed(self._kernel), strict=True):
+            missing = max(0, (-(-size // self._stride) - 1) * self._stride + kernel - size)
+            sides += [missing // 2, missing - missing // 2]
+        return torch.nn.functional.pad(x, sides)
+
+
+def encoder_gradient(peer: Any) -> np.ndarray:
+    parts = []
+    for module in peer:
+        if isinstance(module, torch.nn.Conv2d):
+            parts.append(module.weight.grad.permute(0, 2, 3, 1).numpy().ravel())
+            parts.append(module.bias.grad.numpy().ravel())
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("shape", ENCODERS, ids=str)
+def test_features_of_images_and_their_gradients_are_those_of_pytorch(shape: Any) -> None:
+    encoder = _native.ImageEncoder(*shape)
+    parameters = encoder.initial_parameters(7)
+    generator = np.random.default_rng(5)
+    x = generator.random((19, *shape[:3])).astype(np.float32)
+    dy = generator.standard_normal((19, shape[7])).astype(np.float32)
+    peer = torch_encoder(encoder.layers(parameters))
+    y = peer(torch.from_numpy(x).double().permute(0, 3, 1, 2))
+    y.backward(torch.from_numpy(dy).double())
+    # As above: float sums of at most a few thousand terms.
+    assert error(encoder.forward(parameters, x), y.detach().numpy()) < 1e-5
+    ours = flat(encoder.layers(encoder.backward(parameters, x, dy)))
+    assert error(ours, encoder_gradient(peer)) < 1e-5
+
+
 def test_a_wrong_activation_is_refused_with_those_allowed() -> None:
     with pytest.raises(Exception, match="`gelu`; allowed: tanh, relu, elu"):
         _native.Network(3, [4], 1, "gelu")

@@ -1,16 +1,14 @@
 """Accelerations in moving air against RotorPy's, for its Crazyflie and its Hummingbird.
 
-experiments/rotorpy_vehicle.py converts its vehicles into Skybody models. Rotors reach their command
-within a step.
+research/control/rotorpy_vehicle.py converts its vehicles into Skybody models. Rotors reach their
+command within a step.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import importlib
-import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -18,19 +16,7 @@ import pytest
 from numpy.typing import NDArray
 from skybody import Simulation
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def vehicles_of_rotorpy() -> ModuleType:
-    """The modules shared by the experiments."""
-    sys.path.insert(0, str(ROOT / "experiments"))
-    try:
-        return importlib.import_module("rotorpy_vehicle")
-    finally:
-        sys.path.remove(str(ROOT / "experiments"))
-
-
-vehicles = vehicles_of_rotorpy()
+vehicles = importlib.import_module("research.control.rotorpy_vehicle")
 multirotor: Any = importlib.import_module("rotorpy.vehicles.multirotor")
 
 Reals = NDArray[np.float64]

@@ -17,7 +17,8 @@ class ImageSensor : public Sensor {
     const int robot = setup.robot(robot_.value());
     body_ = setup.robots()[robot].first_body;
     setup.period(static_cast<int>(period_.value()));
-    grey_ = setup.image<std::uint8_t>("grey", {36, 40, 1}, robot);
+    const auto height = static_cast<int>(height_.value()), width = static_cast<int>(width_.value());
+    grey_ = setup.image<std::uint8_t>("grey", {height, width, 1}, robot);
     setup.channel("height", "m", 1, -kInfinity, kInfinity, robot);
     depth_ = setup.image<std::uint16_t>("depth", {3, 5},
                                         robot);  // 30 bytes: padding precedes the next image
@@ -48,6 +49,12 @@ class ImageSensor : public Sensor {
                             .min = 1,
                             .max = 1000,
                             .doc = "rate"}};
+  IntegerParameter height_{
+      this,
+      {.name = "height", .unit = "pixels", .value = 36, .min = 1, .max = 512, .doc = "of grey"}};
+  IntegerParameter width_{
+      this,
+      {.name = "width", .unit = "pixels", .value = 40, .min = 1, .max = 512, .doc = "of grey"}};
   int body_ = 0;
   Image<std::uint8_t> grey_;
   Image<std::uint16_t> depth_;

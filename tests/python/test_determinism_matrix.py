@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
+from measurements import run
+
 ROOT = Path(__file__).resolve().parents[2]
-SCRIPT = ROOT / "experiments/determinism_matrix.py"
 PROGRAM = ROOT / "build/release/bin/skybody"
 
 
 def matrix(*options: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(SCRIPT), "--quick", "--envs", "6", "--steps", "24", *options]
-    return subprocess.run(command, capture_output=True, text=True, timeout=110, check=False)
+    return run("determinism_matrix", "--quick", "--envs", "6", "--steps", "24", *options)
 
 
 def test_program_and_python_fly_the_same_in_every_shape_restored_and_under_load():

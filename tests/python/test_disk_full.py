@@ -10,13 +10,13 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bin/skybody"
-SCRIPT = ROOT / "experiments/disk_full.py"
+SCRIPT = Path(__file__).with_name("disk_full.py")
 NOT_POSSIBLE = 3  # exit code of the script
 
 
 @pytest.mark.timeout(240)
 def test_every_program_meets_a_full_disk_with_one_message() -> None:
-    command = [sys.executable, str(SCRIPT), "--program", str(PROGRAM)]
+    command = [sys.executable, "-P", str(SCRIPT), "--program", str(PROGRAM)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=230, check=False)
     if done.returncode == NOT_POSSIBLE:
         pytest.skip(done.stdout.strip())

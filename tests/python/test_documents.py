@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 # A path that a page names in backticks, as in `docs/python.md`. Only whole files of these folders.
-NAMED = re.compile(r"`((?:docs|experiments|examples|scripts|bench|scenarios)/[\w./-]+\.\w+)`")
+NAMED = re.compile(r"`((?:docs|examples|research|scripts|scenarios)/[\w./-]+\.\w+)`")
 HEADING = re.compile(r"^#+\s+(.*)$", re.MULTILINE)
 # Heads that scripts/update_docs.sh puts before the pages that it generates in docs/.
 HEAD = "_head.md"

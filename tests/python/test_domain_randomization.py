@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 import yaml
+from measurements import module
 from scipy import stats
 from skybody import CompiledScenario
+from skybody.train.presets import presets_file
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def experiment(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    return importlib.import_module("domain_randomization")
+def experiment() -> ModuleType:
+    return module("domain_randomization")
 
 
 def test_the_interval_is_welchs(experiment: ModuleType) -> None:
@@ -50,8 +50,5 @@ def test_a_spread_is_that_of_mass_inertia_and_lags(experiment: ModuleType) -> No
 
 
 def test_both_kinds_are_trained_alike() -> None:
-    files = [
-        ROOT / f"scenarios/training/{name}.yaml"
-        for name in ("pendulum_learn", "pendulum_learn_randomized")
-    ]
+    files = [presets_file(name) for name in ("pendulum_learn", "pendulum_learn_randomized")]
     assert len({str(yaml.safe_load(file.read_text())) for file in files}) == 1

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MODELS = ROOT / "scenarios/models"
 
 WINDY = """
-include: {hover}
+include: hover
 randomization: []
 effects:
   - plugin: wind
@@ -57,7 +57,7 @@ task: {plugin: hover}
 
 def windy(folder: Path, speed: float) -> Simulation:
     file = folder / f"windy_{speed}.yaml"
-    file.write_text(WINDY.format(hover=ROOT / "scenarios/hover.yaml", speed=speed))
+    file.write_text(WINDY.format(speed=speed))
     return Simulation(str(file), control="ctbr")
 
 
@@ -109,7 +109,7 @@ def test_a_table_of_wind_lies_beside_the_scenario_that_names_it(tmp_path: Path) 
         plugin = "wind_table" if "file" in effect else "wind"
         file = tmp_path / f"{plugin}.yaml"
         file.write_text(
-            f"include: {ROOT / 'scenarios/hover.yaml'}\n"
+            "include: hover\n"
             f"randomization: []\n"
             f"effects: [{{plugin: {plugin}, parameters: {effect}}}]\n"
         )
@@ -126,7 +126,7 @@ def test_a_table_of_wind_lies_beside_the_scenario_that_names_it(tmp_path: Path) 
 def test_states_have_the_wind_and_the_gains_of_all_effects(tmp_path: Path) -> None:
     file = tmp_path / "windy.yaml"
     file.write_text(
-        f"include: {ROOT / 'scenarios/hover.yaml'}\n"
+        "include: hover\n"
         "effects:\n"
         "  - {plugin: wind, parameters: {velocity: [2, 0, 0]}}\n"
         "  - {plugin: wind, name: other, parameters: {velocity: [0, 0, -1]}}\n"
@@ -144,9 +144,7 @@ def test_states_have_the_wind_and_the_gains_of_all_effects(tmp_path: Path) -> No
 
 def test_turbulence_is_reported_for_every_robot(tmp_path: Path) -> None:
     file = tmp_path / "turbulent.yaml"
-    file.write_text(
-        f"include: {ROOT / 'scenarios/formation_2.yaml'}\neffects: [{{plugin: dryden}}]\n"
-    )
+    file.write_text("include: formation_2\neffects: [{plugin: dryden}]\n")
     envs = skybody.make_vec(str(file), 3, seed=1)
     envs.reset()
     infos = envs.step(np.zeros(envs.action_space.shape, np.float32))[4]

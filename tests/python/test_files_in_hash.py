@@ -21,8 +21,7 @@ def folder(tmp_path: Path) -> Path:
     made.mkdir()
     (made / "gusts.csv").write_text(GUSTS)
     (made / "gusty.yaml").write_text(
-        f"include: {ROOT / 'scenarios/hover.yaml'}\n"
-        "effects: [{plugin: wind_table, parameters: {file: gusts.csv}}]\n"
+        "include: hover\neffects: [{plugin: wind_table, parameters: {file: gusts.csv}}]\n"
     )
     return made
 

@@ -23,7 +23,7 @@ def film(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_film_has_the_frames_of_its_seconds(tmp_path: Path) -> None:
+def test_a_film_has_the_frames_of_its_seconds_and_a_still_has_one(tmp_path: Path) -> None:
     run = ["run", "payload", "--steps", "30", "--no-picture", "--out", str(tmp_path)]
     subprocess.run([str(PROGRAM), *run], check=True, capture_output=True, timeout=60)
     log, out = tmp_path / "flight.h5", tmp_path / "film.gif"
@@ -32,6 +32,10 @@ def test_a_film_has_the_frames_of_its_seconds(tmp_path: Path) -> None:
     with Image.open(out) as picture:
         assert picture.n_frames == 4
         assert picture.width == 2 * 288  # two panels beside each other
+    still = tmp_path / "still.png"
+    assert film(str(still), str(log), "--seconds", "0.2").returncode == 0
+    with Image.open(still) as picture:
+        assert picture.width == 288
     wrong = film(str(out), f"{log}:2", "--quick")
     assert wrong.returncode == 1
     assert "has no episode 0002" in wrong.stderr

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import math
-from pathlib import Path
 
 import pytest
+from measurements import module
 from skybody._native import CompiledScenario, hyperparameter_rows
 from skybody.train import parameter_hash
 from skybody.train.hyperparameters import Hyperparameters, UsageError
 from training import HORIZON, SCENARIO, learner_of
 
-ROOT = Path(__file__).resolve().parents[2]
 SHARED = {
     name: (least, largest)
     for name, least, largest, _ in hyperparameter_rows("fast-ppo")
@@ -53,9 +51,5 @@ def test_what_is_no_number_is_refused() -> None:
 
 
 def test_the_page_lists_the_learners_hyper_parameters() -> None:
-    file = ROOT / "scripts/hyperparameters.py"
-    spec = importlib.util.spec_from_file_location("hyperparameters_page", file)
-    assert spec is not None and spec.loader is not None
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    assert script.page() == script.PAGE.read_text(encoding="utf-8"), "scripts/hyperparameters.py"
+    script = module("hyperparameters")
+    assert script.page() == script.TARGET.read_text(encoding="utf-8"), "scripts/update_docs.sh"

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from measurements import module
+from skybody._native import shipped_policies, shipped_scenarios
+from skybody.train.presets import presets_file
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "experiments"))
 
-learning = pytest.importorskip("learning")
-learning_courses = pytest.importorskip("learning_courses")
-learning_flight = pytest.importorskip("learning_flight")
-learning_report = pytest.importorskip("learning_report")
-training_runs = pytest.importorskip("training_runs")
+learning = module("learning")
+learning_courses = module("learning_courses")
+learning_flight = module("learning_flight")
+learning_report = module("learning_report")
+page_data = module("page_data")
 COURSES = {course.scenario: course for course in learning_courses.COURSES}
 CONTENT = json.loads((ROOT / "docs/results/data/learning.json").read_text())
 RUNS: list[dict[str, Any]] = CONTENT["runs"]
@@ -39,7 +40,7 @@ def test_runs_begin_with_the_bits_of_the_page(scenario: str) -> None:
     rows = [row for row in RUNS if row["scenario"] == scenario]
     for row in rows:
         again = learning.start(COURSES[scenario], row["seed"], row["total_steps"])
-        if again != row["start"] and training_runs.page_data.OLDER in PAGE:
+        if again != row["start"] and page_data.OLDER in PAGE:
             pytest.skip(f"seed {row['seed']} begins otherwise, as the page says of its data")
         assert again == row["start"], f"seed {row['seed']}"
 
@@ -59,15 +60,16 @@ def test_a_row_of_another_preset_goes(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_the_page_is_what_the_figures_make_of_it() -> None:
     text = learning_report.markdown(CONTENT, learning_courses.COURSES)
-    assert text == training_runs.page_data.body(PAGE)
+    assert text == page_data.body(PAGE)
 
 
 def test_every_preset_has_a_course_and_every_course_a_policy() -> None:
-    presets = {path.stem for path in (ROOT / "scenarios/training").glob("*.yaml")}
-    # hover_training.md, vehicle_policy.md, recurrent_policy.md
+    files = (presets_file(name) for name in shipped_scenarios())
+    presets = {file.stem for file in files if file.is_file()}  # others include their scenario
+    # learning_speed.md, recurrent_policy.md
     elsewhere = {"hover_learn", "vehicles", "vehicles_trajectory"}
     assert presets - elsewhere == set(COURSES)
-    assert {path.stem for path in (ROOT / "scenarios/policies").glob("*.h5")} == set(COURSES)
+    assert set(shipped_policies()) == set(COURSES)
 
 
 def test_every_policy_that_is_shipped_is_one_of_the_page() -> None:

@@ -5,39 +5,29 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import json
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
+from measurements import module
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "experiments"))
 
 torch = pytest.importorskip("torch")
-control_abstractions = pytest.importorskip("control_abstractions")
-control_abstractions_report = pytest.importorskip("control_abstractions_report")
-learner_profile = pytest.importorskip("learner_profile")
-learn_table = pytest.importorskip("learn_table")
-paper_protocol = pytest.importorskip("paper_protocol")
-paper_protocol_report = pytest.importorskip("paper_protocol_report")
-recurrent_policy = pytest.importorskip("recurrent_policy")
-result_pages = pytest.importorskip("result_pages")
-rl_tools = pytest.importorskip("rl_tools")
-gradient_choices = pytest.importorskip("gradient_choices")
-training_runs = pytest.importorskip("training_runs")
+control_abstractions = module("control_abstractions")
+learner_profile = module("learner_profile")
+learning_speed = module("learning_speed")
+paper_protocol = module("paper_protocol")
+recurrent_policy = module("recurrent_policy")
+options = module("options")
+pages = module("pages")
+page_data = module("page_data")
+rl_tools = module("rl_tools")
+gradient_choices = module("gradient_choices")
+training_runs = module("training_runs")
 algorithms = importlib.import_module("skybody.train.algorithms")
 ALGORITHMS, algorithm_of = algorithms.ALGORITHMS, algorithms.algorithm_of
-yardstick = importlib.import_module("yardstick.command")
-# The yardstick registers itself as a learner; tests of other files must not see it.
-YARDSTICK = ALGORITHMS.pop(yardstick.NAME)
-
-
-@pytest.fixture(autouse=True)
-def with_yardstick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Registers the yardstick as a learner for the tests of this file."""
-    monkeypatch.setitem(ALGORITHMS, yardstick.NAME, YARDSTICK)
 
 
 @pytest.mark.parametrize("sizes", [(22, 64, 64, 4), (700, 512, 512, 4), (5, 3)])
@@ -120,13 +110,13 @@ def test_a_limit_is_reached_by_the_first_checkpoint_that_neither_errs_nor_fails(
         {"seconds": 2.0, "median_error": 0.2, "success_share": 1.0},
         {"seconds": 3.0, "median_error": 0.05, "success_share": 0.98},
     ]
-    assert learn_table.reached(points, 0.1) == 3.0
-    assert learn_table.reached(points, 0.01) is None
+    assert learning_speed.reached(points, 0.1) == 3.0
+    assert learning_speed.reached(points, 0.01) is None
 
 
 def test_one_seed_that_does_not_arrive_leaves_the_learner_without_a_time() -> None:
-    assert learn_table.slowest([1.0, 3.0]) == 3.0
-    assert learn_table.slowest([1.0, None]) is None
+    assert learning_speed.slowest([1.0, 3.0]) == 3.0
+    assert learning_speed.slowest([1.0, None]) is None
 
 
 def test_a_cut_run_is_extrapolated_at_the_slowest_rate_between_its_checkpoints(
@@ -198,17 +188,17 @@ def test_a_protocol_curve_is_of_whole_blocks_and_tells_what_is_unknown(tmp_path:
 def test_the_protocols_page_tells_what_held_out_flights_did(tmp_path: Path) -> None:
     flown = {"episodes": 100, "succeeded": 7, "failed": 2, "median_error": 0.5}
     rows = [protocol_row("payload_paper", flown), protocol_row("hover")]
-    text = paper_protocol_report.learned_section(rows)
+    text = paper_protocol.learned_section(rows)
     assert (
         "| `payload_paper` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | 7 of 100 | 2 | 0.500" in text
     )
     assert "| `hover` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | - | - | - |" in text
-    paper_protocol_report.draw(rows, tmp_path / "picture.png")
+    paper_protocol.draw(rows, tmp_path / "picture.png")
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_protocol_without_curves_has_no_section_on_learning() -> None:
-    assert paper_protocol_report.learned_section([]) == ""
+    assert paper_protocol.learned_section([]) == ""
 
 
 # --- forms of control -----------------------------------------------------------------------------
@@ -226,7 +216,7 @@ def test_who_does_not_get_below_the_threshold_counts_with_all_steps() -> None:
     assert found["forms"]["end-to-end"]["mean"] == 60.0
     assert found["forms"]["end-to-end"]["arrived"] == 1
     assert found["ratio"] == 3.0
-    assert "too few" in control_abstractions_report.verdict(found)
+    assert "too few" in control_abstractions.verdict(found)
 
 
 def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says() -> None:
@@ -236,7 +226,7 @@ def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says()
     ]
     found = control_abstractions.compare(records, "payload", 1.0)
     assert found["ratio_interval"][1] < 1.0
-    assert "no difference can be told" in control_abstractions_report.verdict(found)
+    assert "no difference can be told" in control_abstractions.verdict(found)
 
 
 @pytest.mark.parametrize(
@@ -252,7 +242,7 @@ def test_a_form_learns_sooner_where_the_whole_interval_says_so(
 ) -> None:
     modular = arrivals("modular", [18.0, 19.0, 20.0, 21.0, 22.0])
     records = [*arrivals("end-to-end", end_to_end), *modular]
-    assert said in control_abstractions_report.verdict(
+    assert said in control_abstractions.verdict(
         control_abstractions.compare(records, "payload", 1.0)
     )
 
@@ -327,16 +317,17 @@ def test_the_page_begins_with_how_often_memory_helps(
 def test_a_page_is_written_beside_the_data_that_it_was_made_of(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    content = result_pages.heading("a trial", "trial.py", ["--quick"])
+    given = options.Options("", "trial").given(["--quick", "--out", str(tmp_path)])
+    content = options.heading("a trial", given)
     assert (content["experiment"], content["command"]) == (
         "a trial",
-        "python experiments/trial.py --quick",
+        f"python -m research run trial --quick --out {tmp_path}",
     )
-    result_pages.write_page(tmp_path, "trial", content, "# A trial\n\nText.\n")
+    pages.write_page(tmp_path, "trial", "# A trial\n\nText.\n", content)
     assert json.loads((tmp_path / "data/trial.json").read_text()) == content
     page = (tmp_path / "trial.md").read_text()
-    assert training_runs.page_data.stamp_of(page)["date"]
-    assert training_runs.page_data.body(page) == "# A trial\n\nText.\n"
+    assert page_data.stamp_of(page)["date"]
+    assert page_data.body(page) == "# A trial\n\nText.\n"
     assert "Text.\n\nwritten: " in capsys.readouterr().out
 
 
@@ -345,4 +336,4 @@ def test_the_page_is_what_the_figures_make_of_it(script: Any) -> None:
     name = Path(script.__file__).stem
     content = json.loads((ROOT / f"docs/results/data/{name}.json").read_text())
     text = (ROOT / f"docs/results/{name}.md").read_text()
-    assert script.markdown(content) == training_runs.page_data.body(text)
+    assert script.markdown(content) == page_data.body(text)

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
-
-SCRIPT = Path(__file__).resolve().parents[2] / "experiments/memory.py"
+from measurements import module, run
 
 
 def test_steps_random_resets_and_closed_pools_leave_memory_and_handles_as_they_were():
-    command = [sys.executable, str(SCRIPT), "--steps", "2e5", "--cycles", "30"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=110, check=False)
+    done = run("memory", "--steps", "2e5", "--cycles", "30")
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert done.stdout.count(": flat\n") == 4
     assert done.stdout.count(": the same\n") == 1
@@ -23,9 +17,7 @@ def test_steps_random_resets_and_closed_pools_leave_memory_and_handles_as_they_w
 def test_a_leak_of_one_byte_a_step_is_growth(
     monkeypatch: pytest.MonkeyPatch, leak: float, flat: bool
 ):
-    monkeypatch.syspath_prepend(str(SCRIPT.parent))
-    import memory
-
+    memory = module("memory")
     steps = 0
     monkeypatch.setattr(memory, "resident", lambda: 60 * memory.MIB + int(leak * steps))
     measured = memory.Memory(memory.STEPS, "steps")

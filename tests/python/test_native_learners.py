@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from measurements import module
 from skybody._native import (
     CompiledScenario,
     Error,
@@ -22,7 +21,6 @@ from skybody.train.learner import Saved
 from skybody.train.native_learners import FastPpo, GradientLearner
 from skybody.train.presets import preset
 
-ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = ["envs=20", "rollout_steps=16", "minibatch=100"]
 HYPER = with_settings(preset("hover_learn", "fast-ppo").hyper, SETTINGS)
 GRADIENT = preset("hover_learn", "gradient").hyper
@@ -189,12 +187,9 @@ def test_a_rollout_with_more_rows_than_can_be_counted_is_refused(
         FastPpo(compiled, hyper, 1, 1, TOTAL)
 
 
-def test_the_manual_has_the_list_of_hyper_parameters_as_it_is(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
-    script = importlib.import_module("hyperparameters")
-    assert script.page() == script.PAGE.read_text(), "scripts/update_docs.sh writes it anew"
+def test_the_manual_has_the_list_of_hyper_parameters_as_it_is() -> None:
+    script = module("hyperparameters")
+    assert script.page() == script.TARGET.read_text(), "scripts/update_docs.sh writes it anew"
 
 
 def test_both_learners_stamp_their_policies_and_count_their_steps(

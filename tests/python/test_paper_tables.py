@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import importlib
 import math
-import subprocess
-import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-EXPERIMENTS = ROOT / "experiments"
+from measurements import module, run
 
 
 @pytest.fixture
-def load(monkeypatch: pytest.MonkeyPatch):
-    """Imports a module of experiments/ or bench/."""
-    for folder in (EXPERIMENTS, ROOT / "bench"):
-        monkeypatch.syspath_prepend(str(folder))
-    return importlib.import_module
+def load():
+    """Imports a module of research/."""
+    return module
 
 
-def scalability_content(throughput: ModuleType) -> dict[str, Any]:
+def scalability_content() -> dict[str, Any]:
     """Data in the format of scalability.py, with rates that are easy to check."""
 
     def mean(rate: float) -> dict[str, float]:
@@ -47,7 +39,7 @@ def scalability_content(throughput: ModuleType) -> dict[str, Any]:
     ]
     length = {"trials": 5, "warm_up": 1_000, "receives": 10_000, "seconds": 1.0}
     return {
-        "facts": throughput.facts(),
+        "facts": module("machine").facts(),
         "length": length | {"simbody_most": 1.0},
         "pool": pool,
         "baselines": baselines,
@@ -56,7 +48,7 @@ def scalability_content(throughput: ModuleType) -> dict[str, Any]:
     }
 
 
-def multi_agent_content(throughput: ModuleType, cost_of_20: float) -> dict[str, Any]:
+def multi_agent_content(cost_of_20: float) -> dict[str, Any]:
     """Data as in multi_agent.py: 12 million steps a second for one robot, 12 / N for N."""
     counts = (1, 2, 5, 10, 20)
 
@@ -71,7 +63,7 @@ def multi_agent_content(throughput: ModuleType, cost_of_20: float) -> dict[str, 
     costs[-1]["rest"] = cost_of_20
     length = {"trials": 5, "warm_up": 1_000, "receives": 10_000, "seconds": 1.0, "most": 5.0}
     return {
-        "facts": throughput.facts(),
+        "facts": module("machine").facts(),
         "length": length,
         "python": [
             result(n, batch, action)
@@ -93,7 +85,7 @@ def multi_agent_content(throughput: ModuleType, cost_of_20: float) -> dict[str, 
     ],
 )
 def test_the_interval_is_that_of_students_t(load, rates: list[float], half: float):
-    assert load("baselines").interval(rates) == pytest.approx(half)
+    assert load("trials").interval(rates) == pytest.approx(half)
 
 
 def test_a_summary_is_the_mean_of_the_trials(load):
@@ -124,19 +116,19 @@ def test_measuring_ends_at_the_most_seconds(load):
 
 
 def test_batches_and_threads_are_the_papers(load):
-    scalability, throughput = load("scalability"), load("throughput")
+    scalability = load("scalability")
     assert [scalability.batches(n) for n in (1, 4, 32)] == [(1,), (1, 4), (10, 32)]
     cases = scalability.cases((1, 128, 1_024))
     assert max(case.envs for dynamics, case in cases if dynamics == "simbody") == 128
     assert max(case.envs for dynamics, case in cases if dynamics == "tree") == 1_024
     assert len(cases) == 10 + 6
     for _, case in cases:
-        assert case.threads == min(case.envs, throughput.processors())
+        assert case.threads == min(case.envs, load("machine").processors())
 
 
 def test_peaks_stand_beside_the_papers_own(load):
     report = load("scalability_report")
-    rows = report.peak_rows(scalability_content(load("throughput")))
+    rows = report.peak_rows(scalability_content())
     assert {len(row) for row in rows} == {12}
     by_name = {row[0]: row for row in rows}
     zero = by_name["`make_pool`, zero"]
@@ -149,8 +141,8 @@ def test_peaks_stand_beside_the_papers_own(load):
 
 
 def test_the_page_on_scalability_has_all_tables(load, tmp_path: Path):
-    report, throughput = load("scalability_report"), load("throughput")
-    content = scalability_content(throughput)
+    report = load("scalability_report")
+    content = scalability_content()
     page = report.markdown(content)
     assert "24 cores (AMD Ryzen Threadripper 3960X)" in page
     assert "1,000 and 10,000 receives, or 1 s of measurement" in " ".join(page.split())
@@ -164,7 +156,7 @@ def test_the_page_on_scalability_has_all_tables(load, tmp_path: Path):
 
 def test_ratios_to_the_workstation_are_judged_by_their_goals(load):
     report = load("multi_agent_report")
-    content = multi_agent_content(load("throughput"), 40.0)
+    content = multi_agent_content(40.0)
     rows = report.goal_rows(content)
     assert rows[1] == ["goal", ">= 300", ">= 250", ">= 200", ">= 150"]
     # 6, 2.4, 1.2 and 0.6 million by 35.52, 17.82, 8.1 and 3.18 thousand
@@ -175,14 +167,14 @@ def test_ratios_to_the_workstation_are_judged_by_their_goals(load):
 @pytest.mark.parametrize("cost, word", [(49.0, "met"), (51.0, "missed")])
 def test_a_cost_is_flat_within_a_quarter(load, cost: float, word: str):
     report = load("multi_agent_report")
-    content = multi_agent_content(load("throughput"), cost)
+    content = multi_agent_content(cost)
     assert report.verdict(content) == f"met by physics alone, {word} by the rest of the step"
     assert report.cost_rows(content)[2][-1] == f"{cost / 40.0:.2f}"
 
 
 def test_the_page_on_robots_has_the_papers_rows_and_ours(load, tmp_path: Path):
     report = load("multi_agent_report")
-    content = multi_agent_content(load("throughput"), 40.0)
+    content = multi_agent_content(40.0)
     rows = {row[0]: row[1:] for row in report.rate_rows(content)}
     assert rows["C++, N_B = 32, hold"][1] == "6,000 ± 0"
     assert rows["the paper's laptop: Aerial Gym"] == ["", "15.24", "14.88", "14.04", "11.44"]
@@ -206,7 +198,8 @@ def test_costs_come_from_what_bench_prints(load):
 @pytest.mark.parametrize("script", ["scalability", "multi_agent"])
 def test_a_bad_command_line_is_one_message(script: str, tmp_path: Path):
     (tmp_path / "file").write_text("")
-    command = [sys.executable, str(EXPERIMENTS / f"{script}.py"), "--out", str(tmp_path / "file")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = run(script, "--out", str(tmp_path / "file"))
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.splitlines()[-1].startswith(f"{script}.py: error: cannot write to ")
+    assert done.stderr.splitlines()[-1].startswith(
+        f"python -m research run {script}: error: cannot write to "
+    )

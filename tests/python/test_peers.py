@@ -1,4 +1,4 @@
-"""bench/peers: tables, goals and the command line; no peer is installed or run."""
+"""research/peers: tables, goals and the command line; no peer is installed or run."""
 
 from __future__ import annotations
 
@@ -6,28 +6,30 @@ import importlib
 import json
 import pathlib
 import re
-import subprocess
 import sys
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
 import pytest
+from measurements import run
 
-FOLDER = pathlib.Path(__file__).resolve().parents[2] / "bench" / "peers"
-MODULES = ("environments", "goals", "measure", "peers", "picture", "report", "results", "vehicle")
+FOLDER = pathlib.Path(__file__).resolve().parents[2] / "research" / "peers"
+MODULES = ("environments", "goals", "peers", "picture", "report", "results")
+PROGRAMS = ("measure", "vehicle")  # of the peers, beside their programs
 
 
 @pytest.fixture
 def bench() -> Iterator[dict[str, ModuleType]]:
     """The runner's modules; their plain names are restored afterwards."""
-    before = {name: sys.modules.pop(name) for name in MODULES if name in sys.modules}
+    before = {name: sys.modules.pop(name) for name in PROGRAMS if name in sys.modules}
     sys.path.insert(0, str(FOLDER))
     try:
-        yield {name: importlib.import_module(name) for name in MODULES}
+        found = {name: importlib.import_module(name) for name in PROGRAMS}
+        yield found | {name: importlib.import_module(f"research.peers.{name}") for name in MODULES}
     finally:
         sys.path.remove(str(FOLDER))
-        for name in MODULES:
+        for name in PROGRAMS:
             sys.modules.pop(name, None)
         sys.modules.update(before)
 
@@ -214,8 +216,7 @@ def test_reasons_name_no_address_and_no_path(bench: dict[str, ModuleType]) -> No
     ],
 )
 def test_bad_command_lines_exit_2(arguments: list[str], message: str) -> None:
-    command = [sys.executable, str(FOLDER / "peers.py"), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run("peers", *arguments)
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr

@@ -181,17 +181,14 @@ def test_every_panel_is_drawn(tmp_path: Path, load, data: ModuleType) -> None:
 def test_an_unknown_panel_is_an_error_with_the_list(tmp_path: Path) -> None:
     done = plot(Path(__file__), "--panels", "z,jaw")
     assert (done.returncode, done.stdout) == (2, "")
-    assert "skybody plot: error: argument --panels: no panel `jaw`; there are x, y, z, " in (
-        done.stderr
-    )
+    assert "error: --panels: no panel `jaw`; allowed: x, y, z, " in (done.stderr)
 
 
 def test_a_log_that_is_not_there_is_one_line(tmp_path: Path) -> None:
     done = plot(tmp_path / "flight.h5")
     assert (done.returncode, done.stdout) == (2, "")
-    assert f"skybody plot: error: {tmp_path}/flight.h5: No such file or directory\n" in (
-        done.stderr
-    )
+    said = f"error: {tmp_path}/flight.h5: No such file or directory; draw a flight.h5"
+    assert said in done.stderr
 
 
 def test_the_goals_heading_turns_on_as_the_bodys_does(data: ModuleType) -> None:
@@ -262,7 +259,7 @@ def test_a_log_says_where_its_scenario_lies_from_any_folder(tmp_path: Path) -> N
     assert file == str(tmp_path / "mine.yaml")
 
 
-@pytest.mark.parametrize("kind", ["recording", "policy", "text", "nothing"])
+@pytest.mark.parametrize("kind", ["recording", "policy", "text", "folder", "nothing"])
 def test_what_is_no_flight_log_is_one_message(kind: str, tmp_path: Path) -> None:
     file = tmp_path / "file"
     if kind == "recording":
@@ -272,6 +269,9 @@ def test_what_is_no_flight_log_is_one_message(kind: str, tmp_path: Path) -> None
         h5py = importlib.import_module("h5py")
         with h5py.File(file, "w") as written:
             written.attrs["format"] = "skybody-policy"
+    elif kind == "folder":
+        file.mkdir()
+        (file / "flight.h5").write_text("")
     elif kind == "text":
         file.write_text("text")
     done = subprocess.run(
@@ -285,7 +285,19 @@ def test_what_is_no_flight_log_is_one_message(kind: str, tmp_path: Path) -> None
         "recording": "a recording of many environments, which has no flight to draw; `skybody "
         "replay` runs it again, and `skybody run` writes flight.h5",
         "policy": "no flight log: draw a flight.h5, which `skybody run` writes",
-        "text": "no HDF5 file",
-        "nothing": "No such file or directory",
+        "text": "no HDF5 file; draw a flight.h5, which `skybody run` writes",
+        "nothing": "No such file or directory; draw a flight.h5, which `skybody run` writes",
+        "folder": "a folder; give its flight.h5",
     }
     assert done.stderr.endswith(f"error: {file}: {reasons[kind]}\n")
+
+
+def test_a_missing_log_is_one_message() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts/plot_flight.py"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 2
+    assert done.stderr == "error: LOG is missing; see `skybody plot --help`\n"

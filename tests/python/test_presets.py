@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from skybody._native import InputError
+from skybody._native import InputError, scenario_file
 from skybody.train.__main__ import main
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.hyperparameters import UsageError
@@ -20,7 +20,7 @@ def scenario(tmp_path: Path) -> Path:
     """A user's scenario without presets."""
     (tmp_path / "training").mkdir()
     path = tmp_path / "mine.yaml"
-    path.write_text("include: hover_learn\nname: mine\n")
+    path.write_text("include: hover\nname: mine\n")
     return path
 
 
@@ -31,18 +31,18 @@ def write_presets(scenario: Path, text: str) -> Path:
 
 
 def test_a_shipped_scenario_has_its_presets_by_name_and_by_file() -> None:
-    file = ROOT / "scenarios/hover_learn.yaml"
+    file = scenario_file("hover_learn")
     for algorithm in ALGORITHMS:
         by_name = preset("hover_learn", algorithm)
-        assert by_name == preset(str(file), algorithm)
+        assert by_name == preset(file, algorithm)
         assert by_name.total_steps != TOTAL_STEPS
 
 
 def test_every_file_of_presets_is_of_a_shipped_scenario_and_can_be_read() -> None:
-    files = sorted((ROOT / "scenarios/training").iterdir())
+    files = sorted((ROOT / "scenarios").glob("*/training/*"))
     assert files
     for file in files:
-        scenario = ROOT / "scenarios" / file.name
+        scenario = file.parents[1] / file.name
         assert scenario.is_file(), f"{file} is of no scenario"
         for algorithm in ALGORITHMS:
             preset(str(scenario), algorithm)
@@ -53,6 +53,21 @@ def test_a_scenario_without_presets_has_the_learners_defaults(scenario: Path) ->
         found = preset(str(scenario), algorithm)
         assert found.hyper == algorithm_of(algorithm).defaults()
         assert found.total_steps == TOTAL_STEPS
+
+
+def test_presets_follow_the_includes_of_a_scenario(scenario: Path) -> None:
+    scenario.write_text("include: [hover, base.yaml]\nname: mine\n")
+    base = scenario.parent / "base.yaml"
+    base.write_text("include: hover_learn\n")
+    for algorithm in ALGORITHMS:
+        assert preset(str(scenario), algorithm) == preset("hover_learn", algorithm)
+    nearer = scenario.parent / "training/base.yaml"
+    nearer.write_text("fast-ppo: {envs: 24}\n")
+    assert presets_file(str(scenario)) == nearer
+    assert preset(str(scenario), "fast-ppo").hyper.envs == 24
+    own = write_presets(scenario, "fast-ppo: {envs: 40}\n")
+    assert presets_file(str(scenario)) == own
+    assert preset(str(scenario), "fast-ppo").hyper.envs == 40
 
 
 def test_values_are_written_as_yaml_and_as_the_command_line_has_them(scenario: Path) -> None:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from measurements import module
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "experiments"))
-race_lines = importlib.import_module("race_lines")
-page_data = importlib.import_module("page_data")  # on the path that race_lines sets up
+race_lines = module("race_lines")
+page_data = module("page_data")
 
 CONTENT = json.loads((ROOT / "docs/results/data/race_lines.json").read_text())
 GATE = race_lines.Gate(np.array([2.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), 0.5)

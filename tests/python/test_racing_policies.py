@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from measurements import module
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "experiments"))
-learning_courses = importlib.import_module("learning_courses")
-learning_flight = importlib.import_module("learning_flight")
+learning_courses = module("learning_courses")
+learning_flight = module("learning_flight")
 
 COURSES = {course.scenario: course for course in learning_courses.COURSES}
 EPISODES = 50
@@ -22,8 +20,7 @@ EPISODES = 50
 def flights_of(scenario: str, folder: Path) -> Any:
     """Flights of the shipped policy in its scenario."""
     command = [str(ROOT / "build/release/bin/skybody"), "run", scenario, "--no-picture"]
-    policy = ROOT / f"scenarios/policies/{scenario}.h5"
-    command += ["--policy", str(policy), "--episodes", str(EPISODES), "--out", str(folder)]
+    command += ["--policy", "shipped", "--episodes", str(EPISODES), "--out", str(folder)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     assert "warning" not in done.stderr  # it was trained in exactly this scenario
     return learning_flight.read_log(folder / "flight.h5")

@@ -6,16 +6,14 @@ import copy
 import dataclasses
 import json
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from measurements import module, run
 from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import Hyperparameters
 
-ROOT = Path(__file__).resolve().parents[2]
-SCRIPT = ROOT / "experiments/training_reproducibility.py"
 CHECKPOINTS = 10
 
 pytestmark = pytest.mark.timeout(
@@ -25,10 +23,8 @@ pytestmark = pytest.mark.timeout(
 
 def experiment(out: Path) -> subprocess.CompletedProcess[str]:
     """Two processes per group, 20,000 steps each."""
-    command = [sys.executable, str(SCRIPT), "--quick", "--scenarios", "hover_learn"]
-    return subprocess.run(
-        [*command, "--out", str(out)], capture_output=True, text=True, timeout=220, check=False
-    )
+    options = ("--quick", "--scenarios", "hover_learn", "--out", str(out))
+    return run("training_reproducibility", *options, timeout=220)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +33,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, 
     out = tmp_path_factory.mktemp("reproducibility")
     done = experiment(out)
     assert done.returncode == 0, done.stdout + done.stderr
-    report = out / "report"
+    report = out
     content: dict[str, Any] = json.loads(
         (report / "data/training_reproducibility.json").read_text()
     )
@@ -84,10 +80,10 @@ def test_finished_runs_are_not_repeated(finished: tuple[Path, dict[str, Any]]) -
 
 
 def test_a_single_checkpoint_with_another_hash_is_reported(
-    finished: tuple[Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+    finished: tuple[Path, dict[str, Any]],
 ) -> None:
-    monkeypatch.syspath_prepend(str(SCRIPT.parent))
-    from training_reproducibility import group_figures, reproducible
+    experiment = module("training_reproducibility")
+    group_figures, reproducible = experiment.group_figures, experiment.reproducible
 
     figures = finished[1]["scenarios"]["hover_learn"]
     assert reproducible(figures)
@@ -99,13 +95,8 @@ def test_a_single_checkpoint_with_another_hash_is_reported(
     assert not reproducible({**figures, "groups": groups})
 
 
-def test_the_experiment_writes_out_every_hyper_parameter(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.syspath_prepend(str(SCRIPT.parent))
-    import training_reproducibility
-
-    written = set(training_reproducibility.PAPER)
+def test_the_experiment_writes_out_every_hyper_parameter() -> None:
+    written = set(module("training_reproducibility").PAPER)
     assert written >= {field.name for field in dataclasses.fields(Hyperparameters)}
     known = (vars(algorithm_of(name).defaults()) for name in ("ppo", "fast-ppo"))
     assert written <= set().union(*known)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from measurements import module
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = sorted(page.stem for page in (ROOT / "docs/results").glob("*.md") if page.stem != "README")
@@ -15,9 +16,8 @@ TITLE = "# A trial\n\nText.\n"
 
 
 @pytest.fixture
-def data(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
-    return importlib.import_module("page_data")
+def data() -> Any:
+    return module("page_data")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -26,8 +26,8 @@ def test_a_page_says_of_which_code_its_data_are_and_where_that_is_older(
 ) -> None:
     text = (ROOT / f"docs/results/{name}.md").read_text()
     stamp = data.stamp_of(text)
-    assert stamp is not None, f"no data line; scripts/mark_older_pages.py --stamp writes it: {name}"
-    assert data.stamped(name, text, stamp) == text, "scripts/mark_older_pages.py marks it"
+    assert stamp is not None, f"no data line; mark_older_pages --stamp writes it: {name}"
+    assert data.stamped(name, text, stamp) == text, "mark_older_pages marks it"
 
 
 def test_every_page_has_its_subjects(data: Any) -> None:
@@ -41,13 +41,13 @@ def test_a_subject_whose_golden_flights_moved_has_a_new_version(data: Any) -> No
     for name, subject in data.read_versions()["subjects"].items():
         found = {flight: data.motion_of(flight) for flight in subject["golden"]}
         assert found == subject["golden"], (
-            f"tests/golden moved: scripts/mark_older_pages.py --raise {name} 'CHANGE', or --same "
+            f"tests/golden moved: mark_older_pages --raise {name} 'CHANGE', or --same "
             f"{name} where figures stay as they are"
         )
 
 
 def test_every_script_that_writes_a_page_writes_its_data_line() -> None:
-    writers = [*ROOT.glob("experiments/**/*.py"), *ROOT.glob("bench/**/*.py")]
+    writers = ROOT.glob("research/**/*.py")
     raw = re.compile(r"\.md\"\)\.write_text\(|markdown\)?\.write_text\(")
     assert [path.name for path in writers if raw.search(path.read_text())] == []
 
@@ -88,3 +88,15 @@ def test_a_page_that_measures_no_subject_says_commit_and_date(data: Any) -> None
     text = data.stamped("memory", TITLE, stamp)
     assert text == "# A trial\n\nData: commit abc, 2026-01-01.\n\nText.\n"
     assert data.stamp_of(text) == stamp
+
+
+def test_the_index_of_pages_is_what_the_measurements_say() -> None:
+    registry = importlib.import_module("research.registry")
+    assert registry.page() == registry.INDEX.read_text(), "python -m research index writes it anew"
+
+
+def test_every_measurement_says_its_subject_in_a_sentence() -> None:
+    registry = importlib.import_module("research.registry")
+    assert len(registry.measurements()) > 40
+    for row in registry.measurements():
+        assert row.subject and row.subject[-1] in ".?", f"{row.name}: {row.subject}"

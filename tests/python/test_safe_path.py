@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from measurements import RUN
 from skybody.program import module_command
 from skybody.ray.trials import Trial
 from training import arguments, finished_run
@@ -94,15 +95,15 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "curve": lambda folder: module_command("skybody.train.curve", "run"),
     "sweep": lambda folder: module_command("skybody.ray.sweep", "--help"),
     "experiment": lambda folder: [
-        *(sys.executable, str(ROOT / "experiments/hash_run.py"), "hover", "--envs", "1"),
-        *("--steps", "2"),
+        *(*RUN, "hash_run", "hover", "--envs", "1", "--steps", "2"),
     ],
 }
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_planted_files_are_not_run(name: str, folder: Path) -> None:
-    run(COMMANDS[name](folder), folder)
+    path = {"PYTHONPATH": str(ROOT)} if name == "experiment" else {}
+    run(COMMANDS[name](folder), folder, **path)
     if name == "train":  # evaluated in a separate process
         assert list(folder.glob("new/checkpoints/*/evaluation.json"))
     if name == "run":

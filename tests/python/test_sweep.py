@@ -49,7 +49,7 @@ def test_trials_find_scenario_and_plugins_from_any_folder(
 
 
 def test_a_sweep_takes_each_scenarios_own_steps_where_it_is_told_none(tmp_path: Path) -> None:
-    (tmp_path / "mine.yaml").write_text("include: hover_learn\n")
+    (tmp_path / "mine.yaml").write_text("include: hover\n")
     scenarios = ["hover_learn", str(tmp_path / "mine.yaml")]
     found = trials(tmp_path / "sweep", *scenarios, "--algo", "gradient")
     own = preset("hover_learn", "gradient").total_steps

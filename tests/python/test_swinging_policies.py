@@ -16,8 +16,7 @@ EPISODES = 30  # the same flights in every run
 
 @pytest.mark.parametrize("name", POLICIES)
 def test_a_shipped_policy_succeeds(name: str, tmp_path: Path) -> None:
-    policy = ROOT / f"scenarios/policies/{name}.h5"
-    command = [str(ROOT / "build/release/bin/skybody"), "run", name, "--policy", str(policy)]
+    command = [str(ROOT / "build/release/bin/skybody"), "run", name, "--policy", "shipped"]
     command += ["--episodes", str(EPISODES), "--no-picture", "--out", str(tmp_path / "log")]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     assert "warning" not in done.stderr, "the scenario is the one that it was trained on"

@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
-
-import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
+from measurements import module
 
 
-def test_readmes_of_tasks_have_the_tables_that_the_tasks_declare(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
-    script = importlib.import_module("task_tables")
+def test_readmes_of_tasks_have_the_tables_that_the_tasks_declare() -> None:
+    script = module("task_tables")
     for readme in script.pages():
         text = readme.read_text()
         assert script.page(text) == text, f"{readme}: scripts/update_docs.sh writes it anew"

@@ -9,12 +9,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from skybody._native import scenario_file, shipped_policies
 from skybody.train.evaluate import main as evaluate
 from skybody.train.policy_file import shipped_policy
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = str(ROOT / "build/release/bin/skybody")
-POLICIES = sorted(path.stem for path in (ROOT / "scenarios/policies").glob("*.h5"))
+POLICIES = shipped_policies()
 EPISODES = 20  # the same flights in every run
 
 
@@ -46,7 +47,8 @@ def test_every_shipped_policy_is_of_its_scenario_and_found_by_name(
         [*command, "--out", str(tmp_path / "log")], check=True, capture_output=True, text=True
     )
     assert "warning" not in done.stderr
-    assert Path(shipped_policy(scenario)) == ROOT / f"scenarios/policies/{scenario}.h5"
+    folder = Path(scenario_file(scenario)).parent
+    assert Path(shipped_policy(scenario)) == folder / f"policies/{scenario}.h5"
 
 
 def test_a_scenario_without_a_policy_is_told_which_ones_have_one(tmp_path: Path) -> None:

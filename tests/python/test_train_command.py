@@ -237,6 +237,6 @@ def test_a_run_of_ppo_that_diverges_is_one_message(tmp_path: Path) -> None:
     words += ["--set", "learning_rate=1", "--set", "entropy_weight=100", "--total-steps", "1600"]
     status, _, complaint = train(words, tmp_path)
     assert status == 2
-    assert complaint.startswith("train: ppo diverged: the distribution of actions is not finite")
+    assert complaint.startswith("error: ppo diverged: the distribution of actions is not finite")
     assert "try a smaller learning_rate" in complaint
     assert len(complaint.splitlines()) == 1

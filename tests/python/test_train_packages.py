@@ -54,7 +54,7 @@ def test_a_missing_package_is_one_message_with_the_remedy(
     done = train_without(packages, words, python)
     assert done.returncode == 2
     assert done.stderr == (
-        f"train: needs {', '.join(packages)}, not installed here: `pip install '.[{extras}]'` in "
+        f"error: needs {', '.join(packages)}, not installed here: `pip install '.[{extras}]'` in "
         "Skybody's source folder\n"
     )
     assert not out.exists()
@@ -82,7 +82,7 @@ def test_a_run_of_ppo_that_is_to_go_on_names_its_missing_package(
     assert main(words) == 0
     done = train_without(["torch"], ["--resume", "--out", str(tmp_path / "run")], python)
     assert done.returncode == 2
-    assert done.stderr.startswith("train: needs torch, not installed here: `pip install '.[sb3]'`")
+    assert done.stderr.startswith("error: needs torch, not installed here: `pip install '.[sb3]'`")
 
 
 @pytest.mark.parametrize("module", ["train", "train.evaluate", "train.curve"])
@@ -107,7 +107,7 @@ def test_memory_that_is_at_its_end_in_training_is_one_message(
     monkeypatch.setattr(NativeLearner, "iterate", iterate)
     assert main(arguments("fast-ppo", tmp_path / "run")) == 2
     said = capsys.readouterr().err
-    assert said.startswith("train: not enough memory: take fewer envs or rollout_steps")
+    assert said.startswith("error: not enough memory: take fewer envs or rollout_steps")
     assert len(said.splitlines()) == 1
 
 

@@ -38,17 +38,14 @@ def test_recorded_plugin_folders_are_named_and_not_searched(
     assert mark.exists()
     assert list(run.glob("checkpoints/*/evaluation.json"))  # its process received the plugin path
     longer = ["--resume", "--out", str(run), "--total-steps", "1200"]
-    calls = (
-        (main, "train", longer),
-        (evaluate.main, "evaluate", [str(run), "--episodes", "1"]),
-    )
-    for call, who, options in calls:
+    calls = ((main, longer), (evaluate.main, [str(run), "--episodes", "1"]))
+    for call, options in calls:
         gc.collect()  # any object that keeps the plugin loaded
         mark.unlink()
         capsys.readouterr()
         assert call(options) == 2
         said = capsys.readouterr().err
-        assert said.startswith(f"{who}: warning: ")
+        assert said.startswith("warning: ")
         assert f"plugins from `{PLUGINS}`, which is not searched; if you trust this folder" in said
         assert "the scenario cannot be loaded; `skybody check hover_learn --set" in said
         assert not mark.exists()
@@ -74,7 +71,7 @@ def test_a_resume_without_the_recorded_folder_keeps_it_on_the_list(
 def test_a_recorded_folder_drives_no_terminal_and_is_no_command(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    evaluate.warn_of_plugin_path("train", Path("run"), ["/tmp/p\x1b[2J; echo pwned"], [])
+    evaluate.warn_of_plugin_path(Path("run"), ["/tmp/p\x1b[2J; echo pwned"], [])
     said = capsys.readouterr().err
     assert "from `/tmp/p\\x1b[2J; echo pwned`, which" in said
     assert "--plugin-path /" not in said

@@ -22,8 +22,7 @@ MOST = {  # mean distance from the path from 3 s on [m]
 
 @pytest.mark.parametrize("name", MOST)
 def test_the_shipped_policy_follows_drawn_paths(name: str, tmp_path: Path) -> None:
-    policy = ROOT / f"scenarios/policies/{name}.h5"
-    command = [str(PROGRAM), "run", name, "--policy", str(policy), "--episodes", str(EPISODES)]
+    command = [str(PROGRAM), "run", name, "--policy", "shipped", "--episodes", str(EPISODES)]
     command += ["--seed", "77", "--no-picture", "--out", str(tmp_path / "log")]
     subprocess.run(command, check=True, capture_output=True)
     with h5py.File(tmp_path / "log/flight.h5") as log:

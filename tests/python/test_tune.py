@@ -92,9 +92,7 @@ def test_written_gains_are_those_that_were_flown_and_can_be_included(
     files = write(tuned, tmp_path, "quad")
     assert [f.name for f in files] == ["gains.yaml", "report.json", "step_response.png"]
     scenario = tmp_path / "mine.yaml"
-    scenario.write_text(
-        f"include: [{json.dumps(str(ROOT / 'scenarios/hover_hummingbird.yaml'))}, gains.yaml]\n"
-    )
+    scenario.write_text("include: [hover_hummingbird, gains.yaml]\n")
     flown = CompiledScenario(str(scenario))
     assert flown.action_channels[0].name == "position"
     for controller, parameters in tuned.after.parameters.items():
@@ -279,6 +277,10 @@ def test_latency_that_is_flown_is_no_margin_any_more(vehicle: Vehicle) -> None:
     ("vehicle", "message"),
     [
         (Vehicle("no_such.urdf"), "no_such.urdf: no such file"),
+        (Vehicle("no_such"), "error: the file `no_such` does not exist; give a URDF by its path"),
+        (Vehicle("qdrone"), "error: the file `qdrone` does not exist; did you mean `qdrone2`?"),
+        (Vehicle("hover.yaml"), "hover.yaml: a YAML file; `skybody tune` takes a robot's URDF"),
+        (Vehicle("/"), "/: a folder; give a file in it"),
         (Vehicle("qdrone2", rotors="none.yaml"), "--rotors none.yaml: no such file"),
         (Vehicle("qdrone2", chain="position;ctbr"), "--chain is 'position;ctbr'; it must be names"),
         (Vehicle("qdrone2", chain="position,ctbr"), "between them belongs `attitude`"),

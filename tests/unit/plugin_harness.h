@@ -56,7 +56,10 @@ struct Group {
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
   std::vector<double> bodies, before, q, u, rotor_speed, rotor_command, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
-  std::vector<double> contacts;       ///< contacts of each body, as in ContactSum
+  std::vector<double> contacts;                        ///< contacts of each body, as in ContactSum
+  std::vector<double> contact_pairs, joint_reactions;  ///< in the order of the requests
+  std::vector<double> sensors;        ///< outputs of other sensors, PluginWorld::add_sensor()
+  std::vector<double> offered;        ///< values of effects, in the order of the requests
   std::vector<double> memo, scratch;  ///< not part of the state: neither compared nor passed on
 
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not declared
@@ -89,6 +92,8 @@ struct Group {
     f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
     f(a.observation, b.observation), f(a.reward, b.reward);
     f(a.robot_reward, b.robot_reward), f(a.info, b.info), f(a.contacts, b.contacts);
+    f(a.contact_pairs, b.contact_pairs), f(a.joint_reactions, b.joint_reactions);
+    f(a.sensors, b.sensors), f(a.offered, b.offered);
     for (std::size_t i = 0; i < a.held.size(); ++i) f(a.held[i], b.held[i]);
   }
   /// Copies memory that the host does not keep; inactive lanes may be overwritten in it.
@@ -99,12 +104,14 @@ struct Group {
     info = other.info;
     if (with_output) output = other.output;
   }
+  /// All NaNs count as one value, as in the trajectory hash.
   bool same_bits(const Group& other) const {
     bool same = lanes == other.lanes;
     Group copy = other;
     each(*this, copy, [&](const auto& a, auto& b) {
-      same = same && a.size() == b.size() &&
-             (a.empty() || std::memcmp(a.data(), b.data(), a.size() * 8) == 0);
+      same = same && std::equal(a.begin(), a.end(), b.begin(), b.end(), [](auto x, auto y) {
+               return std::memcmp(&x, &y, sizeof(x)) == 0 || (x != x && y != y);
+             });
     });
     return same;
   }
@@ -161,20 +168,20 @@ class Instance {
     g.rotor_command = g.rotor_speed;
     g.action.assign(n(world_.actions), 0.0);
     g.command.assign(n(world_.actions), 0.0);
-    g.buffer.assign(n(declared.buffer_words), 0.0);
-    g.memo.assign(n(declared.memo), 0.0);
-    g.scratch.assign(n(declared.scratch), 0.0);
-    g.input.assign(n(static_cast<int>(declared.low.size())), 0.0);
-    g.output.assign(n(std::max(declared.output_count(), declared.channel_count())), 0.0);
+    g.buffer.assign(n(declared.memory.buffer_words), 0.0);
+    g.memo.assign(n(declared.memory.memo), 0.0);
+    g.scratch.assign(n(declared.memory.scratch), 0.0);
+    g.input.assign(n(static_cast<int>(declared.controller.low.size())), 0.0);
+    g.output.assign(n(std::max(declared.controller.output_count(), declared.channel_count())), 0.0);
     g.observation.assign(n(declared.channel_count()), 0.0);
     g.reward.assign(n(1), 0.0);
     g.robot_reward.assign(n(static_cast<int>(world_.robots.size())), 0.0);
-    g.info.assign(n(value_count(declared.infos)), 0.0);
+    g.info.assign(n(value_count(declared.task.infos)), 0.0);
     for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
       const auto input = static_cast<std::size_t>(i);
       const HeldInputRow& row = kHeldInputs[input];
       const auto owners = row.is_of_rotors ? world_.rotors.size() : world_.bodies.size();
-      const int count = declared.holds[input] ? row.size * static_cast<int>(owners) : 0;
+      const int count = declared.effect.holds[input] ? row.size * static_cast<int>(owners) : 0;
       for (int k = 0; k < count; ++k) {
         g.held[input].insert(g.held[input].end(), static_cast<std::size_t>(lanes),
                              neutral_value(i, k % row.size));
@@ -196,6 +203,12 @@ class Instance {
     }
     g.before = g.bodies;
     g.contacts.assign(n(SKYBODY_CONTACT_VALUES * static_cast<int>(world_.bodies.size())), 0.0);
+    g.contact_pairs.assign(
+        n(SKYBODY_CONTACT_VALUES * static_cast<int>(declared.contact_pairs.size())), 0.0);
+    g.joint_reactions.assign(
+        n(SKYBODY_REACTION_VALUES * static_cast<int>(declared.joint_reactions.size())), 0.0);
+    g.sensors.assign(n(world_.sensor_values), 0.0);
+    g.offered.assign(n(declared.sensor.requested()), 0.0);
     return g;
   }
 
@@ -213,7 +226,7 @@ class Instance {
   /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
   /// Copies repeated values, which packs may omit, as rows do.
   void copy_repeats(Group& g, std::uint32_t mask) const {
-    for (const ValueCopy& copy : declared.repeats) {
+    for (const ValueCopy& copy : declared.task.repeats) {
       for (int k = 0; k < copy.count; ++k) {
         each_lane(mask, [&](int l) {
           g.at(g.observation, copy.to + k, l) = g.at(g.observation, copy.from + k, l);
@@ -276,7 +289,7 @@ class Instance {
     return calls[plugin_->kind];
   }
   std::vector<double> goal(Group& g) const {
-    std::vector<double> goal(4 * declared.goals.size() * static_cast<std::size_t>(g.lanes));
+    std::vector<double> goal(4 * declared.task.goals.size() * static_cast<std::size_t>(g.lanes));
     const SkybodyLanes v = view(g, 1);
     plugin_->kernels[SKYBODY_NUMBER_REAL][0].goal(self_, &v, g.state.data(), g.buffer.data(),
                                                   goal.data());
@@ -285,7 +298,7 @@ class Instance {
 
   /// Velocity and acceleration of each goal.
   std::vector<double> goal_motion(Group& g) const {
-    std::vector<double> motion(6 * declared.goals.size() * static_cast<std::size_t>(g.lanes));
+    std::vector<double> motion(6 * declared.task.goals.size() * static_cast<std::size_t>(g.lanes));
     const SkybodyLanes v = view(g, 1);
     plugin_->kernels[SKYBODY_NUMBER_REAL][0].goal_motion(self_, &v, g.state.data(), g.buffer.data(),
                                                          motion.data());
@@ -303,7 +316,13 @@ class Instance {
     v.physics_step = g.physics_step.data();
     v.bodies = g.bodies.data();
     v.bodies_before = g.before.data();
+    static constexpr std::int32_t kRows[] = {0, 1, 2, 3, 4, 5, 6, 7};
     v.contacts = g.contacts.data();
+    v.contact_pairs = g.contact_pairs.data();
+    v.joint_reactions = g.joint_reactions.data();
+    v.sensors = g.sensors.data();
+    v.plugin_words = g.offered.data();
+    v.offered = kRows;
     v.q = g.q.data();
     v.u = g.u.data();
     v.rotor_speed = g.rotor_speed.data();
@@ -331,7 +350,8 @@ class Instance {
     if (used != given.size()) throw std::logic_error("a parameter in the test is not declared");
     values_ = BoundValues(parameters_);
     for (std::size_t i = 0; i < specs.size(); ++i) {
-      if (specs[i].randomizable) add_params(i, specs[i]);
+      const bool is_drawn = !specs[i].when_given || parameters_[i].is_given;
+      if (specs[i].randomizable && is_drawn) add_params(i, specs[i]);
     }
   }
 
@@ -387,9 +407,12 @@ inline void scatter(Group& g, const PluginInstance& declared, std::mt19937_64& g
   for (double& x : g.rotor_speed) x = uniform(0.0, 2200.0);
   for (double& x : g.rotor_command) x = uniform(0.0, 2200.0);
   for (double& x : g.action) x = uniform(-1.0, 1.0);
-  for (int k = 0; k < static_cast<int>(declared.low.size()); ++k) {
-    const double low = declared.low[static_cast<std::size_t>(k)],
-                 high = declared.high[static_cast<std::size_t>(k)];
+  for (auto* block : {&g.contacts, &g.contact_pairs, &g.joint_reactions, &g.sensors, &g.offered}) {
+    for (double& x : *block) x = uniform(-1.0, 1.0);
+  }
+  for (int k = 0; k < static_cast<int>(declared.controller.low.size()); ++k) {
+    const double low = declared.controller.low[static_cast<std::size_t>(k)],
+                 high = declared.controller.high[static_cast<std::size_t>(k)];
     for (int l = 0; l < g.lanes; ++l)
       g.at(g.input, k, l) = uniform(1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low);
   }

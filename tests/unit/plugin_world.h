@@ -24,7 +24,8 @@ class PluginWorld {
   std::vector<SkybodyRotorInfo> rotors;
   std::vector<SkybodyEnvParamInfo> params;
   std::vector<SkybodyShapeInfo> shapes;  ///< of bodies first, then obstacles
-  int q = 0, u = 0, actions = 0;
+  std::vector<SkybodySensorInfo> sensors;
+  int q = 0, u = 0, actions = 0, sensor_values = 0;
 
   /// The world's own EnvParams come first: gravity.
   PluginWorld() {
@@ -195,6 +196,13 @@ class PluginWorld {
     add_obstacle(SKYBODY_GATE, {width, height, 0.1}, position, yaw, name);
   }
 
+  /// An output of another sensor. @returns its first value
+  int add_sensor(const std::string& instance, const std::string& channel, int count) {
+    sensors.push_back({keep(instance), keep(channel), sensor_values, count});
+    sensor_values += count;
+    return sensors.back().first;
+  }
+
   int add_param(const std::string& path, double nominal, double min = -1e9, double max = 1e9) {
     params.push_back({keep(path), "", nominal, min, max});
     return static_cast<int>(params.size()) - 1;
@@ -220,6 +228,8 @@ class PluginWorld {
     s.link_count = static_cast<int>(links.size());
     s.rotors = placed_rotors_.data();
     s.rotor_count = static_cast<int>(rotors.size());
+    s.sensors = sensors.data();
+    s.sensor_count = static_cast<int>(sensors.size());
     s.shapes = shapes.data();
     s.shape_count = static_cast<int>(shapes.size());
     s.params = params.data();

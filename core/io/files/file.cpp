@@ -12,12 +12,16 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/io/files/missing_file.h"
+
 namespace skybody {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 16u << 20;  // [bytes]; the largest shipped file has 8 kB
+
+constexpr const char* kMissing = "does not exist";
 
 /// A file descriptor, closed by the destructor.
 class Descriptor {
@@ -56,7 +60,7 @@ std::string obstacle_to_opening(const std::string& path, std::size_t most_bytes)
   if (path.find('\0') != path.npos) return "cannot exist: its name has a NUL character";
   struct stat status;
   if (::stat(path.c_str(), &status) == 0) return obstacle(status, most_bytes);
-  return errno == ENOENT || errno == ENOTDIR ? "does not exist" : reason_of_errno();
+  return errno == ENOENT || errno == ENOTDIR ? kMissing : reason_of_errno();
 }
 
 /// Reads `path` into `text`. @returns the reason of a failure, or an empty text
@@ -91,10 +95,12 @@ std::optional<std::string> read_file(const std::string& path, const SourceLocati
   std::string text;
   const std::string problem = read_regular_file(path, kLargestFile, text);
   if (problem.empty()) return text;
+  const std::string near = problem == kMissing ? similar_file(path) : "";
+  const std::string hint = near.empty() ? "" : "; did you mean `" + near + "`?";
   if (used_at.file.empty()) {
-    diagnostics.error({path, 0, 0}, "the file " + problem);
+    diagnostics.error({path, 0, 0}, "the file " + problem + hint);
   } else {
-    diagnostics.error(used_at, "the file `" + path + "` " + problem);
+    diagnostics.error(used_at, "the file `" + path + "` " + problem + hint);
   }
   return std::nullopt;
 }

@@ -138,7 +138,7 @@ std::string hdf5_reason() {
 }
 
 void Hdf5Writer::fail() const {
-  throw Error("cannot write the " + what_ + " " + path_.string() + ": " + hdf5_reason());
+  throw Error("cannot write the " + kind_ + " " + path_.string() + ": " + hdf5_reason());
 }
 
 }  // namespace skybody

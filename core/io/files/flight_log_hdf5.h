@@ -55,9 +55,9 @@ class QuietHdf5 {
 /// reason.
 class Hdf5Writer {
  public:
-  /// @param what  kind of file, for messages
-  explicit Hdf5Writer(std::filesystem::path path, std::string what = "flight log")
-      : path_(std::move(path)), what_(std::move(what)) {}
+  /// @param kind  kind of file, for messages
+  explicit Hdf5Writer(std::filesystem::path path, std::string kind = "flight log")
+      : path_(std::move(path)), kind_(std::move(kind)) {}
 
   Hdf5Id create_file() const;
   Hdf5Id create_group(hid_t parent, const std::string& name) const;
@@ -85,7 +85,7 @@ class Hdf5Writer {
 
  private:
   std::filesystem::path path_;
-  std::string what_;
+  std::string kind_;
 };
 
 /// HDF5's last message, shortened.

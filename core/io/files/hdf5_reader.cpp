@@ -15,16 +15,20 @@ constexpr std::size_t kLargestChunk = 16 << 20;
 
 }  // namespace
 
-Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string what)
-    : path_(std::move(path)), what_(std::move(what)) {
+Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string kind, std::string remedy)
+    : path_(std::move(path)), kind_(std::move(kind)), remedy_(std::move(remedy)) {
   check_regular_file(path_);
   std::error_code ignored;
   bytes_ = std::filesystem::file_size(path_, ignored);
   open(path_, Hdf5Id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose));
 }
 
-Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string what, const std::string& bytes)
-    : path_(std::move(path)), what_(std::move(what)), bytes_(bytes.size()) {
+Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string kind, std::string remedy,
+                       const std::string& bytes)
+    : path_(std::move(path)),
+      kind_(std::move(kind)),
+      remedy_(std::move(remedy)),
+      bytes_(bytes.size()) {
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access, kMemoryIncrement, false);
   // HDF5 copies the bytes and does not write to them.
@@ -35,7 +39,7 @@ Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string what, const std::
 void Hdf5Reader::open(const std::filesystem::path& name, hid_t access) {
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   file_ = Hdf5Id(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
-  if (file_ < 0) fail("not a " + what_ + " file, or cut short: " + hdf5_reason());
+  if (file_ < 0) fail("not a " + kind_ + " file, or cut short: " + hdf5_reason() + "; " + remedy_);
 }
 
 void check_regular_file(const std::filesystem::path& file) {
@@ -56,15 +60,17 @@ void Hdf5Reader::fail(const std::string& message) const {
 void Hdf5Reader::check_format(std::int64_t version, const std::string& remedy) const {
   const Hdf5Id type(H5Aget_type(open_attribute("/", "format")), H5Tclose);
   if (H5Tis_variable_str(type) > 0) {
-    fail("not a " + what_ + ": its format is a text of variable length, as no " + what_ + " has");
+    fail("not a " + kind_ + ": its format is a text of variable length, as no " + kind_ + " has; " +
+         remedy_);
   }
-  const std::string wanted = "skybody-" + what_, found = text("/", "format");
+  const std::string wanted = "skybody-" + kind_, found = text("/", "format");
   if (found != wanted) {
-    fail("not a " + what_ + ": its format is `" + found + "`; allowed: `" + wanted + "`");
+    fail("not a " + kind_ + ": its format is `" + found + "`; allowed: `" + wanted + "`; " +
+         remedy_);
   }
   const std::int64_t number = integer("/", "version");
   if (number != version) {
-    fail(what_ + " format " + std::to_string(number) + "; this Skybody reads format " +
+    fail(kind_ + " format " + std::to_string(number) + "; this Skybody reads format " +
          std::to_string(version) + ": " + remedy);
   }
 }
@@ -76,24 +82,24 @@ bool Hdf5Reader::has(const std::string& object) const {
     if (H5Lexists(file_, link.c_str(), H5P_DEFAULT) <= 0) return false;
     H5L_info_t info;
     if (H5Lget_info(file_, link.c_str(), &info, H5P_DEFAULT) < 0 || info.type != H5L_TYPE_HARD) {
-      fail("`" + link + "` is a link to another place; a " + what_ + " holds its values itself");
+      fail("`" + link + "` is a link to another place; a " + kind_ + " holds its values itself");
     }
     if (at == std::string::npos) return true;
   }
 }
 
 Hdf5Id Hdf5Reader::open_attribute(const std::string& object, const char* attribute) const {
-  if (!has(object)) fail("`" + object + "` is missing in this " + what_ + " file");
+  if (!has(object)) fail("`" + object + "` is missing in this " + kind_ + " file");
   Hdf5Id id(H5Aopen_by_name(file_, object.c_str(), attribute, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   if (id < 0) {
     fail("the attribute `" + std::string(attribute) + "` of `" + object + "` is missing in this " +
-         what_ + " file");
+         kind_ + " file");
   }
   return id;
 }
 
 Hdf5Id Hdf5Reader::open_dataset(const std::string& dataset) const {
-  if (!has(dataset)) fail("`" + dataset + "` is missing in this " + what_ + " file");
+  if (!has(dataset)) fail("`" + dataset + "` is missing in this " + kind_ + " file");
   Hdf5Id id(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
   if (id < 0) fail("`" + dataset + "` cannot be read: " + hdf5_reason());
   check_storage(dataset, id);
@@ -117,7 +123,7 @@ void Hdf5Reader::check_layout(const std::string& dataset, hid_t properties) cons
   const H5D_layout_t layout = H5Pget_layout(properties);
   const bool within = layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED;
   if (!within || H5Pget_external_count(properties) != 0) {
-    fail("`" + dataset + "` is stored in other files; a " + what_ + " holds its values itself");
+    fail("`" + dataset + "` is stored in other files; a " + kind_ + " holds its values itself");
   }
   for (int k = 0; k < H5Pget_nfilters(properties); ++k) {
     std::size_t values = 0;

@@ -22,10 +22,12 @@ namespace skybody {
 ///   files.
 class Hdf5Reader {
  public:
-  /// @param what  kind of file, for messages: "policy"
-  Hdf5Reader(std::filesystem::path path, std::string what);
+  /// @param kind    kind of file, for messages: "policy"
+  /// @param remedy  advice for files of another kind
+  Hdf5Reader(std::filesystem::path path, std::string kind, std::string remedy);
   /// Reads the file's bytes from memory; `path` is for messages.
-  Hdf5Reader(std::filesystem::path path, std::string what, const std::string& bytes);
+  Hdf5Reader(std::filesystem::path path, std::string kind, std::string remedy,
+             const std::string& bytes);
 
   const std::filesystem::path& path() const { return path_; }
   /// Whether the object exists. @throws LocatedError if the path contains a link that is not hard
@@ -91,7 +93,7 @@ class Hdf5Reader {
 
   QuietHdf5 quiet_;
   std::filesystem::path path_;
-  std::string what_;
+  std::string kind_, remedy_;
   std::uintmax_t bytes_ = 0;  ///< of the file
   Hdf5Id file_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/base/system/csv.h"
 #include "core/io/files/file.h"
 #include "core/io/files/text.h"
 #include "core/io/yaml/field.h"
@@ -15,21 +16,6 @@ namespace skybody {
 namespace {
 
 constexpr std::string_view kExtension = ".csv";
-
-std::string_view trimmed(std::string_view text) {
-  const char* const blank = " \t\r";
-  const std::size_t first = text.find_first_not_of(blank);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
-
-/// Removes and returns the text before a separator; all of it if there is none.
-std::string_view cut(std::string_view& rest, char separator) {
-  const std::size_t end = std::min(rest.find(separator), rest.size());
-  const std::string_view part = rest.substr(0, end);
-  rest.remove_prefix(std::min(end + 1, rest.size()));
-  return part;
-}
 
 std::string too_many_heights() {
   return "more than " + std::to_string(kMostHeights) +
@@ -43,11 +29,8 @@ class HeightsReader {
       : file_(file), diagnostics_(diagnostics) {}
 
   std::shared_ptr<const HeightField> read(std::string_view text) {
-    for (int line = 1; !text.empty(); ++line) {
-      const std::string_view row = trimmed(cut(text, '\n'));
-      if (row.empty() || row.front() == '#') continue;
-      if (!take_row(row, line)) return nullptr;
-    }
+    const auto take = [this](std::string_view row, int line) { return take_row(row, line); };
+    if (!csv::each_row(text, take)) return nullptr;
     if (rows_ < 2 || columns_ < 2) {
       diagnostics_.error({file_, 0, 0}, "the file has " + std::to_string(rows_) + " rows of " +
                                             std::to_string(columns_) +
@@ -60,9 +43,8 @@ class HeightsReader {
  private:
   bool take_row(std::string_view row, int line) {
     int columns = 0;
-    for (bool goes_on = true; goes_on;) {
-      goes_on = row.find(',') != row.npos;
-      if (!take_height(trimmed(cut(row, ',')), ++columns, line)) return false;
+    for (const std::string_view cell : csv::cells_of(row)) {
+      if (!take_height(cell, ++columns, line)) return false;
     }
     if (rows_++ == 0) {
       columns_ = columns;

@@ -35,7 +35,7 @@ void check_format(const fs::path& file, std::string_view bytes) {
   }
   if (!bytes.starts_with(kFirstWord)) {
     fail(file, "not a policy file: it does not begin with `skybody-policy " +
-                   std::to_string(kPolicyFormat) + "`");
+                   std::to_string(kPolicyFormat) + "`; " + kPolicyRemedy);
   }
   const std::string_view behind = bytes.substr(kFirstWord.size());
   const std::string_view version = behind.substr(0, behind.find_first_not_of("0123456789"));

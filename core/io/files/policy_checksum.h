@@ -15,6 +15,9 @@ namespace skybody {
 /// The format version of policy files, for reading and writing.
 inline constexpr int kPolicyFormat = 2;
 
+/// Advice for files that are no policies.
+inline constexpr const char* kPolicyRemedy = "give a policy.h5, which `skybody train` writes";
+
 /// The smallest user block that HDF5 allows.
 inline constexpr std::size_t kPolicySealBytes = 512;
 

@@ -16,15 +16,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMostValues = 1 << 24;  // of an observation, an action or a layer
+constexpr std::int64_t kMostExtent = 1 << 15;  // of an image, a kernel or a stride
 
 class PolicyReader {
  public:
-  explicit PolicyReader(const fs::path& file) : file_(file, "policy", read_sealed_policy(file)) {}
+  explicit PolicyReader(const fs::path& file)
+      : file_(file, "policy", kPolicyRemedy, read_sealed_policy(file)) {}
 
   PolicyFile read() {
     read_header();
     if (file_.has("/agents")) read_agents();
     if (file_.has("/normalization")) read_normalization();
+    while (file_.has(image_group())) read_image(image_group());
     while (file_.has(layer_group())) read_layer();
     check_layers();
     if (const std::string fault = fault_of(policy_); !fault.empty()) file_.fail(fault);
@@ -38,8 +41,8 @@ class PolicyReader {
     policy_.scenario_hash = file_.text("/", "scenario_hash");
     policy_.algorithm = file_.text("/", "algorithm");
     policy_.steps = file_.integer("/", "steps");
-    policy_.observation_size = read_size("observation_size");
-    policy_.action_size = read_size("action_size");
+    policy_.observation_size = read_size("/", "observation_size");
+    policy_.action_size = read_size("/", "action_size");
     const std::string squash = file_.text("/", "action_squash");
     if (squash != "clip" && squash != "tanh") {
       file_.fail("`action_squash` is `" + squash + "`; allowed: clip, tanh");
@@ -47,11 +50,11 @@ class PolicyReader {
     policy_.squash = squash == "tanh" ? ActionSquash::kTanh : ActionSquash::kClip;
   }
 
-  int read_size(const char* name) {
-    const std::int64_t size = file_.integer("/", name);
-    if (size < 1 || size > kMostValues) {
-      file_.fail("`" + std::string(name) + "` is " + std::to_string(size) + "; allowed: 1.." +
-                 std::to_string(kMostValues));
+  int read_size(const std::string& object, const char* name, std::int64_t most = kMostValues) {
+    const std::int64_t size = file_.integer(object, name);
+    if (size < 1 || size > most) {
+      file_.fail("`" + std::string(name) + "`" + (object == "/" ? "" : " of `" + object + "`") +
+                 " is " + std::to_string(size) + "; allowed: 1.." + std::to_string(most));
     }
     return static_cast<int>(size);
   }
@@ -125,7 +128,84 @@ class PolicyReader {
     policy_.clip = file_.real("/normalization", "clip");
   }
 
+  std::string image_group() const { return "/images/" + std::to_string(policy_.images.size()); }
+
+  void read_image(const std::string& group) {
+    if (!policy_.agents.empty()) file_.fail("`/agents` and `/images` exclude one another");
+    if (policy_.images.size() == kMostLayers) {
+      file_.fail("more than " + std::to_string(kMostLayers) + " images");
+    }
+    PolicyImage image;
+    image.column = file_.text(group, "column");
+    image.height = read_size(group, "height", kMostExtent);
+    image.width = read_size(group, "width", kMostExtent);
+    image.channels = read_size(group, "channels", kMostExtent);
+    image.low = file_.real(group, "low");
+    image.high = file_.real(group, "high");
+    if (!(std::isfinite(image.low) && std::isfinite(image.high) && image.low < image.high)) {
+      file_.fail("`" + group + "` has the range " + format_number(image.low) + " to " +
+                 format_number(image.high) + "; needed: finite, and `low` below `high`");
+    }
+    ConvShape shape = {.height = image.height, .width = image.width, .channels = image.channels};
+    for (std::string layer; file_.has(layer = group + "/" + std::to_string(image.layers.size()));) {
+      if (image.layers.size() == kMostLayers) {
+        file_.fail("more than " + std::to_string(kMostLayers) + " layers in `" + group + "`");
+      }
+      const ConvShape& read = image.layers.emplace_back(read_conv(layer, shape)).conv;
+      shape = {.height = read.out_height(), .width = read.out_width(), .channels = read.outputs};
+    }
+    if (image.layers.empty()) file_.fail("`" + group + "/0` is missing in this policy file");
+    if (shape.height != 1 || shape.width != 1) {
+      file_.fail("the last layer of `" + group + "` has " + std::to_string(shape.height) + " x " +
+                 std::to_string(shape.width) + " windows; needed: one");
+    }
+    policy_.images.push_back(std::move(image));
+  }
+
+  /// @param shape  with the sizes of the input
+  PolicyLayer read_conv(const std::string& group, ConvShape shape) {
+    shape.kernel_height = read_size(group, "kernel_height", kMostExtent);
+    shape.kernel_width = read_size(group, "kernel_width", kMostExtent);
+    shape.stride = read_size(group, "stride", kMostExtent);
+    shape.outputs = read_size(group, "outputs");
+    const std::string padding = file_.text(group, "padding");
+    if (padding != "valid" && padding != "same") {
+      file_.fail("`padding` of `" + group + "` is `" + padding + "`; allowed: valid, same");
+    }
+    shape.same = padding == "same";
+    if (!shape.same && (shape.kernel_height > shape.height || shape.kernel_width > shape.width)) {
+      file_.fail("the kernel of `" + group + "` is larger than its image of " +
+                 std::to_string(shape.height) + " x " + std::to_string(shape.width));
+    }
+    const std::int64_t window =
+        std::int64_t{shape.kernel_height} * shape.kernel_width * shape.channels;
+    const std::int64_t output = std::int64_t{shape.out_height()} * shape.out_width();
+    if (std::int64_t{shape.height} * shape.width * shape.channels > kMostValues ||
+        window > kMostValues || output * shape.outputs > kMostValues) {
+      file_.fail("an image of `" + group + "` has more than " + std::to_string(kMostValues) +
+                 " values");
+    }
+    const std::string name = group + "/weight";
+    const Hdf5Reader::Shape weight = file_.shape(name);
+    if (weight.rank != 2 || weight.rows != static_cast<std::size_t>(shape.outputs) ||
+        weight.columns != static_cast<std::size_t>(window)) {
+      file_.fail("`" + name + "` has " + text_of(weight) + " values; needed: " +
+                 std::to_string(shape.outputs) + " x " + std::to_string(window));
+    }
+    PolicyLayer layer;
+    layer.kind = LayerKind::kConv;
+    layer.conv = shape;
+    layer.inputs = static_cast<int>(window);
+    layer.outputs = shape.outputs;
+    layer.weight = finite(name, file_.all<double>(name));
+    layer.bias = read_vector(group + "/bias", layer.outputs);
+    layer.activation = read_activation(group);
+    return layer;
+  }
+
   std::string layer_group() const { return "/layers/" + std::to_string(policy_.layers.size()); }
+
+  int first_inputs() const { return policy_.input_size() + policy_.feature_size(); }
 
   void read_layer() {
     const std::string group = layer_group(), name = group + "/weight";
@@ -133,8 +213,7 @@ class PolicyReader {
       file_.fail("more than " + std::to_string(kMostLayers) + " layers");
     }
     const Hdf5Reader::Shape shape = file_.shape(name);
-    const int inputs =
-        policy_.layers.empty() ? policy_.input_size() : policy_.layers.back().outputs;
+    const int inputs = policy_.layers.empty() ? first_inputs() : policy_.layers.back().outputs;
     const bool is_gru = file_.has(group + "/state_weight");
     if (shape.rank != 2 || shape.rows < 1 || shape.rows > kMostValues ||
         shape.columns != static_cast<std::size_t>(inputs) || (is_gru && shape.rows % 3 != 0)) {

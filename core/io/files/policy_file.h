@@ -28,24 +28,50 @@ inline std::optional<Activation> find_activation(std::string_view word) {
   return std::nullopt;
 }
 
-enum class LayerKind { kDense, kGru };
+enum class LayerKind { kDense, kGru, kConv };
 /// In the order of LayerKind.
-inline constexpr const char* kLayerKindNames[] = {"dense", "gru"};
+inline constexpr const char* kLayerKindNames[] = {"dense", "gru", "conv"};
 inline const char* name(LayerKind kind) { return kLayerKindNames[static_cast<int>(kind)]; }
 
+/// Sizes of a convolution of images of height x width pixels with some channels.
+struct ConvShape {
+  int height = 0, width = 0, channels = 0;  ///< of the input
+  int outputs = 0;                          ///< channels of the output
+  int kernel_height = 0, kernel_width = 0;
+  int stride = 1;
+  /// Zeros around the image, so that the output has ceil(size / stride) rows and columns: on either
+  /// side half of them, the odd one at the end. False: windows are inside of the image only.
+  bool same = false;
+
+  int out_height() const { return windows(height, kernel_height); }
+  int out_width() const { return windows(width, kernel_width); }
+  /// Values of a window.
+  int window_size() const { return kernel_height * kernel_width * channels; }
+  int output_size() const { return out_height() * out_width() * outputs; }
+  bool operator==(const ConvShape&) const = default;
+
+ private:
+  int windows(int size, int kernel) const {
+    return same ? (size + stride - 1) / stride : (size - kernel) / stride + 1;
+  }
+};
+
 /// Dense: y = activation(weight x + bias).
+/// Convolution: the same for every window of an image, with x = the window's values, row by row,
+///   pixel by pixel, channel by channel. Outputs have the same order.
 /// Gated recurrent unit (Cho et al. 2014), as PyTorch's GRU: with the state h, and rows of weights
 /// and biases for the gates r, z and n in this order,
 ///   r = sigmoid(weight x + bias + state_weight h + state_bias), z with its own rows,
 ///   n = tanh(weight x + bias + r (state_weight h + state_bias)),  y = h' = (1 - z) n + z h.
 struct PolicyLayer {
-  int inputs = 0, outputs = 0;
-  std::vector<double> weight;  ///< weight_rows() x inputs, row by row
-  std::vector<double> bias;    ///< weight_rows()
+  int inputs = 0, outputs = 0;  ///< of a convolution: of one window
+  std::vector<double> weight;   ///< weight_rows() x inputs, row by row
+  std::vector<double> bias;     ///< weight_rows()
   Activation activation = Activation::kNone;
   LayerKind kind = LayerKind::kDense;
   std::vector<double> state_weight;  ///< weight_rows() x outputs; dense: empty
   std::vector<double> state_bias;    ///< weight_rows(); dense: empty
+  ConvShape conv;                    ///< of a convolution
 
   int weight_rows() const { return kind == LayerKind::kGru ? 3 * outputs : outputs; }
 };
@@ -57,6 +83,16 @@ enum class ActionSquash { kClip, kTanh };
 /// and the entries of the action that are its outputs.
 struct PolicyAgent {
   std::vector<int> observation, action;
+};
+
+/// An image that the policy sees, and the network that makes features of it.
+struct PolicyImage {
+  std::string column;  ///< name of the observation's column
+  int height = 0, width = 0, channels = 0;
+  double low = 0.0, high = 1.0;     ///< pixels become (clip(pixel, low, high) - low) / (high - low)
+  std::vector<PolicyLayer> layers;  ///< convolutions; the last one has a single window
+
+  int features() const { return layers.empty() ? 0 : layers.back().outputs; }
 };
 
 /// Largest number of layers in a policy.h5.
@@ -77,11 +113,18 @@ struct PolicyFile {
   /// are above zero.
   std::vector<double> mean, scale;
   double clip = 0.0;
+  /// The network's inputs are followed by the features of these images.
+  std::vector<PolicyImage> images;
   std::vector<PolicyLayer> layers;  ///< 1 ... kMostLayers
 
-  /// Number of the network's inputs.
+  /// Number of the network's inputs that are observations.
   int input_size() const {
     return agents.empty() ? observation_size : static_cast<int>(agents[0].observation.size());
+  }
+  int feature_size() const {
+    int size = 0;
+    for (const PolicyImage& image : images) size += image.features();
+    return size;
   }
   int output_size() const {
     return agents.empty() ? action_size : static_cast<int>(agents[0].action.size());

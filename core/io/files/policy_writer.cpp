@@ -164,6 +164,31 @@ void write_layer(const Hdf5Writer& writer, hid_t group, const PolicyLayer& layer
   } else {
     writer.write_text(group, "activation", name(layer.activation));
   }
+  if (layer.kind != LayerKind::kConv) return;
+  const ConvShape& shape = layer.conv;
+  writer.write_attribute(group, "outputs", std::int64_t{shape.outputs});
+  writer.write_attribute(group, "kernel_height", std::int64_t{shape.kernel_height});
+  writer.write_attribute(group, "kernel_width", std::int64_t{shape.kernel_width});
+  writer.write_attribute(group, "stride", std::int64_t{shape.stride});
+  writer.write_text(group, "padding", shape.same ? "same" : "valid");
+}
+
+void write_images(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy) {
+  if (policy.images.empty()) return;
+  const Hdf5Id images = create_group(writer, file, "images");
+  for (std::size_t k = 0; k < policy.images.size(); ++k) {
+    const PolicyImage& image = policy.images[k];
+    const Hdf5Id group = create_group(writer, images, std::to_string(k));
+    writer.write_text(group, "column", image.column);
+    writer.write_attribute(group, "height", std::int64_t{image.height});
+    writer.write_attribute(group, "width", std::int64_t{image.width});
+    writer.write_attribute(group, "channels", std::int64_t{image.channels});
+    writer.write_attribute(group, "low", image.low);
+    writer.write_attribute(group, "high", image.high);
+    for (std::size_t l = 0; l < image.layers.size(); ++l) {
+      write_layer(writer, create_group(writer, group, std::to_string(l)), image.layers[l]);
+    }
+  }
 }
 
 void write_layers(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy) {
@@ -184,6 +209,7 @@ std::string policy_bytes(const PolicyFile& policy, std::uint64_t seed) {
   write_header(writer, file, policy, seed);
   write_agents(writer, file, policy);
   write_normalization(writer, file, policy);
+  write_images(writer, file, policy);
   write_layers(writer, file, policy);
   writer.check(file.reset() ? 0 : -1);
   const std::string content = memory.bytes().substr(kPolicySealBytes);

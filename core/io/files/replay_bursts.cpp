@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/io/files/hdf5_reader.h"
@@ -137,20 +138,16 @@ std::size_t replay_width(const ReplayHeader& header, ReplayWidth width) {
 
 HashChain replay_chain(const ReplayHeader& header) {
   HashChain chain;
-  for (const std::string* text :
-       {&header.skybody_version, &header.scenario_name, &header.scenario_file,
-        &header.scenario_text, &header.autoreset}) {
-    chain.update(hash_string(*text));
-  }
-  for (const std::uint64_t number : {header.scenario_hash, header.seed, header.first_env_id}) {
-    chain.update(number);
-  }
-  chain.update(header.envs);
-  chain.update(header.action_size);
-  for (const auto* texts : {&header.overrides, &header.plugin_path, &header.columns,
-                            &header.observation_names, &header.state_names}) {
-    add_texts(chain, *texts);
-  }
+  each_replay_field(header, [&](const char*, const auto& field, int = 10) {
+    using Field = std::remove_cvref_t<decltype(field)>;
+    if constexpr (std::is_same_v<Field, std::string>) {
+      chain.update(hash_string(field));
+    } else if constexpr (std::is_integral_v<Field>) {
+      chain.update(field);
+    } else {
+      add_texts(chain, field);
+    }
+  });
   return chain;
 }
 

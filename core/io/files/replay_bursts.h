@@ -20,13 +20,34 @@ namespace skybody {
 
 class Hdf5Reader;
 
+/// Calls `visit(name, field)` for each field of a header, with its name in the file; for
+/// hexadecimal numbers `visit(name, field, 16)`. In the order of the hash.
+template <class Header, class Visit>
+void each_replay_field(Header& header, Visit&& visit) {
+  visit("skybody_version", header.skybody_version);
+  visit("scenario", header.scenario_name);
+  visit("scenario_file", header.scenario_file);
+  visit("scenario_text", header.scenario_text);
+  visit("autoreset", header.autoreset);
+  visit("scenario_hash", header.scenario_hash, 16);
+  visit("seed", header.seed);
+  visit("first_env_id", header.first_env_id);
+  visit("envs", header.envs);
+  visit("action_size", header.action_size);
+  visit("overrides", header.overrides);
+  visit("plugin_path", header.plugin_path);
+  visit("columns", header.columns);
+  visit("observation_names", header.observation_names);
+  visit("state_names", header.state_names);
+}
+
 /// Number of values in a row of a column.
 enum class ReplayWidth : std::uint8_t { kOne, kAction, kObservation, kState };
 
 enum class ReplayType : std::uint8_t { kU8, kI32, kU64, kF32 };
 
 struct ReplayColumn {
-  const char* path;
+  const char* path;  ///< "/GROUP/NAME"
   ReplayType type;
   ReplayWidth width;
 };

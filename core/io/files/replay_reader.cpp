@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <numeric>
+#include <type_traits>
 
 #include "core/base/math/hash.h"
 #include "core/io/files/hdf5_reader.h"
@@ -12,6 +13,7 @@ namespace {
 
 constexpr std::int64_t kMostSize = 1 << 24;
 constexpr std::size_t kWindow = 4096;  // rows of actions, or of results, read at once
+constexpr const char* kRemedy = "give a recording, which `skybody hash --record FILE` writes";
 
 }  // namespace
 
@@ -29,7 +31,7 @@ struct ReplayReader::Block {
 struct ReplayReader::File {
   using enum ReplayColumnId::Id;
 
-  explicit File(const std::filesystem::path& path) : reader(path, "replay") {
+  explicit File(const std::filesystem::path& path) : reader(path, "replay", kRemedy) {
     read_header();
     rows = check_bursts(reader, header);
     read_events();
@@ -39,26 +41,23 @@ struct ReplayReader::File {
 
   void read_header() {
     reader.check_format(kReplayFormat, "record it anew");
-    header.skybody_version = reader.text("/", "skybody_version");
-    header.scenario_name = reader.text("/", "scenario");
-    header.scenario_file = reader.text("/", "scenario_file");
-    header.scenario_text = reader.text("/", "scenario_text");
-    header.scenario_hash = number("scenario_hash", 16);
-    header.seed = number("seed", 10);
-    header.first_env_id = number("first_env_id", 10);
-    header.envs = size("envs");
-    header.autoreset = reader.text("/", "autoreset");
+    each_replay_field(header, [this](const char* name, auto& field, int base = 10) {
+      using Field = std::remove_cvref_t<decltype(field)>;
+      if constexpr (std::is_same_v<Field, std::string>) {
+        field = reader.text("/", name);
+      } else if constexpr (std::is_same_v<Field, std::uint64_t>) {
+        field = number(name, base);
+      } else if constexpr (std::is_same_v<Field, int>) {
+        field = size(name);
+      } else {
+        field = reader.texts("/" + std::string(name));
+      }
+    });
     if (header.autoreset != "next_step" && header.autoreset != "same_step" &&
         header.autoreset != "disabled") {
       reader.fail("`autoreset` is `" + header.autoreset +
                   "`; allowed: next_step, same_step, disabled");
     }
-    header.action_size = size("action_size");
-    header.overrides = reader.texts("/overrides");
-    header.plugin_path = reader.texts("/plugin_path");
-    header.columns = reader.texts("/columns");
-    header.observation_names = reader.texts("/observation_names");
-    header.state_names = reader.texts("/state_names");
   }
 
   /// The block that contains a row; caches the last block.

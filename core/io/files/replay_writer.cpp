@@ -50,83 +50,89 @@ void write_texts(const Hdf5Writer& writer, hid_t parent, const char* name,
   }
 }
 
+/// Writes a field of the header by its type. Numbers of 64 bits are texts: HDF5's are signed.
+struct FieldWriter {
+  const Hdf5Writer& writer;
+  hid_t file;
+
+  void operator()(const char* name, const std::string& text) const {
+    writer.write_text(file, name, text);
+  }
+  void operator()(const char* name, std::uint64_t number, int base = 10) const {
+    writer.write_text(file, name, base == 16 ? to_hex(number) : std::to_string(number));
+  }
+  void operator()(const char* name, int number) const {
+    writer.write_attribute(file, name, std::int64_t{number});
+  }
+  void operator()(const char* name, const std::vector<std::string>& values) const {
+    write_texts(writer, file, name, values);
+  }
+};
+
+/// HDF5's type of a column, in the order of ReplayType.
+hid_t type_of(ReplayType type) {
+  const hid_t types[] = {H5T_NATIVE_UINT8, H5T_NATIVE_INT32, H5T_NATIVE_UINT64, H5T_NATIVE_FLOAT};
+  return types[static_cast<int>(type)];
+}
+
 Hdf5Id created(const Hdf5Writer& writer, const ReplayHeader& header) {
   Hdf5Id file = writer.create_file();
   hold_structure_back(writer, file);
   writer.write_text(file, "format", "skybody-replay");
   writer.write_attribute(file, "version", std::int64_t{kReplayFormat});
-  writer.write_text(file, "skybody_version", header.skybody_version);
-  writer.write_text(file, "scenario", header.scenario_name);
-  writer.write_text(file, "scenario_file", header.scenario_file);
-  writer.write_text(file, "scenario_text", header.scenario_text);
-  writer.write_text(file, "scenario_hash", to_hex(header.scenario_hash));
-  writer.write_text(file, "seed", std::to_string(header.seed));
-  writer.write_text(file, "first_env_id", std::to_string(header.first_env_id));
-  writer.write_attribute(file, "envs", static_cast<std::int64_t>(header.envs));
-  writer.write_text(file, "autoreset", header.autoreset);
-  writer.write_attribute(file, "action_size", static_cast<std::int64_t>(header.action_size));
-  write_texts(writer, file, "overrides", header.overrides);
-  write_texts(writer, file, "plugin_path", header.plugin_path);
-  write_texts(writer, file, "columns", header.columns);
-  write_texts(writer, file, "observation_names", header.observation_names);
-  write_texts(writer, file, "state_names", header.state_names);
+  each_replay_field(header, FieldWriter{writer, file});
   return file;
 }
 
 }  // namespace
 
 struct ReplayWriter::File {
+  using enum ReplayColumnId::Id;
+
   File(const std::filesystem::path& target, const ReplayHeader& header)
       : place(target),
         writer(target, "replay"),
         file(created(writer, header)),
         events(writer.create_group(file, "events")),
         transitions(writer.create_group(file, "transitions")),
-        action_size(static_cast<std::size_t>(header.action_size)),
-        observation_size(header.observation_names.size()),
-        state_size(header.state_names.size()),
-        kind(writer, events, "kind", H5T_NATIVE_UINT8),
-        count(writer, events, "count", H5T_NATIVE_UINT64),
-        argument(writer, events, "argument", H5T_NATIVE_UINT64),
-        env_id(writer, events, "env_id", H5T_NATIVE_INT32),
-        action(writer, events, "action", H5T_NATIVE_FLOAT, header.action_size),
-        path(writer, events, "path", H5T_NATIVE_UINT8),
-        saved(writer, events, "saved", H5T_NATIVE_UINT64),
-        row_env(writer, transitions, "env_id", H5T_NATIVE_INT32),
-        hash(writer, transitions, "hash", H5T_NATIVE_UINT64),
-        episode(writer, transitions, "episode", H5T_NATIVE_UINT64),
-        episode_step(writer, transitions, "episode_step", H5T_NATIVE_INT32),
-        was_reset(writer, transitions, "was_reset", H5T_NATIVE_UINT8),
-        status(writer, transitions, "status", H5T_NATIVE_UINT64),
-        reward(writer, transitions, "reward", H5T_NATIVE_FLOAT),
-        observation(writer, transitions, "observation", H5T_NATIVE_FLOAT,
-                    static_cast<int>(observation_size)),
-        state(writer, transitions, "state", H5T_NATIVE_UINT64, static_cast<int>(state_size)),
         bursts(writer, file, "bursts", H5T_NATIVE_UINT64, kReplayBurstWidth),
-        chain(replay_chain(header)) {}
+        chain(replay_chain(header)) {
+    for (const ReplayColumn& column : kReplayColumns) {
+      const std::size_t width = replay_width(header, column.width);
+      columns.emplace_back(writer, file, column.path, type_of(column.type), width);
+    }
+    const std::size_t action = replay_width(header, ReplayWidth::kAction);
+    observation_size = replay_width(header, ReplayWidth::kObservation);
+    state_size = replay_width(header, ReplayWidth::kState);
+    row_bytes = observation_size * 4 + state_size * 8 + action * 4;
+  }
 
-  /// In the order of kReplayColumns.
-  template <class Visit>
-  void each_column(Visit&& visit) {
-    visit(kind), visit(count), visit(argument), visit(env_id), visit(action), visit(path),
-        visit(saved), visit(row_env), visit(hash), visit(episode), visit(episode_step),
-        visit(was_reset), visit(status), visit(reward), visit(observation), visit(state);
+  /// Buffers values of a column.
+  template <class... Values>
+  void add(ReplayColumnId::Id column, Values... values) {
+    columns[column].add(values...);
   }
 
   /// Writes the buffered rows, then the row of /bursts, and flushes to the operating system.
   void write_burst() {
     const haddr_t end = reserve();
     broken = true;
-    each_column([&](const auto& column) {
+    for (const Hdf5Column& column : columns) {
       add_burst(chain, column.rows(), column.waiting(), column.waiting_bytes());
       bursts.add(column.rows());
-    });
+    }
     bursts.add(chain.value());
-    each_column([](auto& column) { column.write(); });
+    for (Hdf5Column& column : columns) column.write();
     bursts.write();
     writer.check(H5Fflush(file, H5F_SCOPE_LOCAL));
     broken = false;
     give_back(end);
+  }
+
+  std::size_t waiting_bytes() const {
+    std::size_t bytes = 0;
+    for (const Hdf5Column& column : columns) bytes += column.waiting_bytes();
+    return bytes;
   }
 
   int descriptor() const {
@@ -144,9 +150,8 @@ struct ReplayWriter::File {
   /// Reserves the space of a burst before writing it. HDF5 cannot undo a partly written burst, and
   /// then cannot read the earlier ones either. Returns the end of the reserved space.
   haddr_t reserve() {
-    const std::size_t row = observation_size * 4 + state_size * 8 + action_size * 4;
-    std::size_t bytes = kStructureBytes + row + (kReplayColumnCount + 1) * kColumnChunkBytes;
-    each_column([&](const auto& column) { bytes += column.waiting_bytes(); });
+    const std::size_t bytes = kStructureBytes + row_bytes +
+                              (kReplayColumnCount + 1) * kColumnChunkBytes + waiting_bytes();
     const haddr_t end = end_of_file();
     const int error =
         ::posix_fallocate(descriptor(), static_cast<off_t>(end), static_cast<off_t>(bytes));
@@ -176,20 +181,10 @@ struct ReplayWriter::File {
   QuietHdf5 quiet;
   Hdf5Writer writer;
   Hdf5Id file, events, transitions;
-  std::size_t action_size, observation_size, state_size;
-  Hdf5Column<std::uint8_t> kind;
-  Hdf5Column<std::uint64_t> count, argument;
-  Hdf5Column<std::int32_t> env_id;
-  Hdf5Column<float> action;
-  Hdf5Column<std::uint8_t> path;
-  Hdf5Column<std::uint64_t> saved;
-  Hdf5Column<std::int32_t> row_env;
-  Hdf5Column<std::uint64_t> hash, episode;
-  Hdf5Column<std::int32_t> episode_step;
-  Hdf5Column<std::uint8_t> was_reset;
-  Hdf5Column<std::uint64_t> status;
-  Hdf5Column<float> reward, observation;
-  Hdf5Column<std::uint64_t> state, bursts;
+  std::vector<Hdf5Column> columns;  ///< in the order of kReplayColumns
+  Hdf5Column bursts;
+  std::size_t observation_size = 0, state_size = 0;
+  std::size_t row_bytes = 0;  ///< of all columns with several values
   HashChain chain;
   bool broken = false;  ///< a burst was begun and not completed
 };
@@ -206,30 +201,27 @@ ReplayWriter::~ReplayWriter() {
 
 void ReplayWriter::add(const ReplayEvent& event) {
   SKYBODY_DEMAND(file_, "an event for a closed replay");
-  const bool has_path = has_path_text(event.kind);
+  File& f = *file_;
   const std::size_t count =
       event.kind == ReplayEventKind::kRestore ? event.saved.size() : event.env_ids.size();
-  file_->kind.add(static_cast<std::uint8_t>(event.kind));
-  file_->count.add(static_cast<std::uint64_t>(count));
-  file_->argument.add(event.argument);
-  file_->env_id.add(event.env_ids.data(), event.env_ids.size());
-  file_->saved.add(event.saved.data(), event.saved.size());
-  file_->action.add(event.actions.data(), event.actions.size());
-  if (has_path) {
-    file_->path.add(reinterpret_cast<const std::uint8_t*>(event.path.c_str()),
-                    event.path.size() + 1);
-  }
+  f.add(File::kKind, static_cast<std::uint8_t>(event.kind));
+  f.add(File::kCount, static_cast<std::uint64_t>(count));
+  f.add(File::kArgument, event.argument);
+  f.add(File::kEventEnv, event.env_ids.data(), event.env_ids.size());
+  f.add(File::kSaved, event.saved.data(), event.saved.size());
+  f.add(File::kAction, event.actions.data(), event.actions.size());
+  if (has_path_text(event.kind)) f.add(File::kPath, event.path.c_str(), event.path.size() + 1);
   flush_if_full();
 }
 
 void ReplayWriter::add(ReplayEventKind kind, std::span<const std::int32_t> env_ids,
                        std::span<const float> actions) {
   SKYBODY_DEMAND(file_, "an event for a closed replay");
-  file_->kind.add(static_cast<std::uint8_t>(kind));
-  file_->count.add(static_cast<std::uint64_t>(env_ids.size()));
-  file_->argument.add(std::uint64_t{0});
-  file_->env_id.add(env_ids.data(), env_ids.size());
-  file_->action.add(actions.data(), actions.size());
+  file_->add(File::kKind, static_cast<std::uint8_t>(kind));
+  file_->add(File::kCount, static_cast<std::uint64_t>(env_ids.size()));
+  file_->add(File::kArgument, std::uint64_t{0});
+  file_->add(File::kEventEnv, env_ids.data(), env_ids.size());
+  file_->add(File::kAction, actions.data(), actions.size());
   flush_if_full();
 }
 
@@ -237,22 +229,21 @@ void ReplayWriter::add(const ReplayRow& row) {
   SKYBODY_DEMAND(file_ && row.observation.size() == file_->observation_size &&
                      row.state.size() == file_->state_size,
                  "a replay's row has the wrong width");
-  file_->row_env.add(row.env);
-  file_->hash.add(row.hash);
-  file_->episode.add(row.episode);
-  file_->episode_step.add(row.episode_step);
-  file_->was_reset.add(row.was_reset ? std::uint8_t{1} : std::uint8_t{0});
-  file_->status.add(row.status);
-  file_->reward.add(row.reward);
-  file_->observation.add(row.observation.data(), row.observation.size());
-  file_->state.add(row.state.data(), row.state.size());
+  File& f = *file_;
+  f.add(File::kRowEnv, std::int32_t{row.env});
+  f.add(File::kHash, row.hash);
+  f.add(File::kEpisode, row.episode);
+  f.add(File::kEpisodeStep, row.episode_step);
+  f.add(File::kWasReset, row.was_reset ? std::uint8_t{1} : std::uint8_t{0});
+  f.add(File::kStatus, row.status);
+  f.add(File::kReward, row.reward);
+  f.add(File::kObservation, row.observation.data(), row.observation.size());
+  f.add(File::kState, row.state.data(), row.state.size());
   flush_if_full();
 }
 
 void ReplayWriter::flush_if_full() {
-  std::size_t waiting = 0;
-  file_->each_column([&](const auto& column) { waiting += column.waiting_bytes(); });
-  if (waiting >= kFlushBytes) flush();
+  if (file_->waiting_bytes() >= kFlushBytes) flush();
 }
 
 void ReplayWriter::flush() {

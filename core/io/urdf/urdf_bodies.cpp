@@ -72,6 +72,7 @@ class BodyMaker {
       }
     }
     add_links();
+    model_.marks = std::make_shared<const ModelMarks>(std::move(marks_));
   }
 
  private:
@@ -84,8 +85,8 @@ class BodyMaker {
   }
   const UrdfLink& first_link(const UrdfGroup& group) const { return link(group.links[0]); }
 
-  void error(int line, const std::string& message) {
-    diagnostics_.error(document_.mark(line), message);
+  void error(const UrdfLink& link, const std::string& message) {
+    diagnostics_.error(link.mark, message);
   }
 
   /// Whether the group is a base: the root, a group fixed to the link `world`, or, with
@@ -111,6 +112,7 @@ class BodyMaker {
     body.collisions = source.collisions;
     body.visuals = source.visuals;
     body_of_group_[static_cast<std::size_t>(g)] = static_cast<int>(model_.bodies.size());
+    marks_.bodies.push_back(source.marks);
     model_.bodies.push_back(std::move(body));
   }
 
@@ -124,9 +126,9 @@ class BodyMaker {
     if (source.joint >= 0) joint.frame_in_parent = joint_frame(joint_of(source));
     if (joint.type == JointType::kFree && source.is_massless()) {
       const UrdfLink& root = first_link(source);
-      error(root.line, "the base `" + root.name +
-                           "` has no mass and moves freely; give it an "
-                           "<inertial> with a mass, or set fixed_base: true");
+      error(root, "the base `" + root.name +
+                      "` has no mass and moves freely; give it an "
+                      "<inertial> with a mass, or set fixed_base: true");
     }
     const bool is_welded = joint.type == JointType::kWeld;
     push_body(g, std::move(joint));
@@ -188,7 +190,7 @@ class BodyMaker {
     const MassProperties mass{
         kLightShare * sum.mass, {0.0, 0.0, 0.0}, {moment, moment, moment, 0.0, 0.0, 0.0}};
     diagnostics_.warning(
-        document_.mark(bad.line),
+        bad.mark,
         lack_of(bad) + joint_of(group(g)).name + "`; it gets " + format_number(mass.mass) +
             " kg, a millionth of what hangs on it (no part of a universal or ball joint: " +
             why_light_[static_cast<std::size_t>(g)] + ")");
@@ -202,8 +204,8 @@ class BodyMaker {
 
   void refuse_massless(int g, const std::string& reason) {
     const UrdfLink& bad = first_link(group(g));
-    error(bad.line, lack_of(bad) + joint_of(group(g)).name +
-                        "`; give it a mass, or fix the joint: " + reason);
+    error(bad, lack_of(bad) + joint_of(group(g)).name +
+                   "`; give it a mass, or fix the joint: " + reason);
   }
 
   /// Rejects a light link if it would leave a motion without inertia.
@@ -271,6 +273,7 @@ class BodyMaker {
     }
     if (joint.type == JointType::kFree && joint.parent < 0) set_free_base(last, joint);
     push_body(g, std::move(joint));
+    marks_.bodies.back().joint[kJointDamping] = last.damping_mark;
     if (is_light(g)) model_.bodies.back().mass = light_mass(g);
   }
 
@@ -295,9 +298,8 @@ class BodyMaker {
   /// The coordinates of a free base are its pose in W, set by the scenario.
   void set_free_base(const UrdfJoint& source, Joint& joint) {
     if (!is_identity(source.origin)) {
-      diagnostics_.warning(document_.mark(source.line),
-                           "the <origin> of the floating joint `" + source.name +
-                               "` is ignored: the robot's `pose` places its base");
+      diagnostics_.warning(source.mark, "the <origin> of the floating joint `" + source.name +
+                                            "` is ignored: the robot's `pose` places its base");
     }
     joint.frame_in_parent = Pose{};
     joint.frame_in_body = Pose{};
@@ -380,6 +382,7 @@ class BodyMaker {
   const UrdfOptions& options_;
   RobotModel& model_;
   Diagnostics& diagnostics_;
+  ModelMarks marks_;
   std::vector<int> body_of_group_;
   std::vector<std::string> why_light_;    ///< per group; empty if it has mass or needs none
   std::vector<MassProperties> outboard_;  ///< per group: sum of itself and its outboard groups

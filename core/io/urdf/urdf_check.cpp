@@ -9,6 +9,7 @@
 #include "core/io/urdf/urdf_ignored.h"
 #include "core/io/urdf/urdf_materials.h"
 #include "core/io/urdf/urdf_xml.h"
+#include "core/io/urdf/xml_text.h"
 #include "core/io/yaml/ranges.h"
 
 namespace skybody {
@@ -60,7 +61,7 @@ class Checker {
   }
 
  private:
-  SourceLocation mark(const XMLElement& e) const { return {file_, e.GetLineNum(), 0}; }
+  SourceLocation mark(const XMLElement& e) const { return xml_mark(file_, e); }
   void error(const XMLElement& e, const std::string& message) {
     diagnostics_.error(mark(e), message);
   }
@@ -132,7 +133,7 @@ class Checker {
     }
     Named named;
     named.name = name;
-    named.line = e.GetLineNum();
+    named.mark = mark(e);
     named.element = &e;
     list.push_back(named);
     return true;

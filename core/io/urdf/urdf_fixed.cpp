@@ -29,8 +29,7 @@ void fix_joints(UrdfDocument& document, const std::set<std::string>& spinning,
   const auto fix = [&](UrdfJoint& joint, const std::string& why) {
     joint.type = UrdfJointType::kFixed;
     joint.limited = false;
-    diagnostics.warning(document.mark(joint.line),
-                        "the joint `" + joint.name + "` is read as fixed: " + why);
+    diagnostics.warning(joint.mark, "the joint `" + joint.name + "` is read as fixed: " + why);
   };
   for (UrdfJoint& joint : document.joints) {
     const bool is_on_world =

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/system/suggestion.h"
+#include "core/io/urdf/xml_text.h"
 
 namespace skybody {
 namespace {
@@ -96,7 +97,7 @@ class Warner {
 
  private:
   void warn(const XMLElement& e, const std::string& message) {
-    diagnostics_.warning({file_, e.GetLineNum(), 0}, message);
+    diagnostics_.warning(xml_mark(file_, e), message);
   }
   void warn_once(const XMLElement& e, const std::string& what, const std::string& message) {
     if (told_.insert(what).second) warn(e, message);

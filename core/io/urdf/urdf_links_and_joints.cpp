@@ -13,6 +13,7 @@
 #include "core/io/urdf/urdf_meshes.h"
 #include "core/io/urdf/urdf_urdfdom.h"
 #include "core/io/urdf/urdf_xml.h"
+#include "core/io/urdf/xml_text.h"
 
 namespace skybody {
 namespace {
@@ -87,18 +88,24 @@ class DocumentBuilder {
   }
 
  private:
+  SourceLocation mark_of(const XMLElement& e) const { return xml_mark(document_.file, e); }
+
   void add_link(const XmlNamed& named) {
     const urdf::Link& source = *model_.getLink(named.name);
     UrdfLink link;
     link.name = named.name;
-    link.line = named.line;
+    link.mark = link.mass_mark = link.inertia_mark = named.mark;
     if (source.inertial) {
+      const XMLElement& inertial = *named.element->FirstChildElement("inertial");
       link.has_inertial = true;
-      link.mass = mass_of(*source.inertial, *named.element->FirstChildElement("inertial"));
+      link.mass = mass_of(*source.inertial, inertial);
+      link.mass_mark = mark_of(*inertial.FirstChildElement("mass"));
+      link.inertia_mark = mark_of(*inertial.FirstChildElement("inertia"));
     }
     primitive_collision_ = has_primitive_collision(*named.element);
-    add_shapes(named, "visual", source.visual_array, link.visuals);
-    add_shapes(named, "collision", source.collision_array, link.collisions);
+    std::vector<SourceLocation> ignored;
+    add_shapes(named, "visual", source.visual_array, link.visuals, ignored);
+    add_shapes(named, "collision", source.collision_array, link.collisions, link.collision_marks);
     index_[link.name] = static_cast<int>(document_.links.size());
     document_.links.push_back(std::move(link));
   }
@@ -106,12 +113,15 @@ class DocumentBuilder {
   /// @param sources  urdfdom's visuals or collisions, one for each element
   template <class Sources>
   void add_shapes(const XmlNamed& link, const char* kind, const Sources& sources,
-                  std::vector<Shape>& shapes) {
+                  std::vector<Shape>& shapes, std::vector<SourceLocation>& marks) {
     const XMLElement* e = link.element->FirstChildElement(kind);
     for (const auto& source : sources) {
       std::optional<Shape> shape = make_shape(*source->geometry, *e, link.name);
       if (shape) paint(*source, *shape);
-      if (shape) shapes.push_back(std::move(*shape));
+      if (shape) {
+        shapes.push_back(std::move(*shape));
+        marks.push_back(mark_of(*shape_element(*e)));
+      }
       e = e->NextSiblingElement(kind);
     }
   }
@@ -148,33 +158,34 @@ class DocumentBuilder {
   }
 
   bool keep_mesh(Shape& shape, const XMLElement& e, const std::string& link) {
-    const SourceLocation mark = document_.mark(shape_element(e)->GetLineNum());
-    const std::string what = "the mesh `" + shape.mesh + "` of the link `" + link + "` ";
+    const SourceLocation mark = mark_of(*shape_element(e));
+    const std::string subject = "the mesh `" + shape.mesh + "` of the link `" + link + "` ";
     const MeshFile& file = meshes_.look_up(shape.mesh);
     const MeshState state = file.state;
     const MeshProblem problem = problem_of(state);
     const bool collision = std::string(e.Name()) == "collision";
     if (state != MeshState::kFound && collision && !primitive_collision_) {
-      diagnostics_.error(mark, what + problem.text +
+      diagnostics_.error(mark, subject + problem.text +
                                    ", and the link has no other collision shape; " +
                                    problem.remedy + ", or a box, cylinder, sphere or capsule");
       return false;
     }
     if (state != MeshState::kFound) {
-      diagnostics_.warning(mark, what + problem.text + "; it is left out, primitive shapes remain");
+      diagnostics_.warning(mark,
+                           subject + problem.text + "; it is left out, primitive shapes remain");
       return false;
     }
-    return !collision || take_box(file.path, what, mark, shape);
+    return !collision || take_box(file.path, subject, mark, shape);
   }
 
   /// Reads the bounding box that represents a mesh in contact.
-  /// @param what  subject of messages: "the mesh `x` of the link `y` "
-  bool take_box(const std::string& file, const std::string& what, const SourceLocation& mark,
+  /// @param subject  subject of messages: "the mesh `x` of the link `y` "
+  bool take_box(const std::string& file, const std::string& subject, const SourceLocation& mark,
                 Shape& shape) {
     const std::string remedy = ", and contact needs the box about it; ";
     const MeshFormat* const format = find_mesh_format(shape.mesh);
     if (format == nullptr) {
-      diagnostics_.error(mark, what + "is of a format that is not read (" + mesh_extensions() +
+      diagnostics_.error(mark, subject + "is of a format that is not read (" + mesh_extensions() +
                                    " are)" + remedy +
                                    "convert it (Blender, MeshLab and Python's trimesh do), or "
                                    "write a box, cylinder, sphere or capsule");
@@ -185,13 +196,13 @@ class DocumentBuilder {
     const std::string problem =
         read.problem.empty() ? scale_mesh_box(shape.size, box) : read.problem;
     if (!problem.empty()) {
-      diagnostics_.error(
-          mark, what + problem + remedy + "mend it, or write a box, cylinder, sphere or capsule");
+      diagnostics_.error(mark, subject + problem + remedy +
+                                   "mend it, or write a box, cylinder, sphere or capsule");
       return false;
     }
     shape.box_size = box.size();
     shape.box_center = box.center();
-    diagnostics_.warning(mark, what + "counts in contact as the box about it, " +
+    diagnostics_.warning(mark, subject + "counts in contact as the box about it, " +
                                    format_number(shape.box_size.x) + " x " +
                                    format_number(shape.box_size.y) + " x " +
                                    format_number(shape.box_size.z) +
@@ -220,7 +231,7 @@ class DocumentBuilder {
     const urdf::Joint& source = *model_.getJoint(named.name);
     UrdfJoint joint;
     joint.name = named.name;
-    joint.line = named.line;
+    joint.mark = named.mark;
     joint.type = type_of(source);
     joint.parent = index_.at(named.parent);
     joint.child = index_.at(named.child);
@@ -234,7 +245,10 @@ class DocumentBuilder {
       joint.lower = source.limits->lower;
       joint.upper = source.limits->upper;
     }
-    if (source.dynamics) joint.damping = source.dynamics->damping;
+    if (source.dynamics) {
+      joint.damping = source.dynamics->damping;
+      joint.damping_mark = mark_of(*named.element->FirstChildElement("dynamics"));
+    }
     const int index = static_cast<int>(document_.joints.size());
     document_.links[static_cast<std::size_t>(joint.parent)].child_joints.push_back(index);
     document_.links[static_cast<std::size_t>(joint.child)].parent_joint = index;

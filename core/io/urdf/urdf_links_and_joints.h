@@ -1,5 +1,5 @@
 // A URDF after parsing and before merging: links and joints as in the file, checked one by one,
-// each with its line. Internal to core/io's URDF reader.
+// each with its location. Internal to core/io's URDF reader.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,13 @@ enum class UrdfJointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating
 
 struct UrdfLink {
   std::string name;
-  int line = 0;
+  SourceLocation mark;
+  SourceLocation mass_mark, inertia_mark;
   bool has_inertial = false;
   MassProperties mass;            ///< com and inertia in the link's frame
   std::vector<Shape> collisions;  ///< poses in the link's frame
   std::vector<Shape> visuals;     ///< poses in the link's frame
+  std::vector<SourceLocation> collision_marks;
   int parent_joint = -1;
   std::vector<int> child_joints;  ///< in the order of the file
 
@@ -28,7 +30,7 @@ struct UrdfLink {
 
 struct UrdfJoint {
   std::string name;
-  int line = 0;
+  SourceLocation mark;
   UrdfJointType type = UrdfJointType::kFixed;
   int parent = 0;  ///< link index
   int child = 0;   ///< link index
@@ -38,6 +40,7 @@ struct UrdfJoint {
   double lower = 0.0;  ///< [rad] or [m]
   double upper = 0.0;
   double damping = 0.0;
+  SourceLocation damping_mark;
 
   bool turns() const {
     return type == UrdfJointType::kRevolute || type == UrdfJointType::kContinuous;
@@ -50,11 +53,9 @@ struct UrdfDocument {
   std::vector<UrdfLink> links;
   std::vector<UrdfJoint> joints;
   int root = 0;  ///< link index
-
-  SourceLocation mark(int line) const { return {file, line, 0}; }
 };
 
-/// Parses the text of a URDF. tinyxml2 supplies elements with lines and checks, urdfdom the
+/// Parses the text of a URDF. tinyxml2 supplies elements with locations and checks, urdfdom the
 /// semantics, core/base the rotations. Returns nullopt and errors for invalid files.
 std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const std::string& file,
                                                 Diagnostics& diagnostics);

@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "core/io/urdf/urdf_xml.h"
+#include "core/io/urdf/xml_text.h"
 
 namespace skybody {
 
 void MaterialCheck::error(const tinyxml2::XMLElement& e, const std::string& message) {
-  diagnostics_.error({file_, e.GetLineNum(), 0}, message);
+  diagnostics_.error(xml_mark(file_, e), message);
 }
 
 std::string MaterialCheck::name_of(const tinyxml2::XMLElement& material) {

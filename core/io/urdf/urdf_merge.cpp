@@ -71,7 +71,7 @@ class Merger {
   }
 
   void check_world(const UrdfLink& world) {
-    const SourceLocation mark = document_.mark(world.line);
+    const SourceLocation mark = world.mark;
     if (world.has_inertial && !world.is_massless()) {
       diagnostics_.error(mark,
                          "the root link `world` stands for the world and can have no mass; "
@@ -88,7 +88,7 @@ class Merger {
     for (int index : world.child_joints) {
       const UrdfJoint& floating = joint(index);
       if (floating.type != UrdfJointType::kFloating) continue;
-      diagnostics_.error(document_.mark(floating.line),
+      diagnostics_.error(floating.mark,
                          "the joint `" + floating.name + "` lets `" + link(floating.child).name +
                              "` float, but it is not the only joint on the link `world`; make "
                              "what else hangs on `world` a robot or an obstacle of its own");
@@ -173,12 +173,26 @@ class Merger {
       for (const Shape& shape : source.visuals) group.visuals.push_back(place(shape, pose));
     }
     group.mass = add_masses(parts);
+    note_marks(group);
     if (group.is_massless()) return;
     if (repairs_ && !is_physical_inertia(group.mass.inertia)) {
       const UrdfLink& source = link(group.links[0]);
       group.mass.inertia = repaired(body_of(source), source, group.mass);
     }
     check_inertia(group);
+  }
+
+  void note_marks(UrdfGroup& group) const {
+    double heaviest = -1.0;
+    for (int index : group.links) {
+      const UrdfLink& source = link(index);
+      std::vector<SourceLocation>& shapes = group.marks.collisions;
+      shapes.insert(shapes.end(), source.collision_marks.begin(), source.collision_marks.end());
+      if (source.mass.mass <= heaviest) continue;
+      heaviest = source.mass.mass;
+      group.marks.mass = source.mass_mark;
+      group.marks.inertia = source.inertia_mark;
+    }
   }
 
   static std::string body_of(const UrdfLink& source) {
@@ -201,7 +215,7 @@ class Merger {
   SymMat3<double> repaired(const std::string& what, const UrdfLink& source,
                            const MassProperties& mass) {
     const SymMat3<double> mended = repaired_inertia(mass.inertia, mass.mass);
-    diagnostics_.warning(document_.mark(source.line),
+    diagnostics_.warning(source.inertia_mark,
                          "`inertia: repair` gives " + what + " the principal moments " +
                              moments_text(eigenvalues(mended)) + " kg m^2; written are " +
                              moments_text(eigenvalues(mass.inertia)));
@@ -215,16 +229,15 @@ class Merger {
 
   void warn_massless(const UrdfLink& source) {
     const UrdfJoint& by = joint(source.parent_joint);
-    diagnostics_.warning(document_.mark(source.line),
-                         "the link `" + source.name + "` has no mass; it merges with `" +
-                             link(by.parent).name + "` through the fixed joint `" + by.name + "`");
+    diagnostics_.warning(source.mark, "the link `" + source.name +
+                                          "` has no mass; it merges with `" + link(by.parent).name +
+                                          "` through the fixed joint `" + by.name + "`");
   }
 
   void warn_lone_inertia(const UrdfLink& source) {
-    diagnostics_.warning(document_.mark(source.line), "the link `" + source.name +
-                                                          "` has an inertia (" +
-                                                          inertia_text(source.mass.inertia) +
-                                                          ") and no mass; the inertia is ignored");
+    diagnostics_.warning(source.inertia_mark, "the link `" + source.name + "` has an inertia (" +
+                                                  inertia_text(source.mass.inertia) +
+                                                  ") and no mass; the inertia is ignored");
   }
 
   /// Moving bodies must be physically valid. An invalid link in a valid body changes only the
@@ -251,7 +264,7 @@ class Merger {
                                 inertia_text(inertia) + ": its principal moments are " +
                                 moments_text(eigenvalues(inertia)) + " kg m^2; " +
                                 bound_text(inertia);
-    const SourceLocation mark = document_.mark(source.line);
+    const SourceLocation& mark = source.inertia_mark;
     if (only_warn) {
       diagnostics_.warning(mark, message + " (the body that it merges into is sound)");
     } else {

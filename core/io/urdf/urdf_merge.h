@@ -5,6 +5,7 @@
 
 #include "core/io/urdf/urdf_links_and_joints.h"
 #include "core/io/yaml/diagnostics.h"
+#include "core/model/model_marks.h"
 
 namespace skybody {
 
@@ -18,6 +19,7 @@ struct UrdfGroup {
   MassProperties mass;        ///< of all links, in the group's frame
   std::vector<Shape> collisions;
   std::vector<Shape> visuals;
+  BodyMarks marks;
 
   bool is_massless() const { return mass.mass == 0.0; }
   bool has_shapes() const { return !collisions.empty() || !visuals.empty(); }

@@ -9,8 +9,7 @@ namespace {
 
 class TreeCheck {
  public:
-  TreeCheck(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics)
-      : file_(file), xml_(xml), diagnostics_(diagnostics) {}
+  TreeCheck(UrdfXml& xml, Diagnostics& diagnostics) : xml_(xml), diagnostics_(diagnostics) {}
 
   void run() {
     for (std::size_t i = 0; i < xml_.links.size(); ++i) {
@@ -30,8 +29,8 @@ class TreeCheck {
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  void error(int line, const std::string& message) {
-    diagnostics_.error({file_, line, 0}, message);
+  void error(const XmlNamed& element, const std::string& message) {
+    diagnostics_.error(element.mark, message);
   }
 
   std::size_t index_of(const std::string& link) const {
@@ -41,8 +40,8 @@ class TreeCheck {
 
   void check_end(const XmlJoint& joint, const std::string& link, const std::string& which) {
     if (index_of(link) != kNone) return;
-    error(joint.line, "the " + which + " `" + link + "` of the joint `" + joint.name +
-                          "` is not a link" + suggestion(link, names_, "links"));
+    error(joint, "the " + which + " `" + link + "` of the joint `" + joint.name +
+                     "` is not a link" + suggestion(link, names_, "links"));
   }
 
   void check_parent_is_single(const XmlJoint& joint) {
@@ -53,9 +52,9 @@ class TreeCheck {
       known = &joint;
       return;
     }
-    error(joint.line, "the link `" + joint.child + "` is the child of `" + joint.name +
-                          "` and, in line " + std::to_string(known->line) + ", of `" + known->name +
-                          "`; a link has one parent");
+    error(joint, "the link `" + joint.child + "` is the child of `" + joint.name +
+                     "` and, in line " + std::to_string(known->mark.line) + ", of `" + known->name +
+                     "`; a link has one parent");
   }
 
   void find_root() {
@@ -67,13 +66,13 @@ class TreeCheck {
         root = &link;
         continue;
       }
-      error(link.line, "a second root: neither `" + root->name + "` (line " +
-                           std::to_string(root->line) + ") nor `" + link.name +
-                           "` is the child of a joint; connect them by a joint");
+      error(link, "a second root: neither `" + root->name + "` (line " +
+                      std::to_string(root->mark.line) + ") nor `" + link.name +
+                      "` is the child of a joint; connect them by a joint");
     }
     if (root != nullptr) xml_.root = root->name;
     if (root == nullptr) {
-      error(xml_.links[0].line,
+      error(xml_.links[0],
             "there is no root: every link is the child of a joint; remove the "
             "joint that closes the loop");
     }
@@ -91,12 +90,11 @@ class TreeCheck {
       }
       if (at == kNone || seen_from[at] != start) continue;  // a root, or a path visited before
       const XmlJoint& joint = *parent_joint_[at];
-      error(joint.line, "the joint `" + joint.name + "` closes a loop through the link `" +
-                            xml_.links[at].name + "`; a URDF is a tree");
+      error(joint, "the joint `" + joint.name + "` closes a loop through the link `" +
+                       xml_.links[at].name + "`; a URDF is a tree");
     }
   }
 
-  const std::string& file_;
   UrdfXml& xml_;
   Diagnostics& diagnostics_;
   std::vector<std::string> names_;                      ///< of links
@@ -106,9 +104,9 @@ class TreeCheck {
 
 }  // namespace
 
-bool check_urdf_tree(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics) {
+bool check_urdf_tree(UrdfXml& xml, Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();
-  TreeCheck(file, xml, diagnostics).run();
+  TreeCheck(xml, diagnostics).run();
   return diagnostics.error_count() == errors_before;
 }
 

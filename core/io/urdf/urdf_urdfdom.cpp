@@ -140,9 +140,9 @@ urdf::ModelInterfaceSharedPtr read_by_urdfdom(const UrdfXml& xml, const std::str
     return nullptr;
   }
   if (const XmlNamed* named = lost(xml, *model)) {
-    diagnostics.error({file, named->line, 0},
-                      "urdfdom reads <" + std::string(named->element->Name()) + "> `" +
-                          named->name + "` otherwise than it is written; write it more simply");
+    diagnostics.error(named->mark, "urdfdom reads <" + std::string(named->element->Name()) + "> `" +
+                                       named->name +
+                                       "` otherwise than it is written; write it more simply");
     return nullptr;
   }
   return model;

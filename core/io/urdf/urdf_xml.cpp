@@ -49,7 +49,7 @@ bool check_urdf_xml(const std::string& text, const std::string& file, UrdfXml& x
   }
   check_urdf_elements(file, xml, diagnostics);
   if (diagnostics.error_count() > errors_before) return false;
-  return check_urdf_tree(file, xml, diagnostics);
+  return check_urdf_tree(xml, diagnostics);
 }
 
 }  // namespace skybody

@@ -1,5 +1,5 @@
-// The XML layer of a URDF: elements with their lines, and checks whose messages name them. Internal
-// to core/io's URDF reader.
+// The XML layer of a URDF: elements with their locations, and checks whose messages name them.
+// Internal to core/io's URDF reader.
 #pragma once
 
 #include <tinyxml2.h>
@@ -16,7 +16,7 @@ namespace skybody {
 /// A named element.
 struct XmlNamed {
   std::string name;
-  int line = 0;
+  SourceLocation mark;
   const tinyxml2::XMLElement* element = nullptr;
 };
 
@@ -27,7 +27,7 @@ struct XmlJoint : XmlNamed {
   std::string child;
 };
 
-/// The results of the XML checks: names, lines, elements.
+/// The results of the XML checks: names, locations, elements.
 struct UrdfXml {
   tinyxml2::XMLDocument document;
   std::string name;  ///< of the robot
@@ -53,6 +53,6 @@ bool check_urdf_xml(const std::string& text, const std::string& file, UrdfXml& x
 void check_urdf_elements(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics);
 
 /// Checks that links and joints of `xml` form one tree and finds its root.
-bool check_urdf_tree(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics);
+bool check_urdf_tree(UrdfXml& xml, Diagnostics& diagnostics);
 
 }  // namespace skybody

@@ -1,12 +1,16 @@
 #include "core/io/urdf/xml_text.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "core/base/system/printable.h"
 
 namespace skybody {
 namespace {
+
+using tinyxml2::XMLElement;
 
 constexpr int kMostAttributes = 100;           // of one element; URDF has up to six
 constexpr long kMostParts = 1'000'000;         // tags and attributes of a text
@@ -43,7 +47,9 @@ class Scan {
        Diagnostics& diagnostics)
       : text_(text), file_(file), references_(references), diagnostics_(diagnostics) {}
 
-  bool run() {
+  /// @param columns  gets the column of every element, in the order of the text
+  bool run(std::vector<int>& columns) {
+    columns_ = &columns;
     if (text_.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ = kByteOrderMark.size();
     line_start_ = at_;
     while (good_ && at_ < text_.size()) {
@@ -53,11 +59,8 @@ class Scan {
   }
 
  private:
-  void fail(const std::string& message) { fail_at(0, message); }
-
-  /// @param column  from 1; 0: not reported
-  void fail_at(int column, const std::string& message) {
-    diagnostics_.error({file_, line_, column}, message);
+  void fail(const std::string& message) {
+    diagnostics_.error({file_, line_, column()}, message);
     good_ = false;
   }
 
@@ -97,8 +100,9 @@ class Scan {
     attributes_ = 0;
     kind_ = next == '/' ? TagKind::kEnd : next == '!' ? TagKind::kDeclaration : TagKind::kElement;
     count_part();
+    if (kind_ == TagKind::kElement) columns_->push_back(column());
     if (kind_ != TagKind::kElement || depth_ > 0) return;
-    if (has_root_) fail_at(column(), "a second element at the top; XML allows one: remove it");
+    if (has_root_) fail("a second element at the top; XML allows one: remove it");
     has_root_ = true;
   }
 
@@ -115,9 +119,9 @@ class Scan {
     if (!good_ || depth_ > 0) return;
     const std::string_view rest = text_.substr(at_, text_.find_first_of("\r\n<", at_ + 1) - at_);
     const std::string_view shown = rest.substr(0, rest.find_last_not_of(kSpace) + 1);
-    fail_at(column(), "the text `" + shortened(std::string(shown), kLongestShown) + "` stands " +
-                          (has_root_ ? "after" : "before") +
-                          " the element at the top, where XML allows none; remove it");
+    fail("the text `" + shortened(std::string(shown), kLongestShown) + "` stands " +
+         (has_root_ ? "after" : "before") +
+         " the element at the top, where XML allows none; remove it");
   }
 
   void step_in_tag(char c) {
@@ -172,8 +176,29 @@ class Scan {
   char quote_ = 0;  ///< opening quote of the current attribute value; 0: outside of values
   int attributes_ = 0;
   long parts_ = 0;
+  std::vector<int>* columns_ = nullptr;
   bool good_ = true;
 };
+
+/// The element after `element` in the order of the text, or null.
+XMLElement* next_element(XMLElement* element) {
+  if (XMLElement* child = element->FirstChildElement()) return child;
+  while (element != nullptr) {
+    if (XMLElement* next = element->NextSiblingElement()) return next;
+    tinyxml2::XMLNode* parent = element->Parent();
+    element = parent == nullptr ? nullptr : parent->ToElement();
+  }
+  return nullptr;
+}
+
+/// Gives every element its column. tinyxml2 knows lines only.
+void note_columns(const std::vector<int>& columns, tinyxml2::XMLDocument& document) {
+  auto column = columns.begin();
+  for (XMLElement* e = document.RootElement(); e != nullptr && column != columns.end();
+       e = next_element(e)) {
+    e->SetUserData(reinterpret_cast<void*>(static_cast<std::intptr_t>(*column++)));
+  }
+}
 
 /// "mismatched element" from tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
 std::string error_words(std::string name) {
@@ -191,13 +216,20 @@ std::string error_words(std::string name) {
 
 bool parse_xml(const std::string& text, const std::string& file, tinyxml2::XMLDocument& document,
                XmlReferences references, Diagnostics& diagnostics) {
-  if (!Scan(text, file, references, diagnostics).run()) return false;
+  std::vector<int> columns;
+  if (!Scan(text, file, references, diagnostics).run(columns)) return false;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     diagnostics.error({file, document.ErrorLineNum(), 0},
                       "not well-formed XML: " + error_words(document.ErrorName()));
     return false;
   }
+  note_columns(columns, document);
   return true;
+}
+
+SourceLocation xml_mark(const std::string& file, const XMLElement& element) {
+  const auto column = reinterpret_cast<std::intptr_t>(element.GetUserData());
+  return {file, element.GetLineNum(), static_cast<int>(column)};
 }
 
 }  // namespace skybody

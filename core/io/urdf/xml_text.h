@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/io/yaml/diagnostics.h"
+#include "core/model/source_location.h"
 
 namespace skybody {
 
@@ -21,5 +22,8 @@ enum class XmlReferences { kChecked, kPassed };
 ///   compares each attribute of an element with all others
 bool parse_xml(const std::string& text, const std::string& file, tinyxml2::XMLDocument& document,
                XmlReferences references, Diagnostics& diagnostics);
+
+/// The location of an element's `<` in a text parsed by parse_xml().
+SourceLocation xml_mark(const std::string& file, const tinyxml2::XMLElement& element);
 
 }  // namespace skybody

@@ -3,12 +3,18 @@
 #include <map>
 
 #include "core/io/files/file.h"
+#include "core/io/files/missing_file.h"
 #include "core/io/files/shipped_files.h"
 #include "core/io/files/text.h"
 #include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/include_chain.h"
 
 namespace skybody {
 namespace {
+
+constexpr const char* kIncludeRemedy =
+    "give its path from this file, or the name of a shipped scenario (`skybody scenarios` lists "
+    "them)";
 
 /// A file that is being loaded, with the location of the reference to it.
 struct OpenFile {
@@ -124,19 +130,6 @@ class Loader {
     return merged;
   }
 
-  /// The path relative to the including file, else a shipped scenario: `hover` or `hover.yaml`.
-  static std::string path_of(const ConfigNode& name) {
-    std::string path = resolve_path(name.scalar, name.mark);
-    std::error_code ignored;
-    if (std::filesystem::exists(path, ignored)) return path;
-    const std::filesystem::path wanted = name.scalar;
-    if (wanted.has_parent_path() || (wanted.has_extension() && wanted.extension() != ".yaml")) {
-      return path;
-    }
-    const auto shipped = find_shipped_scenario(wanted.stem().string());
-    return shipped ? shipped->string() : path;
-  }
-
   /// Merges the file called `name` into `merged`.
   bool take(const ConfigNode& name, ConfigNode& merged) {
     if (!budget_.take_include()) {
@@ -144,7 +137,13 @@ class Loader {
                                         " files are included; put some into one file");
       return false;
     }
-    const ConfigNode* node = load(path_of(name), name.mark, Quoting::kNo);
+    const std::string path = included_path(name);
+    const std::string problem = missing_file(path, kIncludeRemedy, shipped_scenarios());
+    if (!problem.empty()) {
+      diagnostics_.error(name.mark, problem);
+      return false;
+    }
+    const ConfigNode* node = load(path, name.mark, Quoting::kNo);
     if (node == nullptr) return false;
     const ConfigCost cost = cost_of(*node);
     if (!budget_.take_values(cost.values, cost.bytes)) {

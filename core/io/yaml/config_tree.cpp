@@ -5,9 +5,15 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/base/system/printable.h"
 #include "core/io/files/text.h"
 
 namespace skybody {
+namespace {
+
+constexpr std::size_t kLongestText = 100;  // [bytes] of a text in a message
+
+}  // namespace
 
 const ConfigNode* ConfigNode::find(const std::string& key) const {
   for (const ConfigEntry& entry : entries) {
@@ -41,7 +47,7 @@ std::string ConfigNode::describe() const {
       break;
   }
   if (parse_number(scalar)) return quoted ? "a text, \"" + scalar + '"' : "the number " + scalar;
-  return "the text `" + scalar + "`";
+  return "the text `" + shortened(printable(scalar), kLongestText) + "`";
 }
 
 ConfigCost cost_of(const ConfigNode& node) {

@@ -5,6 +5,7 @@
 
 #include "core/io/files/file.h"
 #include "core/io/files/text.h"
+#include "core/io/files/unit_hint.h"
 #include "core/io/yaml/plausibility_limits.h"
 
 namespace skybody {
@@ -55,16 +56,31 @@ class ValueReader {
   std::optional<ParameterValue> done() { return std::move(value_); }
 
   std::optional<ParameterValue> refuse(const ConfigNode& node) {
-    complain(node, spec_.name, node.describe());
+    complain(node, spec_.name, node.describe(), list_hint(node));
     return std::nullopt;
   }
 
-  bool complain(const ConfigNode& node, const std::string& name, const std::string& what) {
+  /// "; do you mean [1, 2, 3]?" for numbers without the brackets of a list, else "".
+  static std::string list_hint(const ConfigNode& node) {
+    std::string text = node.scalar;
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::vector<double> numbers;
+    for (const std::string& word : split_words(text)) {
+      const std::optional<double> number = parse_number(word);
+      if (!number) return "";
+      numbers.push_back(*number);
+    }
+    return numbers.size() < 2 ? "" : "; do you mean " + format_numbers(numbers) + "?";
+  }
+
+  /// @param hint  advice at the end of the message
+  bool complain(const ConfigNode& node, const std::string& name, const std::string& what,
+                const std::string& hint = "") {
     const bool in_list = name != spec_.name;
     ParameterSpec entry = spec_;
     if (in_list) entry.min_count = entry.max_count = 1;
-    diagnostics_.error(node.mark,
-                       "`" + name + "` is " + what + "; allowed: " + describe_allowed(entry));
+    diagnostics_.error(
+        node.mark, "`" + name + "` is " + what + "; allowed: " + describe_allowed(entry) + hint);
     return false;
   }
 
@@ -107,7 +123,7 @@ class ValueReader {
 
   bool take_number(const ConfigNode& node, const std::string& name) {
     const std::optional<double> number = node.quoted ? std::nullopt : parse_number(node.scalar);
-    if (!number) return complain(node, name, node.describe());
+    if (!number) return complain(node, name, node.describe(), unit_hint(node.scalar, spec_.unit));
     const bool integer = spec_.type == ParameterType::kInteger;
     const bool integral = std::isfinite(*number) && std::trunc(*number) == *number &&
                           std::fabs(*number) <= kLargestInteger;

@@ -19,21 +19,24 @@ enum class PlausibilityLimit {
   kLag,             ///< time constant of a rotor [s]
   kGyration,        ///< radius of gyration of the body with the rotors, divided by the longest arm
   kSize,            ///< greatest length of a collision shape [m]
-  kArm              ///< distance of a hub from the centre of mass of the robot's base [m]
+  kArm,             ///< distance of a hub from the centre of mass of the robot's base [m]
+  kArmByMass        ///< the arm, divided by the cube root of the mass [m/kg^(1/3)]
 };
 
-/// A value from a file that determines the checked value.
+/// A value from a file or an option that determines the checked value.
 struct GivenValue {
-  const char* key;
+  const char* key;  ///< in the file, or the option, such as --mass
   double value;
-  double factor = 1.0;  ///< multiplies the factor of a mistake in the table
+  SourceLocation mark = {};  ///< no file: unknown
+  double factor = 1.0;       ///< multiplies the factor of a mistake in the table
 };
 
 /// Whether a value is in its usual range.
 bool is_plausible(PlausibilityLimit what, double value);
 
 /// Warns of a value outside its usual range, with the value, the range, and the intended value if a
-/// known mistake explains it.
+/// known mistake explains it. The warning is at the mistaken value, else at the first of `given`
+/// whose location is known, else at `mark`.
 /// @param name   the quantity and its owner, at the start of the message
 /// @param given  values that determine it; empty: the file contains it directly
 void warn_if_implausible(PlausibilityLimit what, double value, const std::string& name,

@@ -9,6 +9,7 @@
 #include "core/base/math/hash.h"
 #include "core/base/system/suggestion.h"
 #include "core/io/files/file.h"
+#include "core/io/files/missing_file.h"
 #include "core/io/files/shipped_files.h"
 #include "core/io/files/text.h"
 #include "core/io/urdf/urdf_reader.h"
@@ -29,54 +30,8 @@ constexpr std::size_t kMostParts = 20'000;
 /// earlier ones, which takes a tenth of a second in total.
 constexpr int kMostToFold = 10'000;
 
-/// Number of a folder's entries that are searched for similar names.
-constexpr std::size_t kMostEntries = 200;
-
-namespace fs = std::filesystem;
-
-/// Names in a folder: of its subfolders, or of files that end in .urdf.
-std::vector<std::string> names_in(const fs::path& folder, bool folders) {
-  std::vector<std::string> names;
-  std::error_code problem;
-  for (fs::directory_iterator entry(folder, problem), end; !problem && entry != end;
-       entry.increment(problem)) {
-    std::error_code ignored;
-    const bool is_wanted =
-        folders ? entry->is_directory(ignored) : entry->path().extension() == ".urdf";
-    if (is_wanted) names.push_back(entry->path().filename().string());
-    if (names.size() >= kMostEntries) break;
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-/// The path with its misspelt parts corrected, if that file exists; else empty.
-std::string mended_path(const fs::path& file) {
-  fs::path there;
-  std::error_code ignored;
-  for (auto part = file.begin(); part != file.end(); ++part) {
-    fs::path next = there / *part;
-    if (!fs::exists(next, ignored)) {
-      const bool is_folder = std::next(part) != file.end();
-      const std::string name =
-          closest(part->string(), names_in(there.empty() ? "." : there, is_folder));
-      if (name.empty()) return "";
-      next = there / name;
-    }
-    there = std::move(next);
-  }
-  return is_file(there.string()) ? there.string() : "";
-}
-
-/// A suggestion for a model that does not exist: a file with a similar name, or a shipped model.
-/// Empty if the model exists or no name is similar.
-/// @param written  the name in the scenario; @param file  the resolved path
-std::string model_meant_by(const std::string& written, const std::string& file) {
-  std::error_code problem;
-  if (file.find('\0') != file.npos || fs::exists(file, problem) || problem) return "";
-  const std::string mended = mended_path(file);
-  return mended.empty() ? closest(fs::path(written).stem().string(), shipped_models()) : mended;
-}
+constexpr const char* kModelRemedy =
+    "give a URDF by its path from this file, or a shipped model such as `qdrone2`";
 
 /// Joints with keys in the scenario that universal and ball joints do not support.
 std::vector<std::string> own_joints(const MapReader& reader) {
@@ -91,6 +46,11 @@ std::vector<std::string> own_joints(const MapReader& reader) {
     if (is_own) names.push_back(entry.key);
   }
   return names;
+}
+
+/// The rotors file of a robot without the key `rotors`.
+std::string rotors_beside(const RobotModel& model) {
+  return (std::filesystem::path(model.urdf_file).parent_path() / "rotors.yaml").string();
 }
 
 /// Largest distance of a hub from its link's axis of rotation [m]: larger than round-off.
@@ -192,9 +152,9 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
     return known->second ? &*known->second : nullptr;
   }
   std::optional<RobotModel>& model = models_[key];
-  if (const std::string meant = model_meant_by(written, file); !meant.empty()) {
-    diagnostics_.error(mark,
-                       "the file `" + file + "` does not exist; did you mean `" + meant + "`?");
+  const std::string problem = missing_file(file, kModelRemedy, shipped_models());
+  if (!problem.empty()) {
+    diagnostics_.error(mark, problem);
     return nullptr;
   }
   const std::optional<std::string> text = read_file(file, mark, diagnostics_);
@@ -255,8 +215,7 @@ bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model, Diagnos
     used_at = reader.mark("rotors");
     file = resolve_path(written, used_at);
   } else {
-    const std::filesystem::path folder = std::filesystem::path(model.urdf_file).parent_path();
-    file = (folder / "rotors.yaml").string();
+    file = rotors_beside(model);
     if (!is_file(file)) return true;
   }
   std::string text;
@@ -271,8 +230,11 @@ void RobotReader::read_rotor_speed(const MapReader& reader, RobotUse& robot) {
   const SourceLocation mark = reader.mark("rotor_speed");
   const std::vector<Rotor>& rotors = robot.model.rotors;
   if (reader.node("rotor_speed") != nullptr && rotors.empty() && robot.rotor_speed != 0.0) {
-    diagnostics_.error(mark, "`rotor_speed` is given, but `" + robot.name +
-                                 "` has no rotors; add a rotors file or remove the key");
+    const bool is_none = reader.node("rotors") != nullptr;
+    diagnostics_.error(mark, "`rotor_speed` is given, but `" + robot.name + "` has no rotors; " +
+                                 (is_none ? "remove `rotors: none` or this key"
+                                          : "add the file " + rotors_beside(robot.model) +
+                                                ", or remove this key"));
   }
   for (const Rotor& rotor : rotors) {
     if (robot.rotor_speed <= rotor.constants[kMaxSpeed]) continue;
@@ -292,32 +254,36 @@ void RobotReader::read_joints(const MapReader& reader, RobotModel& model) {
                            "; allowed: a map from joint names to springs and dampers");
     return;
   }
-  std::unordered_map<std::string, Joint*> moving;
+  std::unordered_map<std::string, std::size_t> moving;
   std::vector<std::string> names;
-  for (Body& body : model.bodies) {
-    if (!is_moving_joint(body.joint)) continue;
-    names.push_back(body.joint.name);
-    moving[body.joint.name] = &body.joint;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Joint& joint = model.bodies[b].joint;
+    if (!is_moving_joint(joint)) continue;
+    names.push_back(joint.name);
+    moving[joint.name] = b;
   }
+  ModelMarks marks = *model.marks;
   for (const ConfigEntry& entry : joints->entries) {
     const auto found = moving.find(entry.key);
     if (found != moving.end()) {
-      read_joint(entry, *found->second);
+      read_joint(entry, model.bodies[found->second].joint, marks.bodies[found->second]);
       continue;
     }
     diagnostics_.error(entry.key_mark, "`" + entry.key + "` is not a moving joint of " +
                                            model.urdf_file +
                                            suggestion(entry.key, names, "joints"));
   }
+  model.marks = std::make_shared<const ModelMarks>(std::move(marks));
 }
 
-void RobotReader::read_joint(const ConfigEntry& entry, Joint& joint) {
+void RobotReader::read_joint(const ConfigEntry& entry, Joint& joint, BodyMarks& marks) {
   const MapReader reader(&entry.value, joint_fields(), entry.key_mark, diagnostics_);
   const bool springs = joint.type == JointType::kPin || joint.type == JointType::kSlider;
   for (const ConstantRow& row : kJointConstants) {
     const double read = reader.real(row.key);
     if (reader.node(row.key) == nullptr) continue;
     joint.constants[static_cast<std::size_t>(row.place)] = read;
+    marks.joint[static_cast<std::size_t>(row.place)] = reader.mark(row.key);
     if (row.place < joint_constant_count(joint)) continue;
     diagnostics_.error(reader.mark(row.key),
                        "`" + std::string(row.key) + "` does not apply to the joint `" + entry.key +

@@ -10,6 +10,7 @@
 #include "core/io/yaml/diagnostics.h"
 #include "core/io/yaml/field.h"
 #include "core/io/yaml/plugin_catalog.h"
+#include "core/model/model_marks.h"
 #include "core/model/scenario.h"
 
 namespace skybody {
@@ -34,7 +35,7 @@ class RobotReader {
   void note_meshes(const RobotModel& model);
   bool add_rotors(const MapReader& reader, RobotModel& model, Diagnostics& diagnostics);
   void read_joints(const MapReader& reader, RobotModel& model);
-  void read_joint(const ConfigEntry& entry, Joint& joint);
+  void read_joint(const ConfigEntry& entry, Joint& joint, BodyMarks& marks);
   void read_joint_position(const MapReader& reader, const std::string& name, Joint& joint);
   void read_rotor_speed(const MapReader& reader, RobotUse& robot);
   void note(const std::string& text);

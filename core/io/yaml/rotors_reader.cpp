@@ -3,19 +3,28 @@
 #include <unordered_set>
 
 #include "core/io/files/file.h"
+#include "core/io/files/missing_file.h"
 #include "core/io/files/text.h"
 #include "core/io/yaml/config_tree.h"
 #include "core/io/yaml/pose.h"
 #include "core/io/yaml/ranges.h"
 #include "core/io/yaml/scenario_fields.h"
+#include "core/model/model_marks.h"
 
 namespace skybody {
 namespace {
 
+constexpr const char* kRotorsRemedy =
+    "give its path from this file, `rotors: none` for a robot without rotors, or leave `rotors` "
+    "out "
+    "for the rotors.yaml beside the URDF";
+
 class RotorsReader {
  public:
   RotorsReader(RobotModel& model, InputBudget& budget, Diagnostics& diagnostics)
-      : model_(model), budget_(budget), diagnostics_(diagnostics) {}
+      : model_(model), budget_(budget), diagnostics_(diagnostics) {
+    if (model.marks) marks_ = *model.marks;
+  }
 
   void read(const ConfigNode& root) {
     const MapReader file(&root, rotors_file_fields(), root.mark, diagnostics_);
@@ -51,6 +60,7 @@ class RotorsReader {
       }
       read_rotor(merged);
     }
+    model_.marks = std::make_shared<const ModelMarks>(std::move(marks_));
   }
 
  private:
@@ -89,6 +99,18 @@ class RotorsReader {
     check_lag(kTauDown, rotor, reader);
     place(reader, rotor);
     model_.rotors.push_back(rotor);
+    marks_.rotors.push_back(marks_of(reader));
+  }
+
+  static RotorMarks marks_of(const MapReader& reader) {
+    RotorMarks marks;
+    marks.min_speed = reader.mark("min_speed");
+    for (const ConstantRow& row : kRotorConstants) {
+      for (int k = 0; k < row.count; ++k) {
+        marks.constants[static_cast<std::size_t>(row.place + k)] = reader.mark(row.key);
+      }
+    }
+    return marks;
   }
 
   void check_lag(RotorParam lag, const Rotor& rotor, const MapReader& reader) {
@@ -136,6 +158,7 @@ class RotorsReader {
   }
 
   RobotModel& model_;
+  ModelMarks marks_;
   InputBudget& budget_;
   std::unordered_set<std::string> names_;
   Diagnostics& diagnostics_;
@@ -145,6 +168,11 @@ class RotorsReader {
 
 bool read_rotors(const std::string& file, const SourceLocation& used_at, RobotModel& model,
                  std::string& text, Diagnostics& diagnostics, InputBudget& budget) {
+  const std::string problem = used_at.file.empty() ? "" : missing_file(file, kRotorsRemedy);
+  if (!problem.empty()) {
+    diagnostics.error(used_at, problem);
+    return false;
+  }
   if (!is_file(file) && !used_at.file.empty()) {
     read_file(file, used_at, diagnostics);  // reports the reason at the file's name
     return false;

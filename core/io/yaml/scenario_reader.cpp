@@ -22,7 +22,7 @@ namespace skybody {
 namespace {
 
 /// Results of the audit of integrators (docs/results/integrators.md): the largest error among the
-/// shipped scenarios that are not stiff by design. tests/python/test_integrator_audit.py compares.
+/// shipped scenarios that are not stiff by design. tests/python/test_integrators.py compares.
 struct Audit {
   double largest_dt;  ///< [s]
   const char* error;  ///< after one second of flight with this dt
@@ -336,15 +336,26 @@ class ScenarioReader {
   void add(const std::vector<PluginUse>& uses, SkybodyKind kind, HashChain& chain) const {
     for (const PluginUse& use : uses) {
       chain.update(hash_string(use.plugin));
-      for (const ParameterValue& value : use.parameters) {
-        chain.update(hash_string(value.name));
-        for (double number : value.numbers) chain.update(number);
-        const bool names_files = is_file_parameter(kind, use.plugin, value.name);
-        for (const std::string& text : value.texts) {
+      for (const ParameterValue* value : by_name(use.parameters)) {
+        chain.update(hash_string(value->name));
+        for (double number : value->numbers) chain.update(number);
+        const bool names_files = is_file_parameter(kind, use.plugin, value->name);
+        for (const std::string& text : value->texts) {
           chain.update(hash_string(names_files ? contents_of(text) : text));
         }
       }
     }
+  }
+
+  /// Parameters in the order of their names: the order in which a plugin declares them does not
+  /// change the hash.
+  static std::vector<const ParameterValue*> by_name(const std::vector<ParameterValue>& values) {
+    std::vector<const ParameterValue*> sorted;
+    for (const ParameterValue& value : values) sorted.push_back(&value);
+    std::sort(sorted.begin(), sorted.end(), [](const ParameterValue* a, const ParameterValue* b) {
+      return a->name < b->name;
+    });
+    return sorted;
   }
 
   bool is_file_parameter(SkybodyKind kind, const std::string& plugin,

@@ -238,8 +238,12 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
     const auto lines =
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n');
     const bool has_lines = !is_from_command_line(file);
-    diagnostics.error({file, has_lines ? static_cast<int>(lines) + 1 : 0, 0},
-                      "not YAML: a NUL character; remove it");
+    const std::size_t line_end = nul == 0 ? text.npos : text.rfind('\n', nul - 1);
+    const std::size_t column = line_end == text.npos ? nul + 1 : nul - line_end;
+    const SourceLocation mark{file, static_cast<int>(lines) + 1, static_cast<int>(column)};
+    diagnostics.error(has_lines ? mark : SourceLocation{file, 0, 0},
+                      "not YAML: a NUL character, as in files that are no text; remove it, or give "
+                      "a text file");
     return std::nullopt;
   }
   try {

@@ -138,12 +138,8 @@ class FreeAdjointLanes {
     put(to_q_, 4, to_rotation.x, mask);
     put(to_q_, 5, to_rotation.y, mask);
     put(to_q_, 6, to_rotation.z, mask);
-    put(to_u_, 0, to_velocity.x, mask);
-    put(to_u_, 1, to_velocity.y, mask);
-    put(to_u_, 2, to_velocity.z, mask);
-    put(to_u_, 3, to_spin.x, mask);
-    put(to_u_, 4, to_spin.y, mask);
-    put(to_u_, 5, to_spin.z, mask);
+    put(to_u_, 0, to_velocity, mask);
+    put(to_u_, 3, to_spin, mask);
     for (int i = 0; i < rotors; ++i) pull_back_rotor(i, to_sums, mask);
   }
 
@@ -180,6 +176,12 @@ class FreeAdjointLanes {
 
   static SKYBODY_INLINE void put(double* block, int k, const Real& x, const MaskOf<Real>& mask) {
     store_lanes(block + k * kLaneStride<Real>, x, mask);
+  }
+  static SKYBODY_INLINE void put(double* block, int k, const Vec3<Real>& v,
+                                 const MaskOf<Real>& mask) {
+    put(block, k, v.x, mask);
+    put(block, k + 1, v.y, mask);
+    put(block, k + 2, v.z, mask);
   }
 
   const StepPlan& plan_;

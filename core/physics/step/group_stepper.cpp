@@ -264,6 +264,7 @@ void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsSc
 /// Lanes with unphysical parameters fail in their first step: they have no contacts.
 std::uint32_t GroupStepper::may_touch(const GroupBlocks& group, std::uint32_t lanes,
                                       PhysicsScratch& scratch) {
+  if (plan_.contact.has_idle) return lanes & ~broken_;
   return find_near(call(group, scratch), lanes & ~broken_);
 }
 

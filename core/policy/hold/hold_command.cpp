@@ -32,6 +32,8 @@ double HoldPolicy::nominal_weight(const Robot& robot) const {
 std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
                                         const Setpoint& setpoint) const {
   const V& p = setpoint.position;
+  const V way = shortened(p - view.base.position, kMaxError);
+  const Quat<double> level = attitude_along({0.0, 0.0, 1.0}, setpoint.yaw);
   switch (robot.signal) {
     case SKYBODY_CTBR:
       return {setpoint.thrust, setpoint.rates.x, setpoint.rates.y, setpoint.rates.z};
@@ -45,17 +47,12 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     case SKYBODY_WRENCH:
       return wrench(robot, view, setpoint);
     case SKYBODY_VELOCITY: {
-      const V v = rotate_inverse(
-          view.base.rotation,
-          kPositionBandwidth * shortened(p - view.base.position, kMaxError) + setpoint.velocity);
-      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, setpoint.yaw), view.base.rotation,
-                                BandwidthScale());
+      const V v = rotate_inverse(view.base.rotation, kPositionBandwidth * way + setpoint.velocity);
+      const V r = rates_towards(level, view.base.rotation, BandwidthScale());
       return {v.x, v.y, v.z, r.x, r.y, r.z};
     }
-    case SKYBODY_POSE: {
-      const Quat<double> q = attitude_along({0.0, 0.0, 1.0}, setpoint.yaw);
-      return {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
-    }
+    case SKYBODY_POSE:
+      return {p.x, p.y, p.z, level.w, level.x, level.y, level.z};
     case SKYBODY_ATTITUDE: {
       const Quat<double>& q = setpoint.attitude;
       std::vector<double> values{setpoint.thrust, q.w, q.x, q.y, q.z};
@@ -75,11 +72,8 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {a.x, a.y, a.z, setpoint.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {
-      const V v =
-          view.scale.all * kPositionBandwidth * shortened(p - view.base.position, kMaxError) +
-          setpoint.velocity;
-      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, setpoint.yaw), view.base.rotation,
-                                view.scale);
+      const V v = view.scale.all * kPositionBandwidth * way + setpoint.velocity;
+      const V r = rates_towards(level, view.base.rotation, view.scale);
       return {v.x, v.y, v.z, r.z};
     }
     case SKYBODY_JOINT:

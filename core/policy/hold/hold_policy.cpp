@@ -28,7 +28,7 @@ std::vector<JointDrive> drives_of(const CompiledScenario& compiled, int robot) {
   std::vector<JointDrive> drives;
   for (const ControllerChain& chain : compiled.chains()) {
     if (chain.robot != robot || chain.signal != SKYBODY_JOINT || chain.is_fed) continue;
-    const std::vector<JointDrive>& own = last_of(compiled, chain).joints;
+    const std::vector<JointDrive>& own = last_of(compiled, chain).controller.joints;
     drives.insert(drives.end(), own.begin(), own.end());
   }
   return drives;
@@ -38,7 +38,7 @@ std::vector<JointDrive> drives_of(const CompiledScenario& compiled, int robot) {
 /// positions, others at rest.
 std::vector<double> joints_at_reset(const World& world, const CompiledScenario& compiled,
                                     const ControllerChain& chain) {
-  const std::vector<JointDrive>& drives = last_of(compiled, chain).joints;
+  const std::vector<JointDrive>& drives = last_of(compiled, chain).controller.joints;
   std::vector<double> commands(static_cast<std::size_t>(chain.inputs), 0.0);
   for (std::size_t k = 0; k < std::min(commands.size(), drives.size()); ++k) {
     const JointDrive& drive = drives[k];
@@ -51,7 +51,7 @@ std::vector<double> joints_at_reset(const World& world, const CompiledScenario& 
 }  // namespace
 
 HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
-  if (!compiled.task().actions.empty()) {
+  if (!compiled.task().task.actions.empty()) {
     throw Error("the hold baseline cannot fly task `" + compiled.task().plugin +
                 "`, which has actions of its own; use --policy zero or random");
   }
@@ -80,14 +80,14 @@ HoldPolicy::Robot HoldPolicy::commanded_robot(const ControllerChain& chain) cons
   robot.index = chain.robot;
   robot.base = layout.first_body;
   robot.body_count = layout.body_count;
-  robot.signal = first.input_signal;
+  robot.signal = first.controller.input_signal;
   robot.action = chain.command;
-  robot.low = first.low;
-  robot.high = first.high;
+  robot.low = first.controller.low;
+  robot.high = first.controller.high;
   robot.spacing = point_spacing(first_controller(compiled_, chain));
   if (robot.signal == SKYBODY_JOINT) {
     robot.joints = joints_at_reset(compiled_.world(), compiled_, chain);
-    robot.drives = last_of(compiled_, chain).joints;
+    robot.drives = last_of(compiled_, chain).controller.joints;
   }
   return robot;
 }
@@ -96,7 +96,7 @@ HoldPolicy::Robot HoldPolicy::commanded_robot(const ControllerChain& chain) cons
 void HoldPolicy::take_goal(Robot& robot) const {
   const World& world = compiled_.world();
   robot.goal_body = robot.base;
-  const auto& goals = compiled_.task().goals;
+  const auto& goals = compiled_.task().task.goals;
   for (std::size_t g = 0; g < goals.size(); ++g) {
     if (goals[g].robot != robot.index) continue;
     robot.goal = static_cast<int>(g);

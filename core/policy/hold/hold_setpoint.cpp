@@ -104,7 +104,7 @@ Vec3<double> HoldPolicy::swing(const Robot& robot, const View& view,
   const double q = stands ? kBalancePole : p;
   const V offset = base.position - place, slip = base.velocity - speed;
   const V error = place - (setpoint.position + arm);
-  const V far = stands ? shortened({error.x, error.y, 0.0}, kMaxCarried) : error;
+  const V far = stands ? shortened(V{error.x, error.y, 0.0}, kMaxCarried) : error;
   V a = (w2 - (p * p + q * q + 4.0 * p * q)) * offset - 2.0 * (p + q) * slip -
         (2.0 * p * q * (p + q) * speed + p * p * q * q * far) / w2;
   // A hanging load pulls the base sideways, a standing one pushes it: a part of the thrust's

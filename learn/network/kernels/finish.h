@@ -52,4 +52,15 @@ inline void finish_tile(const MultiplyCall& call, int row, int rows, int column,
   }
 }
 
+inline void slope(const SlopeCall& call) {
+  MultiplyCall row = {};
+  row.columns = kLanes;
+  row.y = call.d;
+  row.y_stride = kLanes;
+  row.finish = call.slope;
+  row.output = call.output;
+  row.output_stride = kLanes;
+  finish_tile(row, 0, static_cast<int>(call.count / kLanes), 0, 1);
+}
+
 }  // namespace skybody::learn::kernels::SKYBODY_KERNEL_SET

@@ -20,10 +20,18 @@ inline constexpr int kPad = 16;
 /// argument is the layer's output.
 enum class Finish : int { kNone, kTanh, kRelu, kElu, kTanhSlope, kReluSlope, kEluSlope };
 
+/// Rows that are windows of an image, as in a convolution: row r consists of `lines` lines of
+/// `line` consecutive floats. They begin at x + offsets[r], `line_step` floats apart.
+struct Windows {
+  const int32_t* offsets = nullptr;  ///< null: rows are no windows
+  int lines = 1, line = 0;           ///< lines * line is `inner` of the call
+  int line_step = 0;
+};
+
 /// y = finish(start + x w): row r of `x` at x + r * x_stride, `inner` wide.
 struct MultiplyCall {
   const float* x;
-  int x_stride;
+  int x_stride;  ///< not used by windows
   int rows, inner;
   const float* weight;   ///< inner x columns, in panels
   int columns;           ///< a multiple of kPad
@@ -34,18 +42,49 @@ struct MultiplyCall {
   Finish finish = Finish::kNone;
   const float* output = nullptr;  ///< for slopes: row r at output + r * output_stride
   int output_stride = 0;
+  Windows windows = {};
 };
 
 /// gradient += x^T d, summed over rows in order; bias += the rows of d.
 struct OuterCall {
   const float* x;  ///< rows x inner
-  int x_stride;
+  int x_stride;    ///< not used by windows
   const float* d;  ///< rows x columns
   int d_stride;
   int rows, inner;
   int columns;      ///< a multiple of kPad
   float* gradient;  ///< inner x columns, in panels
   float* bias;      ///< `columns`
+  Windows windows = {};
+};
+
+/// d = d * slope, the derivative at a layer's outputs.
+struct SlopeCall {
+  Finish slope;  ///< kNone or a slope
+  float* d;
+  const float* output;
+  size_t count;  ///< a multiple of kPad
+};
+
+/// Adds row r of `from` to window r of `x`, rows in order.
+struct ScatterCall {
+  const float* from;
+  int from_stride;
+  int rows;
+  float* x;
+  Windows windows;
+};
+
+/// Types of pixels, in the order of ColumnType.
+enum class PixelType : int { kFloat32, kUint8, kUint16 };
+
+/// to = (min(max(pixel, low), high) - low) * scale. A pixel that is no number counts as `high`.
+struct PixelCall {
+  const void* from;
+  PixelType type;
+  size_t count;
+  float low, high, scale;
+  float* to;
 };
 
 /// A step of gated recurrent units (gru.h): from the sums of both products to the next state. Rows
@@ -86,6 +125,9 @@ struct AdamScalars {
 struct KernelTable {
   void (*multiply)(const MultiplyCall&);
   void (*outer)(const OuterCall&);
+  void (*slope)(const SlopeCall&);
+  void (*scatter)(const ScatterCall&);
+  void (*pixels)(const PixelCall&);
   void (*gru)(const GruCall&);
   void (*gru_slope)(const GruSlopeCall&);
   void (*adam)(const AdamScalars&, const float* gradient, float* first, float* second,

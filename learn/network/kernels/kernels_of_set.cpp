@@ -1,5 +1,6 @@
 // The kernels of one instruction set; compiled once per set (CMakeLists.txt).
 #include "learn/network/kernels/gru.h"
+#include "learn/network/kernels/images.h"
 #include "learn/network/kernels/loops.h"
 #include "learn/network/kernels/multiply.h"
 #include "learn/network/kernels/normals.h"
@@ -9,6 +10,9 @@ namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
 const KernelTable kTable = {
     .multiply = multiply,
     .outer = outer,
+    .slope = slope,
+    .scatter = scatter,
+    .pixels = pixels,
     .gru = gru,
     .gru_slope = gru_slope,
     .adam = adam,

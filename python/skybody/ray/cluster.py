@@ -7,11 +7,13 @@ import importlib.util
 import os
 import secrets
 import socket
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import skybody
+from skybody.extras import install_command
 from skybody.train.hyperparameters import UsageError
 
 LOCAL = "local"
@@ -20,7 +22,7 @@ ADDRESSES = (
     "that ends with this command"
 )
 ADDRESS_HELP = f"address of the cluster: {ADDRESSES}; default: {LOCAL}"
-REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
+REMEDY = install_command(["ray"])
 PACKAGES = Path(skybody.__file__).parents[1]  # the folder from which this package was imported
 ANSWER_SECONDS = 5.0  # limit for a head to accept a connection
 
@@ -45,11 +47,12 @@ def cluster(address: str, cpus: int | None = None, option: str = "--address") ->
     """
     # Without a cluster at the address, Ray's own log would print a line each second while it tries.
     os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "error")
-    if address == LOCAL:
+    is_connected = "ray" in sys.modules and sys.modules["ray"].is_initialized()
+    if address == LOCAL and not is_connected:
         _demand_token()
     ray = import_ray()
     _check_answers(address, option)
-    if ray.is_initialized():
+    if is_connected:
         yield ray
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
@@ -78,6 +81,11 @@ def _demand_token() -> None:
     os.environ.setdefault("RAY_AUTH_MODE", "token")
     if not any(name in os.environ for name in ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")):
         os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
+    if "ray" in sys.modules:  # it read the environment when it was imported
+        from ray._raylet import AuthenticationTokenLoader, Config
+
+        Config.initialize("")
+        AuthenticationTokenLoader.instance().reset_cache()
 
 
 def import_ray() -> Any:

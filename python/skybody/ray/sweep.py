@@ -8,12 +8,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
 from skybody._native import CompiledScenario, Error, InputError
 from skybody.arguments import check_plugin_path
+from skybody.command_line import CommandLine, report_error, whole
 from skybody.program import run_program
 from skybody.ray import sweep_table
 from skybody.ray.absolute_paths import absolute_scenario, folders_from_anywhere
@@ -21,10 +21,10 @@ from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
-from skybody.train.evaluate import check_option, in_our_words
+from skybody.train.evaluate import in_our_words
 from skybody.train.hyperparameters import UsageError
 from skybody.train.json_file import read_json
-from skybody.train.options import number
+from skybody.train.options import RANGES
 from skybody.train.presets import told
 from skybody.train.requirements import demand_packages, packages_of
 
@@ -39,11 +39,10 @@ MOST_FAILURES = 10  # machines that may be lost under a trial before it fails
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    made = argparse.ArgumentParser(
+    made = CommandLine(
         prog="python -P -m skybody.ray.sweep",
         description="Trains over seeds, hyper-parameters and scenarios, with Ray Tune.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     add = made.add_argument
@@ -63,19 +62,19 @@ def parser() -> argparse.ArgumentParser:
     )
     add(
         "--total-steps",
-        type=number,
+        type=whole(*RANGES["total_steps"]),
         metavar="N",
         help="steps of each trial; default: the preset's, otherwise 1e6",
     )
     add(
         "--checkpoint-every",
-        type=number,
+        type=whole(*RANGES["checkpoint_every"]),
         metavar="N",
         help="steps between checkpoints; default: a tenth of --total-steps",
     )
     add(
         "--eval-episodes",
-        type=int,
+        type=whole(*RANGES["eval_episodes"]),
         default=20,
         metavar="N",
         help="evaluation episodes per checkpoint; default: 20",
@@ -97,7 +96,7 @@ def parser() -> argparse.ArgumentParser:
     add("--address", default=LOCAL, help=ADDRESS_HELP)
     add(
         "--cpus",
-        type=int,
+        type=whole(1, 1024),
         default=1,
         metavar="N",
         help="processors per trial; default: 1. Trials run in parallel as far as there are "
@@ -108,12 +107,13 @@ def parser() -> argparse.ArgumentParser:
 
 def seeds(text: str) -> list[int]:
     """`1,2,3` or `1-10`."""
+    seed = whole(*RANGES["seed"])
     found: list[int] = []
     for part in text.split(","):
         first, dash, last = part.partition("-")
         if not first.isdecimal() or (dash and not last.isdecimal()):
             raise argparse.ArgumentTypeError(f"{text}: write seeds as 1,2,3 or 1-10")
-        found += range(int(first), int(last or first) + 1)
+        found += range(seed(first), seed(last or first) + 1)
     return found
 
 
@@ -123,14 +123,9 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
     Tune runs each trial in its own folder, so file names are made absolute.
     """
     algorithm_of(options.algo)
-    check_option("--cpus", options.cpus, 1, 1024)
-    if options.total_steps is not None:
-        check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
-    check_option("--eval-episodes", options.eval_episodes, 0, 2**24)
     check_plugin_path(options.plugin_path, "--plugin-path")
     common = ["--eval-episodes", str(options.eval_episodes)]
     if options.checkpoint_every is not None:
-        check_option("--checkpoint-every", options.checkpoint_every, 1, 2**63 - 1)
         common += ["--checkpoint-every", str(options.checkpoint_every)]
     common += [word for change in options.override for word in ("--override", change)]
     scenarios = [absolute_scenario(scenario) for scenario in options.scenarios]
@@ -151,7 +146,6 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
         folders_from_anywhere(options.plugin_path),
     )
     for trial in trials:
-        check_option("--seeds", trial.seed, 0, 2**32 - 1)
         of_scenario = compiled[trial.scenario]
         told(trial.scenario, trial.algorithm, of_scenario, trial.settings).hyper.check()
     return trials
@@ -258,8 +252,7 @@ def main(arguments: list[str] | None = None) -> int:
         rows = sweep_table.rows_of(trials, errors)
         sweep_table.write(options.out, rows)
     except (UsageError, InputError, Error, OSError, ValueError) as error:
-        print(f"sweep: {in_our_words(error)}", file=sys.stderr)
-        return 2
+        return report_error(in_our_words(error))
     print(sweep_table.text(rows))
     print(f"tables {options.out / 'results.csv'} and results.json")
     return 1 if errors or any(row["state"] != "done" for row in rows) else 0

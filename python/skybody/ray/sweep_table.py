@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import statistics
 from collections.abc import Sequence
@@ -12,6 +10,7 @@ from typing import Any
 
 from skybody.ray.trials import Trial
 from skybody.train import files
+from skybody.train.run_folder import csv_bytes
 
 FIGURES = (
     "steps",
@@ -74,12 +73,8 @@ def over_seeds(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def write(out: Path, rows: Sequence[dict[str, Any]]) -> None:
     """Writes results.csv and results.json atomically."""
-    buffer = io.StringIO()
     columns = list(dict.fromkeys(name for row in rows for name in row))
-    writer = csv.DictWriter(buffer, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    files.write_file(out / "results.csv", buffer.getvalue().encode())
+    files.write_file(out / "results.csv", csv_bytes(columns, rows))
     content = {"trials": list(rows), "over_seeds": over_seeds(rows)}
     files.write_file(out / "results.json", (json.dumps(content, indent=1) + "\n").encode())
 

@@ -8,7 +8,6 @@ import contextlib
 from skybody.ray.absolute_paths import absolute_scenario, folders_from_anywhere
 from skybody.ray.cluster import check_cpus, cluster
 from skybody.ray.slices import MOST_SLICES, RaySlices, Setup
-from skybody.train.evaluate import check_option
 from skybody.train.hyperparameters import UsageError
 from skybody.train.run_folder import Config
 
@@ -25,7 +24,6 @@ def check_options(options: argparse.Namespace) -> None:
         raise UsageError(f"--algo {options.algo}: with --ray there is {ALGORITHM} alone")
     options.workers = WORKERS if options.workers is None else options.workers
     options.worker_threads = 1 if options.worker_threads is None else options.worker_threads
-    check_option("--worker-threads", options.worker_threads, 1, MOST_SLICES)
 
 
 def hold_slices(

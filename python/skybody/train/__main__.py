@@ -21,13 +21,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from skybody._native import CompiledScenario, Error, InputError, versions
-from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
+from skybody.arguments import check_plugin_path
+from skybody.command_line import range_problem, report_error
 from skybody.program import INTERRUPTED, run_program
 from skybody.train import evaluate, files
 from skybody.train.algorithms import DEFAULT_ALGORITHM
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.hyperparameters import UsageError
-from skybody.train.options import parser
+from skybody.train.options import RANGES, parser
 from skybody.train.presets import preset, presets_file, told
 from skybody.train.requirements import (
     demand_packages,
@@ -86,7 +87,7 @@ def resumed_config(options: argparse.Namespace) -> Config:
     """
     config = Config.read(options.out)
     plugin_path = options.plugin_path or []
-    evaluate.warn_of_plugin_path("train", options.out, config.plugin_path, plugin_path)
+    evaluate.warn_of_plugin_path(options.out, config.plugin_path, plugin_path)
     recorded = list(dict.fromkeys([*config.plugin_path, *plugin_path]))
     config = dataclasses.replace(config, plugin_path=recorded, searched=plugin_path)
     fixed = {
@@ -120,16 +121,9 @@ def resumed_config(options: argparse.Namespace) -> Config:
 
 def check(config: Config) -> None:
     """Raises UsageError for numbers out of range."""
-    ranges = {
-        "seed": (0, 2**32 - 1),  # of NumPy's global generator, which Stable-Baselines3 uses
-        "total_steps": (1, 2**63 - 1),
-        "checkpoint_every": (1, 2**63 - 1),
-        "threads": (0, MOST_THREADS),
-        "eval_episodes": (0, MOST_ENVS),
-        "eval_seed": (0, 2**64 - 1),
-    }
-    for name, (low, high) in ranges.items():
-        evaluate.check_option(f"--{name.replace('_', '-')}", getattr(config, name), low, high)
+    for name, (low, high) in RANGES.items():
+        if problem := range_problem(getattr(config, name), low, high):
+            raise UsageError(f"--{name.replace('_', '-')}: {problem}")
     config.hyper.check()
 
 
@@ -189,7 +183,7 @@ def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     changed = [n for n, v in now.items() if config.versions.get(n) != v]
     if changed:
         was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
-        print(f"train: warning: versions differ, and so may bits: {was}", file=sys.stderr)
+        print(f"warning: versions differ, and so may bits: {was}", file=sys.stderr)
     known = dataclasses.replace(
         config, scenario_name=compiled.name, scenario_text=compiled.scenario_text, versions=now
     )
@@ -203,21 +197,15 @@ def main(arguments: list[str] | None = None) -> int:
         try:
             trainer = make_trainer(options, scope)
         except BlockingIOError:
-            print(
-                f"train: --out {options.out}: another process trains there; wait for it, or stop "
-                "it",
-                file=sys.stderr,
+            return report_error(
+                f"--out {options.out}: another process trains there; wait for it, or stop it"
             )
-            return 2
         except (UsageError, InputError, Error, OSError, ValueError) as error:
-            print(f"train: {evaluate.in_our_words(error)}", file=sys.stderr)
-            return 2
+            return report_error(evaluate.in_our_words(error))
         except MemoryError:
-            print(f"train: {NO_MEMORY}", file=sys.stderr)
-            return 2
+            return report_error(NO_MEMORY)
         except ModuleNotFoundError as error:
-            print(f"train: {missing_text([str(error.name)])}", file=sys.stderr)
-            return 2
+            return report_error(missing_text([str(error.name)]))
         print(opening(options, trainer.config, trainer.first_step), flush=True)
         return train(trainer)
 
@@ -314,16 +302,13 @@ def train(trainer: Trainer) -> int:
         return INTERRUPTED
     except MemoryError:
         trainer.abandon()
-        print(f"train: {NO_MEMORY}", file=sys.stderr)
-        return 2
+        return report_error(NO_MEMORY)
     except (OSError, Error, UsageError) as error:
         trainer.abandon()
-        print(
-            f"train: {evaluate.in_our_words(error)}; once that is mended, --resume goes on from "
-            "the newest checkpoint",
-            file=sys.stderr,
+        return report_error(
+            f"{evaluate.in_our_words(error)}; once that is mended, --resume goes on from the "
+            "newest checkpoint"
         )
-        return 2
 
 
 def run_to_end(trainer: Trainer) -> int:
@@ -334,8 +319,7 @@ def run_to_end(trainer: Trainer) -> int:
         complete = trainer.train()
     except FloatingPointError as error:
         trainer.finish(complete=False)
-        print(f"train: {error}", file=sys.stderr)
-        return 2
+        return report_error(str(error))
     trainer.finish(complete)
     print(trainer.summary())
     if complete:

@@ -26,6 +26,7 @@ class Algorithm:
     is_native: bool = False
     # (hyper-parameters, seconds between two actions) -> those of scenarios without a preset
     fit: Callable[[Any, float], Any] = lambda hyper, _: hyper
+    sees_images: bool = False  # else scenarios that observe images are refused
 
 
 def _fast_ppo(*arguments: Any) -> Learner:
@@ -58,7 +59,9 @@ def _fit_gradient(hyper: Any, action_seconds: float) -> Any:
 
 
 ALGORITHMS: dict[str, Algorithm] = {
-    "fast-ppo": Algorithm("PPO in C++", lambda: native_defaults("fast-ppo"), _fast_ppo, True),
+    "fast-ppo": Algorithm(
+        "PPO in C++", lambda: native_defaults("fast-ppo"), _fast_ppo, True, sees_images=True
+    ),
     "gradient": Algorithm(
         "gradient descent through the dynamics, in C++",
         lambda: native_defaults("gradient"),

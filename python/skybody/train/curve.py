@@ -5,16 +5,15 @@ python -P -m skybody.train.curve RUN [RUN ...] [--out FILE]
 
 from __future__ import annotations
 
-import argparse
 import io
 import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody.command_line import CommandLine, report_error
 from skybody.program import run_program
 from skybody.train import files
 from skybody.train.requirements import demand_packages
@@ -142,7 +141,7 @@ def _columns(path: Path) -> Columns:
 
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="python -P -m skybody.train.curve", description=(__doc__ or "").partition("\n")[0]
     )
     parser.add_argument("run", type=Path, nargs="+", help="run folders of skybody.train")
@@ -159,8 +158,7 @@ def main(arguments: list[str] | None = None) -> int:
                 raise ValueError(f"{run / 'progress.csv'} has no rows")
         draw_curve(options.run, options.out)
     except (OSError, ValueError) as error:
-        print(f"curve: {files.explain(error)}", file=sys.stderr)
-        return 2
+        return report_error(files.explain(error))
     print(options.out)
     return 0
 

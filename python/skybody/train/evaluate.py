@@ -22,8 +22,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import CompiledScenario, Error, InputError, Pool, printable
+from skybody._native import (
+    CompiledScenario,
+    Error,
+    InputError,
+    ObservationColumn,
+    Pool,
+    printable,
+)
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
+from skybody.command_line import CommandLine, report_error, whole
+from skybody.observations import values_of
 from skybody.program import run_program
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
@@ -80,17 +89,22 @@ def _fly(compiled: CompiledScenario, policy: Policy, pool: Pool) -> Flights:
     info_names = [channel.name for channel in infos]
     info_sums, info_ends = np.zeros((n, len(infos))), np.zeros((n, len(infos)))
     states = policy.states(n)
+    columns = [_column_of(compiled, image.column) for image in policy.images]
     pool.send_reset()
-    observation = np.array(pool.recv().observation)
+    batch = pool.recv()
+    observation = np.array(batch.observation)
+    pixels = [np.array(values_of(c, batch.observation, batch.image)) for c in columns]
     while flying.any():
         ids = np.flatnonzero(flying).astype(np.int32)
         remembered = states[ids]
-        actions = policy(observation[ids], remembered)
+        actions = policy(observation[ids], remembered, [seen[ids] for seen in pixels])
         states[ids] = remembered
         pool.send(np.ascontiguousarray(actions, dtype=np.float32), ids)
         batch = pool.recv()
         ids = batch.env_id
         observation[ids] = batch.observation
+        for seen, column in zip(pixels, columns, strict=True):
+            seen[ids] = values_of(column, batch.observation, batch.image)
         returns[ids] += batch.reward
         errors[ids, lengths[ids] % second] = _position_error(compiled, batch)
         info_ends[ids] = batch.info[:, places]
@@ -104,6 +118,14 @@ def _fly(compiled: CompiledScenario, policy: Policy, pool: Pool) -> Flights:
     mean_error = np.where(known, errors, 0.0).sum(1) / np.maximum(known.sum(1), 1)
     mean_error = np.where(known.any(1), mean_error, np.nan)
     return Flights(returns, mean_error, lengths, failed, info_names, info_sums, info_ends)
+
+
+def _column_of(compiled: CompiledScenario, name: str) -> ObservationColumn:
+    """The column of an image. Raises ValueError if the scenario does not observe it."""
+    for column in compiled.observation_columns:
+        if column.image >= 0 and column.name == name:
+            return column
+    raise ValueError(f"the policy sees `{name}`, which {compiled.name} does not observe")
 
 
 def _position_error(compiled: CompiledScenario, batch: Any) -> NDArray[np.float64]:
@@ -170,7 +192,7 @@ def evaluate_checkpoint(
     meta = read_meta(folder)
     plugin_path = plugin_path or []
     check_plugin_path(plugin_path, "--plugin-path")
-    warn_of_plugin_path("evaluate", folder, meta["plugin_path"], plugin_path)
+    warn_of_plugin_path(folder, meta["plugin_path"], plugin_path)
     if overrides is None:
         overrides = meta["overrides"] if scenario is None else []
     if scenario is None:
@@ -236,28 +258,27 @@ def _evaluate_fitting(
             f"{where}: the policy takes {seen} observations, "
             f"{compiled.name} gives {compiled.observation_size}"
         )
+    for image in policy.images:
+        shape = (*_column_of(compiled, image.column).shape, 1)[:3]
+        if shape != image.shape:
+            raise ValueError(
+                f"{where}: the policy takes `{image.column}` of {image.shape}, "
+                f"{compiled.name} gives {shape}"
+            )
     return evaluate(compiled, policy, episodes, seed, threads)
 
 
-def warn_of_plugin_path(who: str, where: Path, recorded: list[str], given: list[str]) -> None:
+def warn_of_plugin_path(where: Path, recorded: list[str], given: list[str]) -> None:
     """Names the recorded folders with plugins that are not given again, so are not searched."""
     searched = {os.path.realpath(folder) for folder in given}
     for folder in recorded:
         if os.path.realpath(folder) not in searched:
             name = printable(os.fsencode(folder))
             print(
-                f"{who}: warning: {where} was made with plugins from `{name}`, which is not "
+                f"warning: {where} was made with plugins from `{name}`, which is not "
                 "searched; if you trust this folder, give it with --plugin-path",
                 file=sys.stderr,
             )
-
-
-def check_option(option: str, value: int, low: int, high: int) -> None:
-    """Raises UsageError for a number out of range."""
-    if value < low:
-        raise UsageError(f"{option} {value}: at least {low}")
-    if value > high:
-        raise UsageError(f"{option} {value}: at most {high}")
 
 
 def in_our_words(error: Exception) -> str:
@@ -295,7 +316,7 @@ def _evaluate_asked(options: argparse.Namespace) -> dict[str, Any]:
 
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="python -P -m skybody.train.evaluate", description=(__doc__ or "").partition("\n")[0]
     )
     parser.add_argument(
@@ -304,10 +325,13 @@ def main(arguments: list[str] | None = None) -> int:
         help="a checkpoint, a run folder (its newest checkpoint), or `shipped`",
     )
     parser.add_argument(
-        "--episodes", type=int, default=100, help="number of episodes; default: 100"
+        "--episodes", type=whole(1, MOST_ENVS), default=100, help="number of episodes; default: 100"
     )
     parser.add_argument(
-        "--seed", type=int, default=SEED, help=f"seed of the episodes; default: {SEED}"
+        "--seed",
+        type=whole(0, 2**64 - 1),
+        default=SEED,
+        help=f"seed of the episodes; default: {SEED}",
     )
     parser.add_argument("--scenario", help="scenario; default: the checkpoint's")
     parser.add_argument(
@@ -323,25 +347,21 @@ def main(arguments: list[str] | None = None) -> int:
         help="folder to search for plugins first; repeatable",
     )
     parser.add_argument(
-        "--threads", type=int, default=0, help="number of threads; 0: one per processor"
+        "--threads",
+        type=whole(0, MOST_THREADS),
+        default=0,
+        help="number of threads; 0: one per processor",
     )
     parser.add_argument(
         "--json", type=Path, help="also write the figures of every episode to this file"
     )
     options = parser.parse_args(arguments)
     try:
-        check_option("--episodes", options.episodes, 1, MOST_ENVS)
-        check_option("--seed", options.seed, 0, 2**64 - 1)
-        check_option("--threads", options.threads, 0, MOST_THREADS)
-    except UsageError as error:
-        parser.error(str(error))
-    try:
         result = _evaluate_asked(options)
         if options.json:
             files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())
     except (InputError, Error, OSError, ValueError) as error:
-        print(f"evaluate: {in_our_words(error)}", file=sys.stderr)
-        return 2
+        return report_error(in_our_words(error))
     print(json.dumps({k: v for k, v in result.items() if not isinstance(v, list)}, indent=2))
     return 0
 

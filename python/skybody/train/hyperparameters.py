@@ -11,6 +11,7 @@ from typing import Any
 
 from skybody._native import MOST_LAYERS, hyperparameter_rows, hyperparameters
 from skybody.arguments import allowed_words
+from skybody.command_line import parse_whole
 
 SAME_KEYS = "fast-ppo"  # its ranges also hold for keys of the same name in other learners
 STEPS_KEY = "total_steps"  # the only key of presets that is not a hyper-parameter
@@ -152,6 +153,8 @@ def with_value(
     fields = {field.name: getattr(base, field.name) for field in dataclasses.fields(base)}
     if key not in fields:
         hint = allowed_words(key, [*fields, *others])
+        if "." in key:
+            hint = "; `--override` sets a value of the scenario, `--set` a hyper-parameter"
         raise UsageError(f"{where}: no hyper-parameter `{key}`{hint}")
     return dataclasses.replace(base, **{key: _parse(where, text, fields[key])})
 
@@ -189,16 +192,9 @@ def _is_like(value: Any, default: Any) -> bool:
 def whole_number(text: str, where: str) -> int:
     """A whole number, also as 2e6. Raises UsageError for other strings."""
     try:
-        return int(text)
+        return parse_whole(text)
     except ValueError:
-        pass
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not value.is_integer():
-        raise UsageError(f"{where}: `{text}` is not an integer")
-    return int(value)
+        raise UsageError(f"{where}: `{text}` is not an integer") from None
 
 
 def _parse(where: str, text: str, like: Any) -> Any:

@@ -120,7 +120,7 @@ class GradientLearner(NativeLearner):
         share = sum(shares) / len(shares)
         if share > MOST_TOUCHING:
             print(
-                f"train: warning: {100 * share:.0f} % of the flights that `gradient` learns from "
+                f"warning: {100 * share:.0f} % of the flights that `gradient` learns from "
                 "touch something, and its derivatives leave contact out; see docs/training.md, or "
                 "take --algo fast-ppo",
                 file=sys.stderr,

@@ -5,33 +5,48 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from skybody.arguments import MOST_ENVS, MOST_THREADS
+from skybody.command_line import CommandLine, whole
 from skybody.ray.cluster import ADDRESSES
+from skybody.ray.slices import MOST_SLICES
 from skybody.train import evaluate
 from skybody.train.algorithms import summaries
-from skybody.train.hyperparameters import UsageError, whole_number
 
 EPILOG = """\
 A run can be resumed after Ctrl-C, SIGTERM or kill -9; the result has the same bits as that of an
 uninterrupted run. Exit status: 0 done, 2 invalid input, a file that cannot be written (resumable)
 or a run that diverged, 130 interrupted (resumable)."""
 
+MOST_STEPS = 2**63 - 1
+RANGES = {
+    "seed": (0, 2**32 - 1),  # of NumPy's global generator, which Stable-Baselines3 uses
+    "total_steps": (1, MOST_STEPS),
+    "checkpoint_every": (1, MOST_STEPS),
+    "threads": (0, MOST_THREADS),
+    "eval_episodes": (0, MOST_ENVS),
+    "eval_seed": (0, 2**64 - 1),
+}
+
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    made = argparse.ArgumentParser(
+    made = CommandLine(
         prog="skybody train",
         usage="skybody train SCENARIO [OPTIONS]\n       skybody train --resume --out DIR [OPTIONS]",
         description="Trains a policy in a scenario, reproducibly; see docs/training.md.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = made.add_argument
     add("scenario", nargs="?", help="name of a shipped scenario, or a YAML file")
     add("--algo", metavar="LEARNER", help=summaries())
-    add("--seed", type=int, help="seed of environments, networks and exploration; default: 0")
+    add(
+        "--seed",
+        type=whole(*RANGES["seed"]),
+        help="seed of environments, networks and exploration; default: 0",
+    )
     add(
         "--total-steps",
-        type=number,
+        type=whole(*RANGES["total_steps"]),
         metavar="N",
         help="total steps of all environments, such as 9e6; default: the preset's, otherwise 1e6",
     )
@@ -42,10 +57,15 @@ def parser() -> argparse.ArgumentParser:
         help="run folder, new or empty; default: a new folder flights/SCENARIO_ALGO",
     )
     add("--resume", action="store_true", help="continue from the newest checkpoint in --out")
-    add("--envs", type=int, metavar="N", help="number of environments; default: the preset's")
+    add(
+        "--envs",
+        type=whole(1, MOST_ENVS),
+        metavar="N",
+        help="number of environments; default: the preset's",
+    )
     add(
         "--threads",
-        type=int,
+        type=whole(*RANGES["threads"]),
         metavar="T",
         help="threads of the environments and the learner (ppo: of the environments); 0 "
         "(default): one per processor; changes no bits",
@@ -72,19 +92,19 @@ def parser() -> argparse.ArgumentParser:
     )
     add(
         "--checkpoint-every",
-        type=number,
+        type=whole(*RANGES["checkpoint_every"]),
         metavar="N",
         help="steps between checkpoints; default: a tenth of --total-steps",
     )
     add(
         "--eval-episodes",
-        type=int,
+        type=whole(*RANGES["eval_episodes"]),
         metavar="N",
         help="evaluation episodes per checkpoint, in a separate process; default: 20, 0: none",
     )
     add(
         "--eval-seed",
-        type=int,
+        type=whole(*RANGES["eval_seed"]),
         metavar="S",
         help=f"seed of the evaluation episodes; default: {evaluate.SEED}",
     )
@@ -92,17 +112,14 @@ def parser() -> argparse.ArgumentParser:
     cluster("--ray", metavar="ADDRESS", help=f"train with fast-ppo on a Ray cluster: {ADDRESSES}")
     cluster(
         "--workers",
-        type=int,
+        type=whole(1, MOST_SLICES),
         metavar="N",
         help="processes with the environments, 1 to 8; default: 2. Changes no bits",
     )
-    cluster("--worker-threads", type=int, metavar="T", help="threads of each worker; default: 1")
+    cluster(
+        "--worker-threads",
+        type=whole(1, MOST_SLICES),
+        metavar="T",
+        help="threads of each worker; default: 1",
+    )
     return made
-
-
-def number(text: str) -> int:
-    """A whole number, also as 2e6."""
-    try:
-        return whole_number(text, "a number of steps")
-    except UsageError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None

@@ -1,12 +1,14 @@
 """policy.h5: a trained policy as plain numbers, read by `skybody run --policy` and by evaluate.py.
 
-Root attributes describe the training; /normalization and /layers/0, 1, ... hold the network.
+Root attributes describe the training; /normalization, /images and /layers/0, 1, ... hold the
+network.
 The first 512 bytes are a seal: the hash of all other bytes, checked before HDF5 reads the file.
 docs/policies.md has the whole format. The reader and the writer are those of C++.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from skybody._native import Error, policy_file_bytes, read_policy_file, shipped_policy_file
 from skybody.train import files
+from skybody.train.image_layers import PolicyImage, activated, image_of_values, values_of_image
 
 
 @dataclass(frozen=True)
@@ -43,13 +46,7 @@ class Layer:
             return _gate(
                 sums, state @ self.state_weight.astype(np.float64).T + self.state_bias, state
             )
-        if self.activation == "tanh":
-            return np.tanh(sums)
-        if self.activation == "relu":
-            return np.maximum(sums, 0.0)
-        if self.activation == "elu":
-            return np.where(sums > 0.0, sums, np.expm1(np.minimum(sums, 0.0)))
-        return sums
+        return activated(sums, self.activation)
 
 
 def _gate(
@@ -78,7 +75,7 @@ class Agent:
 
 @dataclass(frozen=True)
 class Policy:
-    """The mean of a Gaussian policy: a network on normalized observations.
+    """The mean of a Gaussian policy: a network on normalized observations and features of images.
 
     If robots share it, it is evaluated for each of `agents`. The state of recurrent layers is in
     states(), held by the caller.
@@ -91,6 +88,7 @@ class Policy:
     attributes: dict[str, Any] = field(default_factory=dict)
     agents: list[Agent] = field(default_factory=list)
     squash: str = "clip"  # or "tanh": maps outputs to actions in [-1, 1]
+    images: list[PolicyImage] = field(default_factory=list)  # their features follow the inputs
 
     def states(self, n: int) -> NDArray[np.float64]:
         """The recurrent states of n environments at the beginning of an episode."""
@@ -98,16 +96,23 @@ class Policy:
         return np.zeros((n, max(1, len(self.agents)), size))
 
     def __call__(
-        self, observation: NDArray[np.float32], states: NDArray[np.float64] | None = None
+        self,
+        observation: NDArray[np.float32],
+        states: NDArray[np.float64] | None = None,
+        pixels: Sequence[NDArray[Any]] = (),
     ) -> NDArray[np.float64]:
         """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights.
 
+        `pixels` are those of `images`, (n, height, width, channels) each.
         `states` of a policy with recurrent layers, from states(n), are updated; without
         them it acts as at the beginning of an episode.
         """
         states = self.states(len(observation)) if states is None else states
         if not self.agents:
-            return self._evaluate(observation, states[:, 0])
+            features = [
+                image.features(seen) for image, seen in zip(self.images, pixels, strict=True)
+            ]
+            return self._evaluate(observation, states[:, 0], features)
         size = sum(len(agent.action) for agent in self.agents)
         actions = np.empty((len(observation), size))
         for k, agent in enumerate(self.agents):
@@ -116,10 +121,13 @@ class Policy:
         return actions
 
     def _evaluate(
-        self, inputs: NDArray[np.float32], states: NDArray[np.float64]
+        self,
+        inputs: NDArray[np.float32],
+        states: NDArray[np.float64],
+        features: Sequence[NDArray[np.float64]] = (),
     ) -> NDArray[np.float64]:
         x = np.clip((inputs - self.mean) * self.scale, -self.clip, self.clip)
-        x = x.astype(np.float32).astype(np.float64)
+        x = np.hstack([x.astype(np.float32).astype(np.float64), *features])
         begin = 0
         for layer in self.layers:
             x = layer(x, states[:, begin : begin + layer.units])
@@ -129,15 +137,19 @@ class Policy:
     def sizes(self) -> dict[str, int]:
         """Sizes of the scenario's rows."""
         if not self.agents:
-            observations = self.layers[0].weight.shape[1]
             return {
-                "observation_size": observations,
+                "observation_size": _inputs(self.layers, self.images),
                 "action_size": self.layers[-1].weight.shape[0],
             }
         return {
             "observation_size": int(self.attributes["observation_size"]),
             "action_size": sum(len(agent.action) for agent in self.agents),
         }
+
+
+def _inputs(layers: list[Layer], images: list[PolicyImage]) -> int:
+    """Number of the network's inputs that are no features."""
+    return int(layers[0].weight.shape[1]) - sum(image.size for image in images)
 
 
 def shipped_policy(scenario: str, trained: str = "") -> Path:
@@ -175,6 +187,7 @@ def policy_bytes(policy: Policy) -> bytes:
         "mean": _doubles(policy.mean if normalized else []),
         "scale": _doubles(policy.scale if normalized else []),
         "clip": float(policy.clip) if normalized else 0.0,
+        "images": [values_of_image(image) for image in policy.images],
         "layers": [_layer_values(layer) for layer in policy.layers],
     }
     return policy_file_bytes(values, seed)
@@ -210,8 +223,9 @@ def policy_of_values(values: dict[str, Any]) -> Policy:
     agents = [Agent(*(np.asarray(part, np.intp) for part in agent)) for agent in values["agents"]]
     names = ("scenario", "scenario_hash", "algorithm", "steps", "observation_size")
     attributes = {name: values[name] for name in names}
-    rest = (attributes, agents, values["action_squash"])
+    images = [image_of_values(image) for image in values["images"]]
+    rest = (attributes, agents, values["action_squash"], images)
     if len(values["mean"]) == 0:  # no normalization: inputs go into the network unchanged
-        size = layers[0].weight.shape[1]
+        size = _inputs(layers, images)
         return Policy(layers, np.zeros(size), np.ones(size), np.inf, *rest)
     return Policy(layers, values["mean"], values["scale"], values["clip"], *rest)

@@ -1,7 +1,8 @@
 """Presets: default hyper-parameters and number of steps of a scenario's training.
 
-Those of `folder/NAME.yaml` are in `folder/training/NAME.yaml`, for shipped and for other scenarios:
-one key per learner, below it hyper-parameters and `total_steps`. See docs/training.md.
+Those of `folder/NAME.yaml` are in `folder/training/NAME.yaml`, for shipped and for other scenarios,
+else beside the nearest scenario that it includes: one key per learner, below it hyper-parameters
+and `total_steps`. See docs/training.md.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from skybody._native import CompiledScenario, read_settings, scenario_file
+from skybody._native import CompiledScenario, read_settings, training_presets
 from skybody.arguments import allowed_words
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.hyperparameters import (
@@ -57,9 +58,15 @@ def told(
 
 
 def presets_file(scenario: str) -> Path:
-    """Path of a scenario's presets file. `scenario`: a YAML file, or a shipped one's name."""
-    file = Path(scenario_file(scenario))
-    return file.parent / "training" / f"{file.stem}.yaml"
+    """Path of a scenario's presets file, its own or that of the nearest scenario it includes.
+
+    Args:
+        scenario: a YAML file, or the name of a shipped one.
+
+    Returns:
+        The file. If there is none, the place where the scenario's own would be.
+    """
+    return Path(training_presets(scenario))
 
 
 def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -> Preset:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Iterable
 
+from skybody.extras import install_command
 from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import UsageError
 
@@ -42,7 +43,4 @@ def missing_text(packages: Iterable[str]) -> str:
     """Message about missing packages, with the install command."""
     names = list(packages)
     extras = [extra for extra, brought in EXTRAS.items() if set(names) & set(brought)] or ["train"]
-    return (
-        f"needs {', '.join(names)}, not installed here: `pip install '.[{','.join(extras)}]'` in "
-        "Skybody's source folder"
-    )
+    return f"needs {', '.join(names)}, not installed here: {install_command(extras)}"

@@ -7,6 +7,7 @@ import dataclasses
 import io
 import json
 import shlex
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -129,14 +130,14 @@ class ProgressTable:
         self._path = run / "progress.csv"
         rows = [row for row in read_table(self._path) if int(row["steps"]) <= resumed_at]
         self._columns: list[str] = list(rows[0]) if rows else []
-        files.write_file(self._path, _csv(self._columns, rows, header=bool(rows)))
+        files.write_file(self._path, csv_bytes(self._columns, rows, header=bool(rows)))
 
     def append(self, row: dict[str, Any]) -> None:
         """Adds a row."""
         header = not self._columns
         self._columns = self._columns or list(row)
         with files.naming(self._path), self._path.open("ab") as file:
-            file.write(_csv(self._columns, [row], header))
+            file.write(csv_bytes(self._columns, [row], header))
 
 
 def write_evaluations(run: Path) -> list[dict[str, Any]]:
@@ -144,7 +145,7 @@ def write_evaluations(run: Path) -> list[dict[str, Any]]:
     found = [read_evaluation(folder) for folder in checkpoint_folders(run)]
     rows = [row for row in found if row is not None]
     if rows:
-        files.write_file(run / "evaluation.csv", _csv(list(COLUMNS), rows, header=True))
+        files.write_file(run / "evaluation.csv", csv_bytes(list(COLUMNS), rows))
     return rows
 
 
@@ -180,7 +181,8 @@ def _check_row(number: int, row: dict[str, str]) -> None:
                 raise ValueError(f"line {number}: `{name}` is `{text}`, not a number") from None
 
 
-def _csv(columns: list[str], rows: list[dict[str, Any]], header: bool) -> bytes:
+def csv_bytes(columns: Sequence[str], rows: Iterable[dict[str, Any]], header: bool = True) -> bytes:
+    """A table as CSV; keys without a column are left out."""
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, columns, extrasaction="ignore", lineterminator="\n")
     if header:

@@ -42,13 +42,13 @@ def make_learner(config: Config, compiled: CompiledScenario, slices: object = No
         slices: of fast-ppo, if another object holds them.
 
     Raises:
-        ValueError: the scenario observes images, which no learner supports.
+        ValueError: the scenario observes images, and the algorithm learns from vectors only.
     """
     images = [c.name for c in compiled.observation_columns if c.image >= 0]
-    if images:
+    if images and not algorithm_of(config.algorithm).sees_images:
         raise ValueError(
             f"`{compiled.name}` observes {', '.join(images)}, and `{config.algorithm}` learns "
-            "from vectors alone: leave images out of `observe`, or use "
+            "from vectors alone: leave images out of `observe`, take `--algo fast-ppo`, or use "
             "`skybody.sb3.SkybodyVecEnv` with MultiInputPolicy"
         )
     arguments = (compiled, config.hyper, config.seed, config.threads, config.total_steps)
@@ -224,7 +224,7 @@ class Trainer:
                 self._record_evaluations()
         self.evaluations.stop()
         for failure in self.evaluations.failures:
-            print(f"train: an evaluation failed: {failure}", file=sys.stderr)
+            print(f"warning: an evaluation failed: {failure}", file=sys.stderr)
         self._record_evaluations()
         self.events.close()
         if self.learner.steps > 0:

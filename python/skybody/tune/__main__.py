@@ -8,10 +8,10 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 from skybody.arguments import MOST_THREADS
+from skybody.command_line import CommandLine, real, report_error, whole
 from skybody.program import run_program
 
 from . import report
@@ -30,40 +30,13 @@ Examples:
 Exit status: 0 done, 2 invalid input, 130 interrupted."""
 
 
-def number(low: float, high: float) -> Callable[[str], float]:
-    """An argparse type: a finite number in low..high."""
-
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = float("nan")
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text} is no number from {low:g} to {high:g}")
-        return value
-
-    return read
-
-
-def whole(low: int, high: int) -> Callable[[str], int]:
-    """An argparse type: a whole number in low..high."""
-
-    def read(text: str) -> int:
-        if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
-            raise argparse.ArgumentTypeError(f"{text} is no whole number from {low} to {high}")
-        return int(text)
-
-    return read
-
-
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    made = argparse.ArgumentParser(
+    made = CommandLine(
         prog="skybody tune",
         description="Fits the gains of a chain of controllers to a vehicle, by simulation with "
         "random masses and wind.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     options, ranges = TuneOptions(), DrawRanges()
@@ -106,28 +79,28 @@ def parser() -> argparse.ArgumentParser:
     )
     add(
         "--mass",
-        type=number(0.0, 0.9),
+        type=real(0.0, 0.9),
         default=ranges.mass,
         metavar="SHARE",
         help=f"relative range of the masses, +- ({ranges.mass:g})",
     )
     add(
         "--wind",
-        type=number(0.0, 30.0),
+        type=real(0.0, 30.0),
         default=ranges.wind,
         metavar="SPEED",
         help=f"largest wind, from any direction [m/s] ({ranges.wind:g})",
     )
     add(
         "--latency",
-        type=number(0.0, 0.2),
+        type=real(0.0, 0.2),
         default=Vehicle.latency,
         metavar="TIME",
         help=f"latency between the last controller and the rotors [s] ({Vehicle.latency:g})",
     )
     add(
         "--dt",
-        type=number(1e-5, 0.01),
+        type=real(1e-5, 0.01),
         default=Vehicle.dt,
         metavar="TIME",
         help=f"physics step [s] ({Vehicle.dt:g})",
@@ -202,10 +175,10 @@ def main() -> int:
         files = report.write(tuned, folder, given.robot)
     except TuneError as error:
         bar.clear()
-        return _refuse(str(error))
+        return report_error(str(error))
     except OSError as error:
         bar.clear()
-        return _refuse(f"{error.filename}: {error.strerror}")
+        return report_error(f"{error.filename}: {error.strerror}")
     print(report.table(tuned), end="")
     print(f"better on {tuned.better_draws} of {HELD_OUT} held-out draws; {tuned.seconds:.1f} s")
     if tuned.after.cost >= tuned.before.cost:
@@ -215,11 +188,6 @@ def main() -> int:
     for file in files:
         print(file)
     return 0
-
-
-def _refuse(message: str) -> int:
-    print(message if "error:" in message else f"error: {message}", file=sys.stderr)
-    return 2
 
 
 if __name__ == "__main__":

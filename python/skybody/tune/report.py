@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,6 +65,32 @@ def _milliseconds(value: float) -> str:
     return "more than 320 ms" if math.isinf(value) else f"{1000.0 * value:.0f} ms"
 
 
+class _MarginRow(NamedTuple):
+    """A margin before and after tuning."""
+
+    name: str
+    old: float
+    new: float
+    text: Callable[[float], str]
+    room: Callable[[float], float]
+    """The size of the margin, for comparison."""
+
+
+def _margin_rows(tuned: Tuned) -> list[_MarginRow]:
+    """All margins; empty if they are unknown."""
+    a, b = tuned.before.margins, tuned.after.margins
+    if a is None or b is None:
+        return []
+    factors = (
+        ("turning gain, up", a.turning.up, b.turning.up),
+        ("turning gain, down", a.turning.down, b.turning.down),
+        ("moving gain, up", a.moving.up, b.moving.up),
+        ("moving gain, down", a.moving.down, b.moving.down),
+    )
+    rows = [_MarginRow(*row, _factor, _room) for row in factors]
+    return [*rows, _MarginRow("delay margin", a.delay, b.delay, _milliseconds, float)]
+
+
 def table(tuned: Tuned) -> str:
     """Costs before and after, term by term, over the held-out draws."""
     rows = [("", "default", "tuned")]
@@ -72,13 +99,7 @@ def table(tuned: Tuned) -> str:
         values = [float(np.mean(o.costs.terms[name])) for o in (tuned.before, tuned.after)]
         rows.append((name, f"{values[0]:.4f}", f"{values[1]:.4f}"))
     rows.append(("lost flights", str(tuned.before.lost), str(tuned.after.lost)))
-    a, b = tuned.before.margins, tuned.after.margins
-    if a is not None and b is not None:
-        rows.append(("turning gain, up", _factor(a.turning.up), _factor(b.turning.up)))
-        rows.append(("turning gain, down", _factor(a.turning.down), _factor(b.turning.down)))
-        rows.append(("moving gain, up", _factor(a.moving.up), _factor(b.moving.up)))
-        rows.append(("moving gain, down", _factor(a.moving.down), _factor(b.moving.down)))
-        rows.append(("delay margin", _milliseconds(a.delay), _milliseconds(b.delay)))
+    rows += [(row.name, row.text(row.old), row.text(row.new)) for row in _margin_rows(tuned)]
     first, second, third = (max(len(row[k]) for row in rows) for k in range(3))
     return "".join(f"{name:<{first}}  {old:>{second}}  {new:>{third}}\n" for name, old, new in rows)
 
@@ -91,23 +112,13 @@ def fallen_margins(tuned: Tuned) -> list[str]:
 
     A factor on a gain is a margin by its distance from 1 in dB, in both directions.
     """
-    a, b = tuned.before.margins, tuned.after.margins
-    if a is None or b is None or tuned.after.cost >= tuned.before.cost:
+    if tuned.after.cost >= tuned.before.cost:
         return []
-    rows = [
-        ("turning gain, up", a.turning.up, b.turning.up, _factor),
-        ("turning gain, down", a.turning.down, b.turning.down, _factor),
-        ("moving gain, up", a.moving.up, b.moving.up, _factor),
-        ("moving gain, down", a.moving.down, b.moving.down, _factor),
+    return [
+        f"{row.name} from {row.text(row.old)} to {row.text(row.new)}"
+        for row in _margin_rows(tuned)
+        if row.room(row.new) < (1.0 - FALL) * row.room(row.old)
     ]
-    told = [
-        f"{name} from {text(old)} to {text(new)}"
-        for name, old, new, text in rows
-        if _room(new) < (1.0 - FALL) * _room(old)
-    ]
-    if b.delay < (1.0 - FALL) * a.delay:
-        told.append(f"delay margin from {_milliseconds(a.delay)} to {_milliseconds(b.delay)}")
-    return told
 
 
 def _room(factor: float) -> float:

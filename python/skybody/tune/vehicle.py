@@ -71,8 +71,15 @@ class Vehicle:
         delay = self.latency if latency is None else latency
         for option, file in (("", self.model), ("--rotors ", self.rotors)):
             is_file = option != "" or "/" in file or file.endswith((".urdf", ".xml"))
+            if is_file and os.path.isdir(file):
+                raise TuneError(f"{option}{file}: a folder; give a file in it")
             if file and is_file and not os.path.isfile(file):
                 raise TuneError(f"{option}{file}: no such file")
+        if self.model.endswith((".yaml", ".yml")):
+            raise TuneError(
+                f"{self.model}: a YAML file; `skybody tune` takes a robot's URDF, or the name of a "
+                "shipped model such as `qdrone2`"
+            )
         # The task `hover` needs no link name. It gives the name for `watch`, which ends no episode.
         learned = self._load("{plugin: hover}", delay)
         link = _base_link(learned)
@@ -95,7 +102,8 @@ class Vehicle:
                 "put it beside the URDF as rotors.yaml"
             )
         place = re.escape(file) + r"(:\d+){0,2}"
-        return re.sub(place, f"{self.model}, --chain {self.chain}", message)
+        told = re.sub(place, f"{self.model}, --chain {self.chain}", message)
+        return told.replace(os.path.dirname(file) + "/", "")
 
     def _text(self, task: str, latency: float) -> str:
         repeat = max(1, round(COMMAND_PERIOD / self.dt))

@@ -1,7 +1,7 @@
 // The hand-written loops that ./dev bench compares with give the engine's results.
 #include <gtest/gtest.h>
 
-#include "bench/limit/check.h"
+#include "research/bench/limit/check.h"
 
 namespace skybody::bench {
 namespace {

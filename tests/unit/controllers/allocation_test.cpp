@@ -97,9 +97,9 @@ double full_of(const Robot& robot) {
 std::vector<double> random_command(const Instance& instance, std::mt19937_64& generator,
                                    double size) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<double> u = {instance.declared.high[0] * std::fabs(uniform(generator))};
+  std::vector<double> u = {instance.declared.controller.high[0] * std::fabs(uniform(generator))};
   for (std::size_t k = 1; k < 4; ++k) {
-    u.push_back(size * instance.declared.high[k] * uniform(generator));
+    u.push_back(size * instance.declared.controller.high[k] * uniform(generator));
   }
   return u;
 }
@@ -157,7 +157,7 @@ TEST(AllocationForms, QpIsTheMinimumWithinLimits) {
       for (std::size_t i = 0; i < f.size(); ++i) {
         double slope = 0.0;
         for (std::size_t k = 0; k < 4; ++k) {
-          const double scale = weights[k] / instance.declared.high[k];
+          const double scale = weights[k] / instance.declared.controller.high[k];
           slope += scale * scale * effects[i][k] * full * (got[k] - u[k]);
         }
         ASSERT_GE(f[i], 0.0);

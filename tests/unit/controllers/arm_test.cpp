@@ -90,8 +90,8 @@ TEST_F(ArmTest, JointPdMovesTheInertiaAndBearsTheWeightOfTheFoldedArm) {
   // About y, a weight at x gives the torque x m g.
   EXPECT_NEAR(g.output[0], all * 100.0 * 0.2 - 0.1 * 9.81 * (x1 + x12), 1e-14);
   EXPECT_NEAR(g.output[1], fore_inertia * (-2.0 * 10.0 * 0.5) - 0.1 * 9.81 * x2, 1e-14);
-  ASSERT_EQ(instance.declared.joints.size(), 2u);
-  EXPECT_EQ(instance.declared.joints[0].mode, JointMode::kEffort);
+  ASSERT_EQ(instance.declared.controller.joints.size(), 2u);
+  EXPECT_EQ(instance.declared.controller.joints[0].mode, JointMode::kEffort);
 }
 
 TEST_F(ArmTest, JointPdFollowsDrawnConstantsWhereAsked) {

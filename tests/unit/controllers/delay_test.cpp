@@ -155,12 +155,12 @@ TEST_F(DelayTest, TakesTheSizeOfItsSignal) {
                                          {"trajectory", 17}};
   for (const auto& [signal, size] : sizes) {
     const Instance delay("delay", world, {{"signal", signal.c_str()}, {"latency", 0.01}});
-    EXPECT_EQ(delay.declared.input_count(), size) << signal;
-    EXPECT_EQ(delay.declared.output_count(), size) << signal;
-    EXPECT_TRUE(delay.declared.passes_on);
+    EXPECT_EQ(delay.declared.controller.input_count(), size) << signal;
+    EXPECT_EQ(delay.declared.controller.output_count(), size) << signal;
+    EXPECT_TRUE(delay.declared.controller.passes_on);
   }
   const Instance joints("delay", world, {{"signal", "joint"}, {"values", 3}, {"latency", 0.01}});
-  EXPECT_EQ(joints.declared.output_count(), 3);
+  EXPECT_EQ(joints.declared.controller.output_count(), 3);
 }
 
 TEST_F(DelayTest, DerivativesAreThoseOfTheCommandThatItGives) {

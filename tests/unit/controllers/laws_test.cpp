@@ -140,7 +140,7 @@ TEST_P(Laws, LetsANaNThroughInItsOwnLaneAlone) {
     law.call(Call::kControl, clean, 15);
     law.call(Call::kControl, spoilt, 15);
     bool is_nan = false;
-    for (int k = 0; k < static_cast<int>(law.declared.output_count()); ++k) {
+    for (int k = 0; k < static_cast<int>(law.declared.controller.output_count()); ++k) {
       is_nan = is_nan || std::isnan(spoilt.at(spoilt.output, k, 2));
       for (const int l : {0, 1, 3}) {
         EXPECT_EQ(clean.at(clean.output, k, l), spoilt.at(spoilt.output, k, l));

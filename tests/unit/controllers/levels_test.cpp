@@ -37,8 +37,8 @@ TEST_F(Levels, AForceMayComeOnTopOfTheWeight) {
   const Instance force(
       "force", world,
       {{"adds_weight", true}, {"takes_yaw", false}, {"max_force", Numbers{9, 9, 15}}});
-  EXPECT_EQ(force.declared.low, (Numbers{-9, -9, -15}));
-  EXPECT_EQ(force.declared.high, (Numbers{9, 9, 15}));
+  EXPECT_EQ(force.declared.controller.low, (Numbers{-9, -9, -15}));
+  EXPECT_EQ(force.declared.controller.high, (Numbers{9, 9, 15}));
   EXPECT_NEAR(control(force, {0.0, 0.0, 0.0})[0], kWeight, 1e-13);
   const Instance turned("force", world, {{"takes_yaw", false}, {"yaw", 0.6}});
   EXPECT_NEAR(control(turned, {0.0, 0.0, 9.0})[4], std::sin(0.3), 1e-15);

@@ -37,8 +37,8 @@ TEST_F(Modes, AllGiveTheBitsOfDouble) {
 
 TEST_F(Modes, RotorSpeedIsClampedToTheRotor) {
   const Instance instance("rotor_speed", world, {{"max_speed", 2300}});
-  EXPECT_EQ(instance.declared.low, std::vector<double>(4, 0.0));
-  EXPECT_EQ(instance.declared.high, std::vector<double>(4, 2300.0));
+  EXPECT_EQ(instance.declared.controller.low, std::vector<double>(4, 0.0));
+  EXPECT_EQ(instance.declared.controller.high, std::vector<double>(4, 2300.0));
   Group g = instance.group(1);
   EXPECT_EQ(control(instance, g, {-5.0, 1150.0, 2246.0, 2300.0}),
             (std::vector<double>{0.0, 1150.0, 2246.0, 2246.0}));
@@ -46,8 +46,8 @@ TEST_F(Modes, RotorSpeedIsClampedToTheRotor) {
 
 TEST_F(Modes, AThrottleIsAShareOfTheEnvironmentsOwnLargestSpeed) {
   const Instance instance("throttle", world, {{"min_throttle", 0.25}});
-  EXPECT_EQ(instance.declared.low, std::vector<double>(4, 0.25));
-  EXPECT_EQ(instance.declared.high, std::vector<double>(4, 1.0));
+  EXPECT_EQ(instance.declared.controller.low, std::vector<double>(4, 0.25));
+  EXPECT_EQ(instance.declared.controller.high, std::vector<double>(4, 1.0));
   Group g = instance.group(1);
   g.params[static_cast<std::size_t>(world.rotors[2].first_param + SKYBODY_ROTOR_MAX_SPEED)] = 400.0;
   EXPECT_EQ(control(instance, g, {-0.5, 0.5, 0.25, 1.5}),
@@ -56,7 +56,7 @@ TEST_F(Modes, AThrottleIsAShareOfTheEnvironmentsOwnLargestSpeed) {
 
 TEST_F(Modes, SrtGivesTheThrustBack) {
   const Instance instance("srt", world);
-  EXPECT_NEAR(instance.declared.high[0], kFull, 1e-12);
+  EXPECT_NEAR(instance.declared.controller.high[0], kFull, 1e-12);
   Group g = instance.group(1);
   const std::vector<double> wanted = {0.0, 1.25, 9.0, 3.777};
   const std::vector<double> speed = control(instance, g, wanted);
@@ -73,7 +73,7 @@ TEST_F(Modes, VelocityHoldsItsLimitsAndThePositionFormIsLevel) {
   EXPECT_EQ(control(velocity, g, {5, -5, 5, -1, 0.5, 9}),
             (std::vector<double>{1, -2, 3, -1, 0.5, 3}));
   const Instance position("velocity", world, {{"form", "position"}});
-  EXPECT_EQ(position.declared.outputs[0].signal, SKYBODY_POSE);
+  EXPECT_EQ(position.declared.controller.outputs[0].signal, SKYBODY_POSE);
   Group h = position.group(1);
   const std::vector<double> pose = control(position, h, {9.0, 1.0, 1.0, 3.0});
   EXPECT_EQ(pose[0], 5.0);
@@ -85,16 +85,16 @@ TEST_F(Modes, VelocityHoldsItsLimitsAndThePositionFormIsLevel) {
 TEST_F(Modes, WrenchActsAtTheNamedLinksInWorldAxes) {
   const int bob = world.add_payload("bob");
   const Instance instance("wrench", world, {{"links", std::vector<std::string>{"base", "bob"}}});
-  ASSERT_EQ(instance.declared.sites.size(), 2u);
-  EXPECT_EQ(instance.declared.sites[1].body, bob);
-  EXPECT_TRUE(instance.declared.sites[1].world_axes);
-  EXPECT_NEAR(instance.declared.high[2], 2.0 * (1.54 + 0.205) * 9.81, 1e-12);
+  ASSERT_EQ(instance.declared.controller.sites.size(), 2u);
+  EXPECT_EQ(instance.declared.controller.sites[1].body, bob);
+  EXPECT_TRUE(instance.declared.controller.sites[1].world_axes);
+  EXPECT_NEAR(instance.declared.controller.high[2], 2.0 * (1.54 + 0.205) * 9.81, 1e-12);
   Group g = instance.group(1);
   std::vector<double> input(12, 0.1);
   input[8] = -1000.0;
   const std::vector<double> out = control(instance, g, input);
   EXPECT_EQ(out[0], 0.1);
-  EXPECT_EQ(out[8], -instance.declared.high[8]);
+  EXPECT_EQ(out[8], -instance.declared.controller.high[8]);
 }
 
 TEST_F(Modes, AttitudeTurnsTheShortWay) {

@@ -137,7 +137,7 @@ TEST_F(ThrustTorqueTest, ThrustGivesWayToRollAndPitch) {
   const Wrench4 low = effect(world, run(instance, {0.0, 1.0, 0.0, 0.0}));
   EXPECT_NEAR(low.x, 1.0, 1e-12);
   EXPECT_NEAR(low.thrust, 1.0 / 0.127, 1e-12);  // two rotors at rest, least possible thrust
-  const double most = instance.declared.high[0];
+  const double most = instance.declared.controller.high[0];
   const Wrench4 high = effect(world, run(instance, {most, 1.0, 0.0, 0.0}));
   EXPECT_NEAR(high.x, 1.0, 1e-12);
   EXPECT_NEAR(high.thrust, most - 1.0 / 0.127, 1e-11);
@@ -186,9 +186,9 @@ TEST_F(ThrustTorqueTest, UnreachableTorqueIsRefused) {
 TEST_F(ThrustTorqueTest, BodyLagFollowsEquationTwo) {
   const Instance instance(
       "ctbt", world, {{"apply", "body"}, {"time_constant_up", 0.02}, {"time_constant_down", 0.05}});
-  ASSERT_EQ(instance.declared.sites.size(), 1u);
-  EXPECT_TRUE(instance.declared.sites[0].at_com);
-  EXPECT_FALSE(instance.declared.sites[0].world_axes);
+  ASSERT_EQ(instance.declared.controller.sites.size(), 1u);
+  EXPECT_TRUE(instance.declared.controller.sites[0].at_com);
+  EXPECT_FALSE(instance.declared.controller.sites[0].world_axes);
   Group g = instance.group(1);
   g.input = {20.0, 0.5, -0.4, 0.05};
   for (int n = 1; n <= 40; ++n) {

@@ -134,7 +134,7 @@ TEST_F(BatteryTest, WithoutResistanceDoesNotSag) {
 TEST_F(BatteryTest, IsOnePackARobot) {
   world.add_quad("other");
   const Instance all("battery", world);
-  EXPECT_EQ(all.declared.buffer_words, 6);
+  EXPECT_EQ(all.declared.memory.buffer_words, 6);
   const Instance one("battery", world, {{"robots", std::vector<std::string>{"other"}}});
   Group g = one.group(1);
   one.call(Call::kReset, g);

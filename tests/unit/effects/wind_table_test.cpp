@@ -131,7 +131,7 @@ TEST_F(WindTableTest, SaysWhereAFileIsWrong) {
   EXPECT_THAT(refusal_of("t,x,y,z\n0,1,2,3\n0.1,1,,3\n"),
               HasSubstr("wind.csv:3: `y` is missing; every row needs t, x, y, z"));
   EXPECT_THAT(refusal_of("t,x,y,z\n0,1,2\n"),
-              HasSubstr("wind.csv:2: the line has 3 cells; needed: the four of t, x, y, z"));
+              HasSubstr("wind.csv:2: the line has 3 cells; needed: the 4 of t, x, y, z"));
   EXPECT_THAT(refusal_of("t,x,y,z\n0,1,2,3\n# then\n0,1,2,3\n"),
               HasSubstr("wind.csv:4: the time 0 s does not come after 0 s of the row before; times "
                         "must rise"));

@@ -76,11 +76,11 @@ TEST(TransitionContract, ControlSeesTheLatestStateInEachOfTheKSteps) {
   flight.reset();
   flight.step({-1, -1, -1, -1});
   const PluginInstance& c = env->plugins(SKYBODY_CONTROLLER)[0];
-  EXPECT_EQ(flight.group.plugin_reals(c.state)[0], 10.0);  // once per physics step
-  EXPECT_EQ(flight.group.plugin_bits(c.state + 2)[0],
+  EXPECT_EQ(flight.group.plugin_reals(c.memory.state)[0], 10.0);  // once per physics step
+  EXPECT_EQ(flight.group.plugin_bits(c.memory.state + 2)[0],
             9u);  // its last call: after 9 completed steps
   // Free fall, for which midpoint is exact: z_n = z_0 - g (n dt)^2 / 2. The tenth call reads n = 9.
-  EXPECT_NEAR(flight.group.plugin_reals(c.state + 1)[0], 1.0 - 9.81e-6 * 40.5, 1e-12);
+  EXPECT_NEAR(flight.group.plugin_reals(c.memory.state + 1)[0], 1.0 - 9.81e-6 * 40.5, 1e-12);
 }
 
 TEST(TransitionContract, AnObservationBelongsToTheFinalState) {

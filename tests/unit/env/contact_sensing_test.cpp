@@ -259,7 +259,8 @@ TEST(WhatBodiesFeel, BeginsAnewAtAReset) {
   flight.reset();
   const PluginInstance& remember = env->plugins(SKYBODY_RANDOMIZER)[0];
   std::vector<double> seen(3);
-  flight.group.gather(0, {env->layout().plugin_state.offset + remember.state, 3}, seen.data());
+  flight.group.gather(0, {env->layout().plugin_state.offset + remember.memory.state, 3},
+                      seen.data());
   EXPECT_EQ(seen, (std::vector<double>{0.0, 0.0, 0.0}));
 }
 

@@ -91,5 +91,60 @@ TEST(Shapes, OfBodiesAndObstaclesAreSeenByPluginsWithTheirParameters) {
   EXPECT_EQ(flight.observation, (std::vector<float>{1, 7, 8, 9, 1, 0, 0, 0, 1.0f, 2.0f, 0.1f}));
 }
 
+/// Lists the shapes to draw.
+class Draw : public Sensor {
+ public:
+  struct State {};
+  inline static std::vector<VisualInfo> seen;
+
+  void configure(const Setup& setup) override {
+    seen.assign(setup.visuals().begin(), setup.visuals().end());
+    setup.channel("count", "", 1, 0.0, kInfinity);
+  }
+  void sense(const EnvView<double>&, State&, Values<double> out) const { out.set(0, 0.0); }
+};
+
+TEST(Shapes, ToDrawAreTheVisualsOfABodyOrElseItsCollisionShapes) {
+  InProcessFactory factory;
+  factory.add<test::Direct>("direct");
+  factory.add<test::Watch>("watch");
+  factory.add<Draw>("draw");
+  Scenario s;
+  RobotUse robot;
+  robot.model = test::quadrotor();
+  robot.pose.position.z = 5.0;
+  robot.controllers.push_back(factory.use("direct", "direct"));
+  const Shape sphere = make(ShapeType::kSphere, {}, 0.02, 0, {0.1, 0, 0});
+  Shape red = make(ShapeType::kBox, {0.1, 0.2, 0.3}, 0, 0, {0, 0, 0.05});
+  red.rgba = {1.0, 0.0, 0.25, 1.0};
+  Shape mesh = red;
+  mesh.type = ShapeType::kMesh;
+  const std::vector<Shape> visuals[] = {{}, {red, sphere}, {mesh}};
+  for (const char* name : {"bare", "painted", "meshed"}) {
+    robot.name = name;
+    robot.model.bodies[0].collisions = {sphere};
+    robot.model.bodies[0].visuals = visuals[s.robots.size()];
+    s.robots.push_back(robot);
+    robot.pose.position.x += 3.0;
+  }
+  s.sensors.push_back(factory.use("draw", "draw"));
+  s.task = factory.use("watch", "task");
+  const CompiledScenario compiled(std::move(s), factory);
+
+  const auto expect = [](std::size_t id, int robot_index, int kind, double green) {
+    const VisualInfo& visual = Draw::seen.at(id);
+    EXPECT_EQ(visual.shape.robot, robot_index) << id;
+    EXPECT_EQ(visual.shape.body, robot_index) << id;  // each robot has one body
+    EXPECT_EQ(visual.shape.kind, kind) << id;
+    EXPECT_EQ(visual.color[1], green) << id;
+  };
+  ASSERT_EQ(Draw::seen.size(), 4u);
+  expect(0, 0, SKYBODY_SPHERE, 0.5);
+  expect(1, 1, SKYBODY_BOX, 0.0);
+  expect(2, 1, SKYBODY_SPHERE, 0.5);
+  expect(3, 2, SKYBODY_SPHERE, 0.0);  // in the colour of the mesh, which is not read
+  EXPECT_EQ(Draw::seen[1].shape.size[2], 0.3);
+}
+
 }  // namespace
 }  // namespace skybody

@@ -297,10 +297,12 @@ TEST(Scenario, RobotsTogetherHaveAtMostAThousandBodies) {
   EXPECT_THAT(error, Not(HasSubstr("a.yaml:5")));
 }
 
-TEST(Yaml, RefusesANulCharacterWithItsLine) {
+TEST(Yaml, RefusesANulCharacterWithItsPlace) {
   Diagnostics diagnostics;
   EXPECT_FALSE(parse_yaml(std::string("a: 1\nb: qdrone\0002\n", 18), "x.yaml", diagnostics));
-  EXPECT_EQ(diagnostics.to_string(), "x.yaml:2: error: not YAML: a NUL character; remove it\n");
+  EXPECT_EQ(diagnostics.to_string(),
+            "x.yaml:2:10: error: not YAML: a NUL character, as in files that are no text; remove "
+            "it, or give a text file\n");
 }
 
 }  // namespace

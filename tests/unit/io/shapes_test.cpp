@@ -165,8 +165,9 @@ TEST_F(ShapeFiles, MeshesAreTheBoxAboutThem) {
   folder_.write("m/t.stl", kStl);
   const auto model = read_model("<mesh filename=\"t.stl\" scale=\"0.1 -0.1 1\"/>");
   ASSERT_TRUE(model.has_value()) << messages();
-  EXPECT_THAT(messages(), HasSubstr("r.urdf:2: warning: the mesh `t.stl` of the link `base` counts "
-                                    "in contact as the box about it, 0.1 x 0.2 x 3 m"));
+  EXPECT_THAT(messages(),
+              HasSubstr("r.urdf:2:136: warning: the mesh `t.stl` of the link `base` counts "
+                        "in contact as the box about it, 0.1 x 0.2 x 3 m"));
   const Shape& shape = model->bodies[0].collisions.at(0);
   EXPECT_EQ(shape.type, ShapeType::kMesh);
   EXPECT_NEAR(shape.box_size.x, 0.1, 1e-12);
@@ -216,7 +217,8 @@ TEST_F(ShapeFiles, MeshesWithoutABoxAreRefusedWithTheReason) {
         read_model("<mesh filename=\"" + name + "\" scale=\"" + scale + "\"/>").has_value());
     return messages();
   };
-  EXPECT_THAT(refused("bad.dae", "<COLLADA>"), HasSubstr("r.urdf:2: error: the mesh `bad.dae`"));
+  EXPECT_THAT(refused("bad.dae", "<COLLADA>"),
+              HasSubstr("r.urdf:2:136: error: the mesh `bad.dae`"));
   EXPECT_THAT(messages(), HasSubstr("cannot be read"));
   EXPECT_THAT(messages(), HasSubstr("mend it, or write a box, cylinder, sphere or capsule"));
   EXPECT_THAT(refused("empty.obj", "# nothing\n"), HasSubstr("the mesh `empty.obj`"));

@@ -18,7 +18,7 @@ using test::small_team;
 PpoNetworks small_networks(std::uint64_t seed) {
   Hyperparameters hyper;
   hyper.hidden = {24, 8};
-  PpoNetworks networks(make_agent_table(*small_team(), false), hyper, best_isa());
+  PpoNetworks networks(make_agent_table(*small_team(), false), {}, hyper, best_isa());
   networks.initialize(seed, -1.0);
   return networks;
 }
@@ -32,12 +32,11 @@ std::vector<std::vector<float>> values_of(const TransposedWeights& weights) {
 }
 
 void expect_ready(const PpoNetworks& networks, const char* after) {
-  TransposedWeights value;
-  PolicyNetwork::Transposed fresh;
+  PolicyNetwork::Transposed fresh, value;
   networks.policy().transpose(networks.policy_weights(), fresh);
   networks.value().transpose(networks.value_weights(), value);
   EXPECT_EQ(values_of(networks.policy_transposed().dense), values_of(fresh.dense)) << after;
-  EXPECT_EQ(values_of(networks.value_transposed()), values_of(value)) << after;
+  EXPECT_EQ(values_of(networks.value_transposed().dense), values_of(value.dense)) << after;
 }
 
 TEST(PpoNetworks, AreReadyToComputeAfterEveryChangeOfTheirParameters) {

@@ -27,7 +27,7 @@ class TwoWorkers {
         threads_(1, kSlices),
         first_(setup_, 0, 3, threads_),
         second_(setup_, 3, setup_->plan.slices() - 3, threads_),
-        networks_(setup_->agents, setup_->hyper, setup_->isa) {}
+        networks_(setup_->agents, setup_->images, setup_->hyper, setup_->isa) {}
 
   void iterate() {
     const RolloutInputs inputs = driver_.begin_rollout();

@@ -67,7 +67,7 @@ TEST(Ppo, LearnsTheSameBitsOnEverySetWithFusedMultiplyAdd) {
 std::uint64_t hash_of_hover(const Sizes& hidden, Isa isa) {
   const ChosenIsa chosen(isa);
   LearnerOptions options;
-  options.compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover_learn.yaml", {}, {}});
+  options.compiled = compile_scenario({"hover_learn", {}, {}});
   options.seed = 1;
   options.total_steps = 100000;
   options.threads = 2;

@@ -60,7 +60,7 @@ TEST(PluginLibrary, LoadsAGoodOne) {
 
 TEST(PluginLibrary, RefusesAnotherApiVersion) {
   expect_refused(test::bad_plugins() / "wrong_version.so", LoadFailure::kWrongVersion,
-                 "was built for plugin API 8, this Skybody has 7: rebuild it against this Skybody");
+                 "was built for plugin API 9, this Skybody has 8: rebuild it against this Skybody");
 }
 
 TEST(PluginLibrary, RefusesAnotherMagic) {

@@ -70,7 +70,7 @@ TEST(PluginRegistry, BrokenFilesBecomeEntriesAndStopNothing) {
     const PluginEntry* entry = registry.find(kind, "wrong_version");
     ASSERT_NE(entry, nullptr);
     EXPECT_EQ(entry->kind, SKYBODY_KIND_COUNT);
-    EXPECT_THAT(entry->failure, HasSubstr("was built for plugin API 8"));
+    EXPECT_THAT(entry->failure, HasSubstr("was built for plugin API 9"));
     EXPECT_EQ(entry->descriptor, nullptr);
   }
   EXPECT_THAT(registry.find(SKYBODY_SENSOR, "missing_symbol")->failure, HasSubstr("is no plugin"));

@@ -15,15 +15,14 @@ namespace {
 
 class ShippedArm : public ::testing::Test {
  protected:
-  Simulation simulation{
-      {.scenario = SKYBODY_SOURCE_DIR "/scenarios/arm.yaml", .overrides = {"randomization=[]"}}};
+  Simulation simulation{{.scenario = "arm", .overrides = {"randomization=[]"}}};
   const World& world = simulation.compiled().world();
   const Vec3<double> tip{0.0, 0.0, -0.2};
 
   std::vector<JointDrive> drives() const {
     std::vector<JointDrive> all;
     for (const PluginInstance& use : simulation.compiled().plugins(SKYBODY_CONTROLLER)) {
-      all.insert(all.end(), use.joints.begin(), use.joints.end());
+      all.insert(all.end(), use.controller.joints.begin(), use.controller.joints.end());
     }
     return all;
   }

@@ -1,7 +1,7 @@
 // The IMU against hand calculation: rest, free fall, circle, mounting, noise, bias, rate, latency.
 #include <cmath>
 
-#include "tests/unit/plugin_harness.h"
+#include "tests/unit/sensors/sensor_run.h"
 
 namespace skybody::testing {
 namespace {
@@ -42,6 +42,16 @@ TEST_F(ImuTest, GivesTheBitsOfDouble) {
                     {"gyroscope_walk", 0.1},
                     {"gyroscope_bias", 0.1},
                     {"latency", 3},
+                    {"period", 2}});
+  expect_same_bits("imu", world, {{"preset", "adis16448"}});
+  expect_same_bits("imu", world,
+                   {{"accelerometer_scale", Numbers{0.1, -0.1, 0.2}},
+                    {"gyroscope_misalignment", Numbers{0.01, 0.02, 0.03}},
+                    {"g_sensitivity", Numbers{0.1, 0.2, 0.3}},
+                    {"gyroscope_instability", 0.1},
+                    {"gyroscope_range", 3.0},
+                    {"accelerometer_resolution", 0.25},
+                    {"phase", 1},
                     {"period", 2}});
 }
 
@@ -192,8 +202,129 @@ TEST_F(ImuTest, SamplesAtItsRateAndDeliversLater) {
 TEST_F(ImuTest, RunsAtEveryPeriodOnly) {
   const Instance imu("imu", world, {{"period", 5}});
   EXPECT_EQ(imu.declared.period, 5);
-  EXPECT_EQ(imu.declared.buffer_words, 0);
+  EXPECT_EQ(imu.declared.memory.buffer_words, 0);
   EXPECT_TRUE(imu.declared.needs_bodies_before);
+}
+
+TEST_F(ImuTest, SaturatesAndRounds) {
+  const Instance imu(
+      "imu", world,
+      {{"accelerometer_range", 9.0}, {"gyroscope_resolution", 0.5}, {"gyroscope_range", 2.0}});
+  Group g = begin(imu);
+  EXPECT_EQ(g.output[2], 9.0) << "g is beyond the range";
+  g.before = g.bodies;
+  g.bodies[10] = 0.7, g.bodies[11] = -0.8, g.bodies[12] = -7.0;
+  ++g.physics_step[0];
+  imu.call(Call::kSense, g);
+  EXPECT_EQ(g.output[3], 0.5);
+  EXPECT_EQ(g.output[4], -1.0);
+  EXPECT_EQ(g.output[5], -2.0);
+}
+
+TEST_F(ImuTest, ScaleAndMisalignmentActOnTheTrueValue) {
+  const Instance imu("imu", world,
+                     {{"accelerometer_scale", Numbers{0.0, 0.0, 0.02}},
+                      {"accelerometer_misalignment", Numbers{0.01, 0.0, 0.0}},
+                      {"gyroscope_scale", Numbers{-0.1, 0.0, 0.0}},
+                      {"gyroscope_misalignment", Numbers{0.0, 0.0, 0.02}}});
+  Group g = imu.group(1);
+  g.bodies[10] = 2.0;
+  g.before = g.bodies;
+  imu.call(Call::kReset, g);
+  imu.call(Call::kSense, g);
+  // Axes turned by 0.01 rad about x see g along y, too; seen = v + v x misalignment.
+  EXPECT_NEAR(g.output[1], 9.81 * 0.01, 1e-12);
+  EXPECT_NEAR(g.output[2], 9.81 * 1.02, 1e-12);
+  EXPECT_NEAR(g.output[3], 1.8, 1e-12);
+  EXPECT_NEAR(g.output[4], -0.04, 1e-12);
+}
+
+TEST_F(ImuTest, GSensitivityAddsRateInProportionToForce) {
+  const Instance imu("imu", world, {{"g_sensitivity", Numbers{0.0, 0.0, 2e-4}}});
+  EXPECT_NEAR(begin(imu).output[5], 9.81 * 2e-4, 1e-15);
+}
+
+/// Allan variance of `samples`, averaged over clusters of `m` (overlapping).
+double allan_variance(const Numbers& samples, std::size_t m) {
+  Numbers sums{0.0};
+  for (const double x : samples) sums.push_back(sums.back() + x);
+  double square = 0.0;
+  const std::size_t count = samples.size() - 2 * m + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double change = (sums[k + 2 * m] - 2.0 * sums[k + m] + sums[k]) / static_cast<double>(m);
+    square += change * change;
+  }
+  return 0.5 * square / static_cast<double>(count);
+}
+
+TEST_F(ImuTest, AllanVarianceIsThatOfNoiseWalkAndInstability) {
+  world.dt = 0.01;
+  const int count = 200000;
+  const double noise = 0.02, walk = 0.05, instability = 0.3, time = 0.5;
+  const Instance white("imu", world, {{"gyroscope_noise", noise}});
+  const Instance walking("imu", world, {{"gyroscope_walk", walk}});
+  const Instance unstable("imu", world,
+                          {{"gyroscope_instability", instability}, {"instability_time", time}});
+  const Numbers of_noise = readings(white, 3, count), of_walk = readings(walking, 4, count),
+                of_instability = readings(unstable, 5, count);
+  for (const std::size_t m : {10u, 40u, 95u, 200u}) {
+    const double tau = world.dt * static_cast<double>(m), ratio = tau / time;
+    // Woodman, and IEEE Std 952: N^2 / tau, K^2 tau / 3, and a Gauss-Markov process.
+    const double process =
+        2.0 * instability * instability / ratio *
+        (1.0 - (3.0 - 4.0 * std::exp(-ratio) + std::exp(-2.0 * ratio)) / (2.0 * ratio));
+    // The variance of an overlapping estimate over n clusters is below 3 / n of its square; four
+    // standard errors. A discrete walk differs from K^2 tau / 3 by (1 + 1 / (2 m^2)).
+    const double error = 4.0 * std::sqrt(3.0 * static_cast<double>(m) / count);
+    EXPECT_NEAR(allan_variance(of_noise, m) / (noise * noise / tau), 1.0, error) << m;
+    EXPECT_NEAR(allan_variance(of_walk, m) / (walk * walk * tau / 3.0), 1.0, error + 0.005) << m;
+    // Samples of the process, in place of its means over dt, add less than dt / time.
+    EXPECT_NEAR(allan_variance(of_instability, m) / process, 1.0, error + world.dt / time) << m;
+  }
+}
+
+TEST_F(ImuTest, APresetHasTheErrorsOfItsDatasheet) {
+  constexpr double kG = 9.80665, kDegree = 3.141592653589793 / 180.0;
+  const Instance imu("imu", world, {{"preset", "icm42688"}});
+  const int count = 20000;
+  const double rate = 0.0028 * kDegree / std::sqrt(world.dt);
+  const double force = 65e-6 * kG / std::sqrt(world.dt);
+  // Rounding to a multiple of r adds a variance of r^2 / 12.
+  const double step = kDegree / 16.4, coarse = kG / 2048.0;
+  const double seen = std::sqrt(rate * rate + step * step / 12.0);
+  const double seen_force = std::sqrt(force * force + coarse * coarse / 12.0);
+  const Numbers rates = readings(imu, 3, count), forces = readings(imu, 0, count);
+  EXPECT_NEAR(Spread(rates).deviation, seen, of_deviation(seen, count) + 0.02 * seen);
+  EXPECT_NEAR(Spread(forces).deviation, seen_force,
+              of_deviation(seen_force, count) + 0.02 * seen_force);
+  EXPECT_NEAR(std::remainder(rates[0], step), 0.0, 1e-12);
+}
+
+TEST_F(ImuTest, AGivenOrDrawnErrorReplacesThePresets) {
+  const Instance given("imu", world,
+                       {{"preset", "bmi088"},
+                        {"gyroscope_noise", 0.0},
+                        {"gyroscope_instability", 0.0},
+                        {"gyroscope_resolution", 0.0}});
+  EXPECT_EQ(Spread(readings(given, 3, 10)).deviation, 0.0);
+  const Instance drawn("imu", world, {{"preset", "bmi088"}, {"gyroscope_resolution", 0.0}});
+  const auto noise = static_cast<std::size_t>(drawn.env_param("gyroscope_noise"));
+  Numbers rates;
+  SensorRun run(drawn);
+  run.group.params[noise] = 0.1;  // far within the range
+  for (int n = 0; n < 1000; ++n) {
+    run.step();
+    rates.push_back(run.group.output[3]);
+  }
+  const double deviation = 0.1 / std::sqrt(world.dt);
+  EXPECT_NEAR(Spread(rates).deviation, deviation, of_deviation(deviation, 1000));
+}
+
+TEST_F(ImuTest, TheBasicUnitHasNoMoreWordsThanBefore) {
+  const Instance imu("imu", world);
+  EXPECT_EQ(imu.plugin().state_words, 13u);
+  EXPECT_EQ(imu.declared.memory.buffer_words, 0);
+  EXPECT_TRUE(imu.declared.sensor.is_only_when_read);
 }
 
 TEST_F(ImuTest, BadConfigurationNamesValueAndRemedy) {

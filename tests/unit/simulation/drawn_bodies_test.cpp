@@ -15,7 +15,7 @@ const std::string kInertia = "robots.quad.links.base_link.inertia";
 
 Simulation drawn_hover() {
   return Simulation(
-      {.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+      {.scenario = "hover",
        .overrides = {"randomization=[{plugin: draw, parameters: {what: ['" + kInertia + "[0]', '" +
                      kInertia + "[1]', '" + kInertia + "[2]'], range: [0.9, 1.1], form: scale}}]"},
        .seed = 5});
@@ -52,7 +52,7 @@ TEST(DrawnBodies, AreDrawnAgainUntilARigidBodyHasThem) {
 
 /// A moment of ten times its size exceeds the sum of the others in every draw.
 TEST(DrawnBodies, ThatCanNeverBeAreAFaultWhoseReasonNamesThem) {
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+  Simulation simulation({.scenario = "hover",
                          .overrides = {"randomization=[{plugin: draw, parameters: {what: ['" +
                                        kInertia + "[2]'], range: [9, 10], form: scale}}]"}});
   simulation.reset();

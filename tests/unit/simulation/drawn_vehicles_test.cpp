@@ -13,7 +13,7 @@ namespace skybody {
 namespace {
 
 std::shared_ptr<const CompiledScenario> load_vehicles(const std::string& preset) {
-  return compile_scenario({.scenario = SKYBODY_SOURCE_DIR "/scenarios/vehicles.yaml",
+  return compile_scenario({.scenario = "vehicles",
                            .overrides = {"randomization[0].parameters.fleet=0",
                                          "randomization[0].parameters.preset=" + preset,
                                          "randomization[1].parameters.position_min=[-0.1,-0.1,2.9]",

@@ -21,7 +21,7 @@ std::string reason_of(Simulation& simulation) {
 }
 
 TEST(FaultCause, IsTheLinkThatMovesTooFast) {
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml"});
+  Simulation simulation({.scenario = "hover"});
   simulation.reset();
   BodyState base = simulation.base("quad");
   base.velocity.z = 9.9e5;
@@ -31,7 +31,7 @@ TEST(FaultCause, IsTheLinkThatMovesTooFast) {
 }
 
 TEST(FaultCause, IsTheLinkThatTurnsTooFast) {
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/arm.yaml"});
+  Simulation simulation({.scenario = "arm"});
   simulation.reset();
   BodyState base = simulation.base("hexa");
   base.angular_velocity.y = 5e5;

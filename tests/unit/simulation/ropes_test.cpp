@@ -21,9 +21,7 @@ TEST(Ropes, HaveTheSameBitsWhereEveryStepIsSavedAndRestored) {
     overrides.push_back("couplings." + std::string(rope) + ".length=1.1");  // slack at first
   }
   const SimulationOptions options{
-      .scenario = SKYBODY_SOURCE_DIR "/scenarios/cooperative_payload.yaml",
-      .overrides = overrides,
-      .seed = 5};
+      .scenario = "cooperative_payload", .overrides = overrides, .seed = 5};
   Simulation straight(options), restored(options);
   straight.reset();
   restored.reset();
@@ -45,7 +43,7 @@ TEST(Ropes, HaveTheSameBitsWhereEveryStepIsSavedAndRestored) {
   EXPECT_GT(taut, 0);
 }
 
-const std::string kLanding = SKYBODY_SOURCE_DIR "/scenarios/platform_landing.yaml";
+const std::string kLanding = "platform_landing";
 
 /// The pad follows its path bit for bit, regardless of a rope's impacts and loads.
 TEST(Ropes, DoNotMoveADrivenBase) {

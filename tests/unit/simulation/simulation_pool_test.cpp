@@ -21,9 +21,7 @@ using testing::HasSubstr;
 
 constexpr int kWorlds = 5;
 
-std::shared_ptr<const CompiledScenario> hover() {
-  return compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
-}
+std::shared_ptr<const CompiledScenario> hover() { return compile_scenario({"hover", {}, {}}); }
 
 template <class Call>
 std::string refusal(Call&& call) {

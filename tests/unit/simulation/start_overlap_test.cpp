@@ -27,10 +27,7 @@ std::vector<std::string> with(const std::string& obstacles, const std::string& r
 }
 
 Simulation hover(const std::vector<std::string>& overrides, std::uint64_t env_id = 0) {
-  return Simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
-                     .overrides = overrides,
-                     .seed = 4,
-                     .env_id = env_id});
+  return Simulation({.scenario = "hover", .overrides = overrides, .seed = 4, .env_id = env_id});
 }
 
 std::string reason(const Simulation& simulation) {
@@ -150,7 +147,7 @@ TEST(StartOverlap, DrawsWhatIsDueAndCountsTheResetOnce) {
 }
 
 TEST(StartOverlap, OfTwoRobotsIsDrawnAgain) {
-  const std::string scenario = SKYBODY_SOURCE_DIR "/scenarios/formation.yaml";
+  const std::string scenario = "formation";
   Simulation simulation(
       {.scenario = scenario,
        .overrides = {"randomization=[{plugin: start, parameters: {position_min: [-0.7, -0.7, 1], "
@@ -167,9 +164,8 @@ TEST(StartOverlap, OfTwoRobotsIsDrawnAgain) {
 
 /// A lane's draws are a function of its own key: alone, in packs, on any number of threads.
 TEST(StartOverlap, HasTheSameBitsInPacksAndOnThreads) {
-  const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
-                                          with(kBlock, kStart, {"contact.redraws=5"}),
-                                          {}});
+  const auto compiled =
+      compile_scenario({"hover", with(kBlock, kStart, {"contact.redraws=5"}), {}});
   constexpr int kEnvs = 70;
   std::vector<std::uint64_t> hashes;
   std::vector<std::uint64_t> first;

@@ -20,13 +20,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::string scenario(const std::string& name) {
-  return SKYBODY_SOURCE_DIR "/scenarios/" + name + ".yaml";
-}
-
 /// An environment in flight.
 Simulation flying(const std::string& name) {
-  Simulation world({.scenario = scenario(name), .seed = 5});
+  Simulation world({.scenario = name, .seed = 5});
   world.reset();
   const std::vector<float> action(static_cast<std::size_t>(world.action_size()), 0.3f);
   for (int k = 0; k < 40; ++k) world.step(action);
@@ -123,7 +119,7 @@ TEST(StateValues, ALinkOnAFixedJointIsPlacedOnItsBody) {
 
 TEST(StateValues, EveryPathIsThereOnceAndIsFound) {
   for (const char* name : {"hover", "payload", "formation"}) {
-    const auto compiled = compile_scenario({scenario(name), {}, {}});
+    const auto compiled = compile_scenario({name, {}, {}});
     std::set<std::string> paths;
     for (const StateValue& value : compiled->state_values().all()) {
       EXPECT_TRUE(paths.insert(value.path).second) << value.path;

@@ -41,7 +41,7 @@ class ChaseTask : public ::testing::Test {
     task.call(Call::kEvaluate, g);
   }
   static double info(const Instance& task, const Group& g, const std::string& name) {
-    const auto names = channel_names(task.declared.infos);
+    const auto names = channel_names(task.declared.task.infos);
     const auto at = std::find(names.begin(), names.end(), name);
     EXPECT_NE(at, names.end()) << name;
     return g.info[static_cast<std::size_t>(at - names.begin())];
@@ -155,7 +155,7 @@ TEST_F(ChaseTask, LeadsTheFirstPursuerToTheEvaderAndOthersBesideIt) {
   be_scripted();
   const Instance task("chase", world);
   Group g = begin(task);
-  ASSERT_EQ(task.declared.goals.size(), 2u) << "none of an evader that follows a reference";
+  ASSERT_EQ(task.declared.task.goals.size(), 2u) << "none of an evader that follows a reference";
   const Numbers goal = task.goal(g);
   EXPECT_EQ(Numbers(goal.begin(), goal.begin() + 3), (Numbers{0, 0, 1}));
   EXPECT_NEAR(goal[4], -1.0, kRounding);

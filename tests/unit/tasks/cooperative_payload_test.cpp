@@ -107,7 +107,7 @@ TEST_F(CooperativePayloadTask, EveryCarrierObservesItselfTheLoadItsPointAndTheOt
 
 TEST_F(CooperativePayloadTask, ACarriedLoadInItsPoseEarnsTheMost) {
   const Instance task("cooperative_payload", world, fixed);
-  EXPECT_TRUE(task.declared.robot_rewards);
+  EXPECT_TRUE(task.declared.task.robot_rewards);
   Group g = begin(task);
   evaluate(task, g);
   EXPECT_NEAR(g.reward[0], 1.51, kRounding);  // load 1, position 0.5, rates 0.01
@@ -134,7 +134,7 @@ TEST_F(CooperativePayloadTask, EndsForEachReasonAndForNoOther) {
       {"failed.dropped", [](Group& g) { position(g, 2, 2) = 0.29; }},
   };
   const Instance task("cooperative_payload", world, fixed);
-  const std::vector<std::string> names = channel_names(task.declared.infos);
+  const std::vector<std::string> names = channel_names(task.declared.task.infos);
   Group g = begin(task);
   evaluate(task, g);
   EXPECT_EQ(g.end[0], 0u);

@@ -148,7 +148,7 @@ TEST_F(FormationTask, PlacesAreARegularPolygonWithACentreFromFiveOn) {
 TEST_F(FormationTask, TheFinishedFormationEarnsTheMost) {
   add_team(5);
   const Instance task("formation", world, fixed);
-  EXPECT_TRUE(task.declared.robot_rewards);
+  EXPECT_TRUE(task.declared.task.robot_rewards);
   Group g = begin(task);
   const std::vector<Point> places = polygon(5);
   for (int i = 0; i < 5; ++i) {
@@ -353,7 +353,7 @@ TEST_F(FormationTask, AnObstacleNearbyCostsRewardAndTouchingItEndsTheEpisode) {
   add_team(2);
   world.add_obstacle(SKYBODY_SPHERE, {0.5}, {1.75, 0, 2});
   const Instance task("formation", world, fixed);
-  const std::vector<std::string> names = channel_names(task.declared.infos);
+  const std::vector<std::string> names = channel_names(task.declared.task.infos);
   const auto collision = static_cast<std::size_t>(
       std::find(names.begin(), names.end(), "failed.collision") - names.begin());
   ASSERT_LT(collision, names.size());

@@ -117,7 +117,7 @@ TEST_F(ObstaclesTask, RewardsProgressAndChargesForLackOfClearance) {
 TEST_F(ObstaclesTask, EndsAtACollisionAtTheGroundAndAtTheTarget) {
   const Instance task("obstacles", world, given);
   const auto info = [&](const char* name, const Group& g) {
-    const auto names = channel_names(task.declared.infos);
+    const auto names = channel_names(task.declared.task.infos);
     const auto at = std::find(names.begin(), names.end(), name) - names.begin();
     return g.info[static_cast<std::size_t>(at)];
   };

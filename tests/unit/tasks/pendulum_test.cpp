@@ -157,7 +157,7 @@ TEST_F(PendulumTask, ShapesTheRewardWhereTheScenarioAsksForIt) {
 
 TEST_F(PendulumTask, EveryLimitEndsAnEpisodeUnderItsNameAndCostsFive) {
   const Instance task("pendulum", world, {{"yaw_max", 2.0}});
-  const std::vector<std::string> names = channel_names(task.declared.infos);
+  const std::vector<std::string> names = channel_names(task.declared.task.infos);
   const auto fails = [&](const std::string& reason, const Numbers& base, double angle) {
     Group g = upright(task);
     for (int k = 0; k < 7; ++k)
@@ -188,7 +188,7 @@ TEST_F(PendulumTask, EveryLimitEndsAnEpisodeUnderItsNameAndCostsFive) {
 
 TEST_F(PendulumTask, SucceedsNearTheTargetAloneAndNotWhereItFails) {
   const Instance task("pendulum", world, {{"target", Numbers{0, 0, kTop - 0.29}}});
-  const std::size_t success = channel_names(task.declared.infos).size() - 1;
+  const std::size_t success = channel_names(task.declared.task.infos).size() - 1;
   Group g = upright(task);
   step(task, g);
   EXPECT_EQ(g.info[success], 1.0);
@@ -205,9 +205,9 @@ TEST_F(PendulumTask, SucceedsNearTheTargetAloneAndNotWhereItFails) {
 
 TEST_F(PendulumTask, TheGoalPutsTheBobOnTheTarget) {
   const Instance task("pendulum", world);
-  ASSERT_EQ(task.declared.goals.size(), 1u);
-  EXPECT_EQ(task.declared.goals[0].body, bob);
-  EXPECT_EQ(task.declared.goals[0].point.z, kCenter);
+  ASSERT_EQ(task.declared.task.goals.size(), 1u);
+  EXPECT_EQ(task.declared.task.goals[0].body, bob);
+  EXPECT_EQ(task.declared.task.goals[0].point.z, kCenter);
   Group g = upright(task);
   EXPECT_NEAR(task.goal(g)[2], 2.0 - kCenter, 1e-15);
 }

@@ -41,7 +41,7 @@ class RacingTask : public ::testing::Test {
   /// An info's value.
   static double info(const Instance& task, const Group& g, const std::string& name) {
     std::size_t first = 0;
-    for (const Channel& c : task.declared.infos) {
+    for (const Channel& c : task.declared.task.infos) {
       if (c.name == name) return g.info[first];
       first += static_cast<std::size_t>(c.count);
     }

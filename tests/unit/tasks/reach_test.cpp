@@ -49,9 +49,9 @@ TEST_F(ReachTask, MeansPlacesInTheHeadingOfTheScenariosPose) {
 
 TEST_F(ReachTask, NamesTheToolAsThePointOfItsGoal) {
   const Instance task("reach", world, given);
-  ASSERT_EQ(task.declared.goals.size(), 1u);
-  EXPECT_EQ(task.declared.goals[0].body, lower);
-  EXPECT_EQ(task.declared.goals[0].point.z, -0.2);
+  ASSERT_EQ(task.declared.task.goals.size(), 1u);
+  EXPECT_EQ(task.declared.task.goals[0].body, lower);
+  EXPECT_EQ(task.declared.task.goals[0].point.z, -0.2);
   Group g = at_rest(task, 2.5);
   const Numbers goal = task.goal(g);
   EXPECT_NEAR(goal[0], 1.0, 1e-15);

@@ -137,7 +137,7 @@ TEST_F(HoverTask, ATeamKeepsItsPlacesAndSharesTheReward) {
   EXPECT_NEAR(g.reward[0], 1.0 / (1.0 + 2.56) + 0.01, 1e-15);  // both are 1 m off
   const Instance one("hover", world, {{"robot", "left"}, {"target", Numbers{0, 0, 1, 0}}});
   EXPECT_EQ(one.declared.channel_count(), 22);
-  EXPECT_FALSE(one.declared.robot_rewards);  // the other robot's reward would be empty
+  EXPECT_FALSE(one.declared.task.robot_rewards);  // the other robot's reward would be empty
   EXPECT_EQ(channel_robots(one.declared.channels), std::vector<int>(6, 1));
 }
 
@@ -146,8 +146,8 @@ TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
   const Instance task("hover", world, {{"target", Numbers{0, 0, 1, 0}}});
   EXPECT_EQ(channel_robots(task.declared.channels),
             (std::vector<int>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
-  EXPECT_TRUE(task.declared.robot_rewards);
-  EXPECT_EQ(task.declared.infos[4].name, "left.position_error");
+  EXPECT_TRUE(task.declared.task.robot_rewards);
+  EXPECT_EQ(task.declared.task.infos[4].name, "left.position_error");
   Group g = begin(task);
   g.bodies[1] = -1.0;  // the first robot's position
   step(task, g, Numbers(8, 0.0));
@@ -158,7 +158,7 @@ TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
 
 TEST_F(HoverTask, InformsOfErrorsTiltAndSpeed) {
   const Instance task("hover", world, {{"target", Numbers{0.3, 0, 1.4, -0.2}}});
-  EXPECT_EQ(channel_names(task.declared.infos),
+  EXPECT_EQ(channel_names(task.declared.task.infos),
             (std::vector<std::string>{"position_error", "yaw_error", "tilt", "speed", "failed.tilt",
                                       "failed.heading", "failed.bound", "success"}));
   Group g = begin(task);
@@ -241,7 +241,7 @@ TEST_F(PayloadTask, RewardsAsThePaperDoesAndPunishesFailure) {
 
 TEST_F(PayloadTask, InformsOfErrorTiltAndSpeed) {
   const Instance task("payload", world);
-  EXPECT_EQ(channel_names(task.declared.infos),
+  EXPECT_EQ(channel_names(task.declared.task.infos),
             (std::vector<std::string>{"payload_error", "tilt", "speed", "failed.tilt",
                                       "failed.heading", "failed.bound", "success"}));
   EXPECT_EQ(channel_robots(task.declared.channels), std::vector<int>(8, 0));
@@ -256,8 +256,8 @@ TEST_F(PayloadTask, InformsOfErrorTiltAndSpeed) {
 
 TEST_F(PayloadTask, TheGoalPutsTheCentreOfMassOnTheTarget) {
   const Instance task("payload", world);
-  ASSERT_EQ(task.declared.goals.size(), 1u);
-  EXPECT_EQ(task.declared.goals[0].body, bob);
+  ASSERT_EQ(task.declared.task.goals.size(), 1u);
+  EXPECT_EQ(task.declared.task.goals[0].body, bob);
   Group g = at_rest(task);
   const Numbers goal = task.goal(g);
   EXPECT_NEAR(goal[2], 0.57, 1e-15);

@@ -72,7 +72,7 @@ class TrajectoryTask : public ::testing::Test {
     return {};
   }
   static double info(const Instance& task, const Group& g, const std::string& name) {
-    const std::vector<std::string> names = channel_names(task.declared.infos);
+    const std::vector<std::string> names = channel_names(task.declared.task.infos);
     const auto found = std::find(names.begin(), names.end(), name);
     return g.info.at(static_cast<std::size_t>(found - names.begin()));
   }

@@ -1,0 +1,185 @@
+// Where rays enter a shape: w = 1 / t of entry, for the rows of a tile.
+//
+// A round of radius r about an axis, or about a point: with o the eye from its centre and d the
+// direction, both across the axis, and c = |o|^2 - r^2, the roots of c w^2 + 2 (o . d) w + |d|^2
+// are
+//   w = B +- sqrt(D),   B = -(o . d) / c,   D = (r^2 |d|^2 - |o x d|^2) / c^2
+// (identity of Lagrange: no difference of large squares). D < 0 gives NaN, which is never a hit.
+#pragma once
+
+#include "render/kernels/kernel_table.h"
+#include "render/kernels/lanes.h"
+
+namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
+
+/// A linear function along the columns of a pack; at(y) adds the part of a row.
+struct Row {
+  Floats along;
+  float slope;
+
+  SKYBODY_RENDER Row(const Linear& f, const Floats& x) : along(f.c + f.x * x), slope(f.y) {}
+  SKYBODY_RENDER Floats at(float y) const { return along + slope * y; }
+};
+
+/// The nearest surface of each pixel of some columns of a tile so far.
+template <bool kSurfaces>
+struct Nearest {
+  Floats w[kTileHeight];
+  Ints id[kTileHeight];
+  Ints surface[kTileHeight];
+
+  SKYBODY_RENDER void put(int r, Mask hit, const Floats& entry, uint32_t shape_id) {
+    w[r] = select(hit, entry, w[r]);
+    id[r] = select(hit, ints(static_cast<int32_t>(shape_id)), id[r]);
+  }
+  SKYBODY_RENDER void put_surface(int r, Mask hit, const Ints& code) {
+    if constexpr (kSurfaces) surface[r] = select(hit, code, surface[r]);
+  }
+};
+
+/// A box from outside of `kPairs` pairs of faces.
+template <int kPairs, bool kSurfaces>
+SKYBODY_RENDER void meet_box(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+                             Nearest<kSurfaces>& nearest) {
+  const Row f0(s.f[0], x), f1(s.f[1], x), f2(s.f[2], x);
+#pragma GCC unroll 4
+  for (int r = 0; r < kTileHeight; ++r) {
+    const Floats w0 = f0.at(y[r]), w1 = f1.at(y[r]), w2 = f2.at(y[r]);
+    Floats entry = w0, exit = w0 * s.n[0];
+    if constexpr (kPairs >= 2) entry = min(entry, w1);
+    if constexpr (kPairs == 3) entry = min(entry, w2);
+    const Floats exit1 = w1 * s.n[1], exit2 = w2 * s.n[2];
+    exit = max(exit, kPairs >= 2 ? exit1 : max(w1, exit1));
+    exit = max(exit, kPairs == 3 ? exit2 : max(w2, exit2));
+    const Mask hit = at_least(entry, exit) & greater(entry, nearest.w[r]);
+    nearest.put(r, hit, entry, s.id);
+    if constexpr (kSurfaces) {
+      Ints face = ints(code);
+      if constexpr (kPairs >= 2) face = select(equal(entry, w1), ints(code + 1), face);
+      if constexpr (kPairs == 3) face = select(equal(entry, w2), ints(code + 2), face);
+      nearest.put_surface(r, hit, face);
+    }
+  }
+}
+
+template <bool kSurfaces>
+SKYBODY_RENDER void meet_sphere(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+                                Nearest<kSurfaces>& nearest) {
+  const Row middle(s.f[0], x), across(s.f[1], x);
+  const float k = s.n[0], cy = s.n[1], cz = s.n[2], cx = s.n[3];
+  const Floats aside = cz * x - cx;
+  const Floats part = (1.0f + x * x) * k - aside * aside;
+#pragma GCC unroll 4
+  for (int r = 0; r < kTileHeight; ++r) {
+    const float down = cy - cz * y[r];
+    const float rest = y[r] * y[r] * k - down * down;
+    const Floats c = across.at(y[r]);
+    const Floats w = middle.at(y[r]) + sqrt((part + rest) - c * c);
+    const Mask hit = greater(w, nearest.w[r]);
+    nearest.put(r, hit, w, s.id);
+    nearest.put_surface(r, hit, ints(code));
+  }
+}
+
+/// A cylinder, or the side of one.
+template <Form kForm, bool kSurfaces>
+SKYBODY_RENDER void meet_cylinder(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+                                  Nearest<kSurfaces>& nearest) {
+  const Row middle(s.f[0], x), gx(s.f[1], x), gy(s.f[2], x), across(s.f[3], x), axial(s.f[4], x);
+#pragma GCC unroll 4
+  for (int r = 0; r < kTileHeight; ++r) {
+    const Floats a = gx.at(y[r]), b = gy.at(y[r]), c = across.at(y[r]), z = axial.at(y[r]);
+    const Floats root = sqrt((a * a + b * b) - c * c), mid = middle.at(y[r]);
+    const Floats near_side = mid + root;
+    Floats entry = near_side;
+    Mask hit;
+    if constexpr (kForm == Form::kTube) {
+      hit = at_least(entry * s.n[1], abs(entry * s.n[0] + z)) & greater(entry, nearest.w[r]);
+    } else {
+      Floats exit;
+      if constexpr (kForm == Form::kCylinderSide) exit = max(max(z, z * s.n[0]), mid - root);
+      if constexpr (kForm == Form::kCylinderCap) {
+        entry = z;
+        exit = max(z * s.n[0], near_side);
+      }
+      if constexpr (kForm == Form::kCylinderBoth) {
+        entry = min(z, near_side);
+        exit = max(z * s.n[0], mid - root);
+      }
+      hit = at_least(entry, exit) & greater(entry, nearest.w[r]);
+    }
+    nearest.put(r, hit, entry, s.id);
+    if constexpr (kSurfaces) {
+      Ints face = ints(kForm == Form::kCylinderCap ? code + 1 : code);
+      if constexpr (kForm == Form::kCylinderBoth) {
+        face = select(equal(entry, z), ints(code + 1), face);
+      }
+      nearest.put_surface(r, hit, face);
+    }
+  }
+}
+
+template <bool kSurfaces>
+SKYBODY_RENDER void meet_plane(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+                               Nearest<kSurfaces>& nearest) {
+  const Row f(s.f[0], x);
+#pragma GCC unroll 4
+  for (int r = 0; r < kTileHeight; ++r) {
+    const Floats w = f.at(y[r]);
+    const Mask hit = greater(w, nearest.w[r]);
+    nearest.put(r, hit, w, s.id);
+    nearest.put_surface(r, hit, ints(code));
+  }
+}
+
+template <bool kSurfaces>
+SKYBODY_RENDER void meet(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+                         Nearest<kSurfaces>& nearest) {
+  switch (s.form) {
+    case Form::kBox1:
+      return meet_box<1>(s, code, x, y, nearest);
+    case Form::kBox2:
+      return meet_box<2>(s, code, x, y, nearest);
+    case Form::kBox3:
+      return meet_box<3>(s, code, x, y, nearest);
+    case Form::kSphere:
+      return meet_sphere(s, code, x, y, nearest);
+    case Form::kTube:
+      return meet_cylinder<Form::kTube>(s, code, x, y, nearest);
+    case Form::kCylinderSide:
+      return meet_cylinder<Form::kCylinderSide>(s, code, x, y, nearest);
+    case Form::kCylinderCap:
+      return meet_cylinder<Form::kCylinderCap>(s, code, x, y, nearest);
+    case Form::kCylinderBoth:
+      return meet_cylinder<Form::kCylinderBoth>(s, code, x, y, nearest);
+    case Form::kPlane:
+      return meet_plane(s, code, x, y, nearest);
+  }
+}
+
+/// Depth, id and surface of every pixel of a tile.
+template <bool kSurfaces>
+SKYBODY_RENDER void draw_tile(const TileCall& call) {
+  for (int column = 0; column < kTileWidth; column += kLanes) {
+    const Floats x = load<Floats>(call.x + column);
+    Nearest<kSurfaces> nearest;
+    for (int r = 0; r < kTileHeight; ++r) {
+      nearest.w[r] = floats(1.0f / call.farthest);
+      nearest.id[r] = ints(0);
+      nearest.surface[r] = ints(-1);
+    }
+    for (int k = 0; k < call.count; ++k) {
+      const int32_t index = call.list[k];
+      meet(call.shapes[index], 4 * index, x, call.y, nearest);
+    }
+    for (int r = 0; r < kTileHeight; ++r) {
+      const int at = r * kTileWidth + column;
+      const Mask is_empty = equal(nearest.id[r], ints(0));
+      store(select(is_empty, floats(call.farthest), 1.0f / nearest.w[r]), call.depth + at);
+      store(nearest.id[r], call.id + at);
+      if constexpr (kSurfaces) store(nearest.surface[r], call.surface + at);
+    }
+  }
+}
+
+}  // namespace skybody::render::kernels::SKYBODY_KERNEL_SET

@@ -1,0 +1,60 @@
+// The shapes of a scenario at the poses of an environment, for the renderer.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <span>
+#include <vector>
+
+#include "plugins/obstacles/placed.h"
+#include "render/scene.h"
+
+namespace skybody {
+
+/// Shapes of robots and obstacles, and the ground. Immutable.
+///
+/// A moment holds the values that place them: of each listed body its position and quaternion, of
+/// each obstacle its presence, position, quaternion and size.
+class WorldShapes {
+ public:
+  /// @param mount         world body that carries the camera
+  /// @param hidden_robot  robot that is not drawn; -1: none
+  /// @throws std::runtime_error for obstacles without a closed form, and too many shapes
+  WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground);
+
+  /// Most shapes of an environment.
+  int most() const { return most_; }
+  /// Doubles of a moment.
+  int moment_size() const;
+  /// Reads the moment of an environment.
+  void capture(const EnvView<double>& env, double* moment) const;
+  /// Position and axes (W from body) of the body that carries the camera.
+  static void mount(const double* moment, Vec3<double>& position, Mat3<double>& axes);
+  /// Writes the shapes that are present. @param shapes  most() places @returns the written ones
+  std::span<const render::PlacedShape> place(const double* moment,
+                                             render::PlacedShape* shapes) const;
+
+ private:
+  /// A shape of a body; its pose is in the body's frame.
+  struct Visual {
+    std::size_t body;  ///< index in bodies_
+    render::PlacedShape shape;
+  };
+  /// An obstacle with the properties of its shapes.
+  struct Thing {
+    obstacles::Obstacle obstacle;
+    render::PlacedShape shape;
+  };
+
+  std::size_t list_body(int body);
+  void add_visuals(const Setup& setup, int hidden_robot);
+  void add_obstacles(const Setup& setup);
+
+  std::vector<int> bodies_;  ///< world body indices, the camera's first
+  std::vector<Visual> visuals_;
+  std::vector<Thing> things_;
+  bool has_ground_;
+  int most_ = 0;
+};
+
+}  // namespace skybody

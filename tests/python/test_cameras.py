@@ -1,0 +1,348 @@
+"""Cameras: what they see, and when; the same bits on any threads, batches and instruction sets."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+import skybody
+from numpy.typing import NDArray
+from reference import actions
+from scipy.spatial.transform import Rotation
+from skybody.vector import SkybodyVectorEnv
+
+N = 6
+K = 10  # physics steps per action
+SIZE = 24
+BALL = np.array([9.0, 0.5, 1.5])
+RADIUS = 0.6
+EYE = np.array([0.1, 0.0, 0.05])  # in the base
+BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+GROUND, QUAD, BALL_ID = 1, 2, 3  # instances
+
+SCENE = (
+    f"stepping={{dt: 0.001, action_repeat: {K}, horizon: 12}}",
+    f"obstacles=[{{name: ball, sphere: {RADIUS}, position: {BALL.tolist()}}}]",
+)
+
+
+def camera(name: str = "eye", images: str = "depth, instance", **parameters: Any) -> str:
+    given = {"width": SIZE, "height": SIZE, "position": EYE.tolist(), **parameters}
+    words = ", ".join(f"{key}: {value}" for key, value in given.items())
+    return f"{{plugin: camera, name: {name}, parameters: {{outputs: [{images}], {words}}}}}"
+
+
+def overrides(cameras: Sequence[str], observe: str, scene: Sequence[str] = SCENE) -> list[str]:
+    return [*scene, f"sensors=[{', '.join(cameras)}]", f"observe=[{observe}]"]
+
+
+def envs_of(
+    cameras: Sequence[str] = (camera(),),
+    observe: str = "eye.depth, eye.instance",
+    num_envs: int = N,
+    scene: Sequence[str] = SCENE,
+    scenario: str = "hover",
+    **options: Any,
+) -> SkybodyVectorEnv:
+    return skybody.make_vec(
+        scenario, num_envs, seed=3, overrides=overrides(cameras, observe, scene), **options
+    )
+
+
+def copied(observation: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    return {key: values.copy() for key, values in observation.items()}
+
+
+def rays(position: NDArray[np.float64], rotation: NDArray[np.float64]) -> Any:
+    """Eyes (n, 3) and directions (n, rows, columns, 3) in W, 1 along the optical axis."""
+    across = (np.arange(SIZE) + 0.5 - SIZE / 2) / (SIZE / 2)
+    x, y = np.meshgrid(across, across)
+    local = np.stack([x, y, np.ones_like(x)], axis=-1) @ BODY_FROM_CAMERA.T
+    turn = Rotation.from_quat(rotation[:, [1, 2, 3, 0]]).as_matrix()
+    eyes = position + np.einsum("nij,j->ni", turn, EYE)
+    return eyes, np.einsum("nij,rcj->nrci", turn, local)
+
+
+def expected_depths(envs: SkybodyVectorEnv, ball: NDArray[np.float64] = BALL) -> Any:
+    """Depths (n, rows, columns) of ground and ball, and which pixels see the ball."""
+    eyes, along = rays(
+        envs.state("robots.quad.base.position"), envs.state("robots.quad.base.rotation")
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ground = -eyes[:, None, None, 2] / along[..., 2]
+        to_ball = eyes - ball
+        a = np.sum(along**2, axis=-1)
+        b = np.einsum("nrci,ni->nrc", along, to_ball)
+        c = np.sum(to_ball**2, axis=-1)[:, None, None] - RADIUS**2
+        near = (-b - np.sqrt(b * b - a * c)) / a
+    ground = np.where(ground > 0, ground, np.inf)
+    near = np.where(near > 0, near, np.inf)
+    return np.minimum(np.minimum(ground, near), 100.0), near < ground
+
+
+def check_frame(
+    observation: dict[str, NDArray[Any]],
+    envs: SkybodyVectorEnv,
+    ball: NDArray[np.float64] = BALL,
+) -> None:
+    depth, sees_ball = expected_depths(envs, ball)
+    # All but pixels at the edge of the ball, where float and double may differ.
+    agree = np.isclose(observation["eye_depth"], depth, rtol=2e-5)
+    assert np.mean(agree) > 0.995
+    assert np.mean((observation["eye_instance"] == BALL_ID) == sees_ball) > 0.995
+
+
+def test_the_picture_belongs_to_the_pose_of_its_step() -> None:
+    envs = envs_of()
+    observation, _ = envs.reset()
+    check_frame(observation, envs)
+    for step in range(8):
+        observation = envs.step(actions(step, N))[0]
+        assert observation in envs.observation_space
+        check_frame(observation, envs)
+        assert not observation["eye_depth"].flags.owndata, "the batch's own memory"
+
+
+@pytest.mark.parametrize("autoreset", ["next_step", "same_step", "disabled"])
+def test_the_first_frame_after_a_reset_is_the_new_episodes(autoreset: str) -> None:
+    envs = envs_of(autoreset=autoreset)
+    envs.reset()
+    began = np.zeros(N, dtype=bool)
+    episode = envs.state("episode").copy()
+    for step in range(30):
+        observation, _, terminated, truncated, _ = envs.step(actions(step, N))
+        if autoreset == "disabled" and np.any(terminated | truncated):
+            observation, _ = envs.reset(options={"reset_mask": terminated | truncated})
+        now = envs.state("episode").copy()
+        fresh = (now != episode) & (envs.state("steps") == 0)
+        began |= fresh
+        episode = now
+        check_frame(observation, envs)
+    assert np.all(began)
+
+
+def test_moving_obstacles_are_seen() -> None:
+    envs = envs_of()
+    envs.reset()
+    moved = BALL + np.array([-2.0, 1.0, 0.3])
+    for axis in range(3):
+        envs.request(None, {f"obstacles.ball.position[{axis}]": float(moved[axis])})
+    observation = envs.step(actions(0, N))[0]
+    check_frame(observation, envs, moved)
+
+
+def test_an_absent_obstacle_is_not_seen() -> None:
+    envs = envs_of()
+    observation, _ = envs.reset()
+    assert np.any(observation["eye_instance"] == BALL_ID)
+    envs.request(None, {"obstacles.ball.present": 0})
+    observation = envs.step(actions(0, N))[0]
+    assert not np.any(observation["eye_instance"] == BALL_ID)
+
+
+def test_other_robots_are_seen_and_the_own_one_if_wanted() -> None:
+    cameras = [
+        camera("front", "instance", robot="quad1", width=64),
+        camera(
+            "all",
+            "instance",
+            robot="quad1",
+            width=64,
+            sees_own_robot="true",
+            position=[0, 0, 0.6],
+            orientation=[0, 1.5, 0],
+        ),
+    ]
+    scene = ["stepping.action_repeat=10", "robots.quad2.pose.position=[2, 0, 1]"]
+    envs = skybody.make_vec(
+        "formation_2",
+        2,
+        seed=1,
+        overrides=[
+            "randomization=[]",
+            "robots.quad1.pose.position=[0, 0, 1]",
+            *overrides(cameras, "front.instance, all.instance", scene),
+        ],
+    )
+    observation, _ = envs.reset()
+    assert set(np.unique(observation["front_instance"])) >= {0, 1, 3}
+    assert 2 not in observation["front_instance"]
+    assert 2 in observation["all_instance"]
+
+
+@pytest.mark.parametrize("latency", [1, 4, 10, 25])
+@pytest.mark.parametrize("period", [1, 5])
+def test_a_late_frame_shows_the_world_at_its_exposure(latency: int, period: int) -> None:
+    """With one physics step per action, a late image is the image of `latency` steps before."""
+    cameras = [camera(period=period), camera("late", period=period, latency=latency)]
+    scene = ["stepping={dt: 0.005, action_repeat: 1, horizon: 1000}", SCENE[1]]
+    envs = envs_of(cameras, "eye.depth, late.depth", 2, scene)
+    frames = [copied(envs.reset()[0])]
+    for step in range(40):
+        frames.append(copied(envs.step(actions(step, 2))[0]))
+    for n, frame in enumerate(frames):
+        arrived = (n - latency) // period * period if n >= latency else 0
+        np.testing.assert_array_equal(frame["late_depth"], frames[arrived]["eye_depth"])
+    assert not np.array_equal(frames[-1]["late_depth"], frames[-1]["eye_depth"])
+
+
+def test_period_and_phase_choose_the_exposures() -> None:
+    cameras = [camera(period=1), camera("slow", period=7, phase=3)]
+    scene = ["stepping={dt: 0.005, action_repeat: 1, horizon: 1000}", SCENE[1]]
+    envs = envs_of(cameras, "eye.depth, slow.depth", 2, scene)
+    frames = [copied(envs.reset()[0])]
+    for step in range(30):
+        frames.append(copied(envs.step(actions(step, 2))[0]))
+    for n, frame in enumerate(frames):
+        exposed = (n - 3) // 7 * 7 + 3 if n >= 3 else 0
+        np.testing.assert_array_equal(frame["slow_depth"], frames[exposed]["eye_depth"])
+
+
+@pytest.mark.parametrize(
+    ("period", "phase", "latency"), [(1, 0, 0), (3, 1, 0), (4, 2, 7), (25, 0, 50)]
+)
+def test_frames_between_actions_are_those_of_single_steps(
+    period: int, phase: int, latency: int
+) -> None:
+    """Left-out frames change nothing: actions of ten physics steps, and ten actions of one."""
+    cameras = [camera(period=period, phase=phase, latency=latency)]
+    coarse = envs_of(
+        cameras, num_envs=2, scene=["stepping={dt: 0.002, action_repeat: 10}", SCENE[1]]
+    )
+    fine = envs_of(cameras, num_envs=2, scene=["stepping={dt: 0.002, action_repeat: 1}", SCENE[1]])
+    coarse.reset()
+    fine.reset()
+    for step in range(12):
+        seen = coarse.step(actions(step, 2))[0]
+        for _ in range(10):
+            singly = fine.step(actions(step, 2))[0]
+        np.testing.assert_array_equal(seen["eye_depth"], singly["eye_depth"])
+
+
+LATE = (camera(period=3, latency=8),)
+
+
+def test_a_restored_state_has_its_frames_and_their_future() -> None:
+    envs, other = envs_of(LATE), envs_of(LATE)
+    envs.reset()
+    for step in range(5):
+        before = copied(envs.step(actions(step, N))[0])
+    restored = other.restore(envs.save())
+    for key, values in before.items():
+        np.testing.assert_array_equal(restored[key], values)
+    for step in range(5, 20):
+        a, b = envs.step(actions(step, N))[0], other.step(actions(step, N))[0]
+        for key in a:
+            np.testing.assert_array_equal(a[key], b[key])
+
+
+def test_a_fork_sees_what_its_source_sees() -> None:
+    envs = envs_of(LATE)
+    envs.reset()
+    for step in range(3):
+        envs.step(actions(step, N))
+    envs.fork(1, [2, 4])
+    same = np.repeat(actions(3, N)[1:2], N, axis=0)
+    for _ in range(3):
+        observation = envs.step(same)[0]
+        for key, values in observation.items():
+            np.testing.assert_array_equal(values[2], values[1], key)
+            np.testing.assert_array_equal(values[4], values[1], key)
+
+
+ALL = (camera("eye", "depth, range, instance, class, normal, rgb", period=3, latency=8),)
+ALL_OBSERVED = "eye.depth, eye.range, eye.instance, eye.class, eye.normal, eye.rgb"
+
+
+def frames_hash(num_envs: int = N, **options: Any) -> int:
+    envs = envs_of(ALL, ALL_OBSERVED, num_envs, keep_hash=True, **options)
+    envs.reset()
+    for step in range(20):
+        envs.step(actions(step, num_envs))
+    return envs.hash()
+
+
+@pytest.mark.parametrize("threads", [2, 4])
+def test_threads_leave_frames_alone(threads: int) -> None:
+    assert frames_hash(40, num_threads=threads) == frames_hash(40, num_threads=1)
+
+
+def test_an_environment_sees_the_same_in_every_batch() -> None:
+    alone, many = envs_of(ALL, ALL_OBSERVED, 1), envs_of(ALL, ALL_OBSERVED, 40)
+    pool = skybody.make_pool(
+        "hover", 40, seed=3, batch_size=8, order="fixed", overrides=overrides(ALL, ALL_OBSERVED)
+    )
+    a, b = alone.reset()[0], many.reset()[0]
+    pool.async_reset()
+    for step in range(6):
+        for first in range(0, 40, 8):
+            part, _, _, _, info = pool.recv()
+            for key, values in part.items():
+                np.testing.assert_array_equal(values, b[key][info["env_id"]])
+            assert info["env_id"][0] == first
+            pool.send(actions(step, 40)[info["env_id"]], info["env_id"])
+        for key, values in a.items():
+            np.testing.assert_array_equal(values[0], b[key][0])
+        given = actions(step, 40)
+        a, b = alone.step(given[:1])[0], many.step(given)[0]
+    pool.close()
+
+
+def test_instruction_sets_leave_frames_alone() -> None:
+    program = "import test_cameras; print(test_cameras.frames_hash())"
+    hashes = {}
+    for isa in ("v2", "v3", "v4"):
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            cwd=os.path.dirname(__file__),
+            env={**os.environ, "SKYBODY_ISA": isa},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        if "this machine has only" in done.stderr:
+            continue
+        assert done.returncode == 0, done.stderr
+        hashes[isa] = int(done.stdout)
+    assert len(set(hashes.values())) == 1, hashes
+    assert frames_hash() in hashes.values()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"width": 0}, r"`width` is 0; allowed: an integer from 1 to 4096 pixels"),
+        ({"field_of_view": 3.5}, r"`field_of_view` .*3\.5.*allowed"),
+        ({"link": "nose"}, r"robot `quad` has no link `nose`: there are "),
+        ({"phase": 5, "period": 5}, r"`phase` is 5; allowed: 0 to 4, less than `period`"),
+        ({"latency": 1000}, r"`latency` is 1000 periods; allowed: less than 64"),
+    ],
+)
+def test_wrong_parameters_are_named(parameters: dict[str, Any], message: str) -> None:
+    with pytest.raises(skybody.InputError, match=message):
+        envs_of([camera(**parameters)])
+
+
+@pytest.mark.parametrize(
+    ("images", "message"),
+    [
+        ("", r"`outputs` is empty: name one or more of depth, range"),
+        ("depth, depht", r"`outputs` has an unknown image depht: choose from depth, range"),
+        ("depth, depth", r"`outputs` names depth twice"),
+    ],
+)
+def test_wrong_images_are_named(images: str, message: str) -> None:
+    with pytest.raises(skybody.InputError, match=message):
+        envs_of([camera("eye", images)])
+
+
+def test_images_beyond_the_memory_are_refused() -> None:
+    large = camera(width=4096, height=4096)
+    with pytest.raises(ValueError, match=r"images of 96 MiB each need .* take fewer env"):
+        envs_of([large], num_envs=100_000)
