@@ -5,8 +5,8 @@
 
 #include "core/base/simd/lane_mask.h"
 #include "core/base/system/error.h"
-#include "core/env/fork_random_key.h"
 #include "core/env/param_access.h"
+#include "core/env/random_key.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {

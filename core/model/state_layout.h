@@ -80,7 +80,8 @@ struct StateLayout {
   Block joint_command;  ///< 1 per joint drive, held during the physics step
   Block joint_state;    ///< 1 per joint drive: the command after its lag
   Block coupling_forces;  ///< 3 per coupling: its force on the first end, W [N]
-  Block bristles;  ///< 3 per bristle of friction [m], W (core/physics/contact/contact_force_law.h)
+  Block bristles;         ///< 3 per bristle of friction [m], W
+                          ///< (core/physics/contact/normal_and_friction_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if not
                         ///< requested

@@ -16,8 +16,8 @@
  *
  * Step functions (`SkybodyKernels`) are called concurrently on one instance from several threads.
  * They do not allocate, lock, log, throw or keep data: all mutable data is in `state`. */
-#ifndef SKYBODY_PLUGINS_API_ABI_H
-#define SKYBODY_PLUGINS_API_ABI_H
+#ifndef SKYBODY_PLUGIN_ABI_ABI_H
+#define SKYBODY_PLUGIN_ABI_ABI_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -549,4 +549,4 @@ typedef struct SkybodyPluginLibrary {
 }
 #endif
 
-#endif /* SKYBODY_PLUGINS_API_ABI_H */
+#endif /* SKYBODY_PLUGIN_ABI_ABI_H */

@@ -3,8 +3,8 @@
  *
  * A row: symbol, C++ name, word, minimum and maximum number of values, meaning. Maximum 0: any
  * multiple of the minimum; minimum 0, too: the number depends on the robot. */
-#ifndef SKYBODY_PLUGINS_API_SIGNALS_H
-#define SKYBODY_PLUGINS_API_SIGNALS_H
+#ifndef SKYBODY_PLUGIN_ABI_SIGNALS_H
+#define SKYBODY_PLUGIN_ABI_SIGNALS_H
 
 #define SKYBODY_REFERENCE_VALUES 17 /* of one point of a trajectory */
 
@@ -35,4 +35,4 @@ enum SkybodySignal {
       SKYBODY_SIGNAL_COUNT
 };
 
-#endif /* SKYBODY_PLUGINS_API_SIGNALS_H */
+#endif /* SKYBODY_PLUGIN_ABI_SIGNALS_H */

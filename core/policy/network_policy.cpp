@@ -217,7 +217,7 @@ void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observa
   }
   for (std::size_t k = 0; k < agent.action.size(); ++k) {
     const double value = policy_.squash == ActionSquash::kTanh ? tanh_of(values_[k]) : values_[k];
-    action[static_cast<std::size_t>(agent.action[k])] = held(value);
+    action[static_cast<std::size_t>(agent.action[k])] = clip_action(value);
   }
 }
 

@@ -27,7 +27,7 @@ class Policy {
 
  protected:
   /// Clips a value of an action to [-1, 1].
-  float held(double value) {
+  float clip_action(double value) {
     if (value < -1.0 || value > 1.0) ++clipped_;
     return static_cast<float>(clamp(value, -1.0, 1.0));
   }

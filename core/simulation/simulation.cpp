@@ -7,8 +7,8 @@
 #include "core/base/simd/fp_environment.h"
 #include "core/base/system/arguments.h"
 #include "core/base/system/error.h"
-#include "core/env/fork_random_key.h"
 #include "core/env/param_access.h"
+#include "core/env/random_key.h"
 #include "core/simulation/simulation_data.h"
 
 namespace skybody {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/base/system/error.h"
-#include "learn/network/finishes.h"
+#include "learn/network/epilogues.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/kernels/kernels.h"
 
@@ -157,7 +157,7 @@ void Conv2d::forward(std::span<const float> parameters, const float* x, int coun
         .start = parameters.data() + weight_.size(),
         .y = y + product(first, output_size()),
         .y_stride = output_pixel(),
-        .finish = finish_of(activation_),
+        .epilogue = epilogue_of(activation_),
         .windows = {offsets_.data(), shape_.kernel_height, shape_.kernel_width * input_pixel_,
                     bordered_width_ * input_pixel_},
     });

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/base/system/error.h"
-#include "learn/network/finishes.h"
+#include "learn/network/epilogues.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/initial_weights.h"
 #include "learn/network/kernels/kernels.h"
@@ -135,7 +135,7 @@ void Network::forward_rows(std::span<const float> parameters, const Rows& x, int
         .start = parameters.data() + layer.bias_at,
         .y = memory.outputs[k].data() + row * layer.stride,
         .y_stride = layer.stride,
-        .finish = finish_of(layer.activation),
+        .epilogue = epilogue_of(layer.activation),
     });
   }
 }
@@ -198,7 +198,7 @@ void Network::propagate(const TransposedWeights& transposed, std::size_t layer, 
       .start = nullptr,
       .y = memory.gradient_before.data(),
       .y_stride = row_stride(turned.padded_columns()),
-      .finish = layer == 0 ? Finish::kNone : slope_of(layers_[layer - 1].activation),
+      .epilogue = layer == 0 ? Epilogue::kNone : slope_of(layers_[layer - 1].activation),
       .output =
           layer == 0 ? nullptr : output.data + static_cast<std::ptrdiff_t>(first) * output.stride,
       .output_stride = output.stride,

@@ -18,7 +18,10 @@ import numpy as np
 INTERRUPTED = 130  # exit code after Ctrl-C
 NO_MEMORY = "error: out of memory"
 BLAS_BYTES = 48 << 20  # OpenBLAS allocates 32 MiB at its first product
-_NO_ROOM = re.compile("failed to map segment|cannot allocate memory", re.IGNORECASE)  # the loader's
+# Of the loader; and of CPython, whose imports lose the MemoryError if memory runs out in them.
+_NO_ROOM = re.compile(
+    "failed to map segment|cannot allocate memory|error return without exception set", re.IGNORECASE
+)
 
 
 def module_command(module: str, *arguments: str) -> list[str]:
@@ -39,8 +42,8 @@ def run_program(main: Callable[[], int | None]) -> NoReturn:
     try:
         _claim_blas_memory()
         status = main()
-    except (MemoryError, ImportError) as error:
-        if isinstance(error, ImportError) and not _NO_ROOM.search(str(error)):
+    except (MemoryError, ImportError, SystemError) as error:
+        if not isinstance(error, MemoryError) and not _NO_ROOM.search(str(error)):
             raise
         print(NO_MEMORY, file=sys.stderr)
         status = 2

@@ -112,7 +112,7 @@ def warnings(folder: Path, urdf: str) -> list[str]:
         [PROGRAM, "check", folder / "scenario.yaml"], capture_output=True, text=True, timeout=60
     )
     assert done.returncode == 0, done.stderr
-    return re.findall(r"model\.urdf:\d+: warning: (.*)", done.stderr)
+    return re.findall(r"model\.urdf:\d+:\d+: warning: (.*)", done.stderr)
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -10,8 +10,8 @@
 
 #include "core/physics/bodies/body_constants.h"
 #include "core/physics/contact/broad_phase.h"
-#include "core/physics/contact/contact_force_law.h"
 #include "core/physics/contact/manifold.h"
+#include "core/physics/contact/normal_and_friction_law.h"
 
 namespace skybody {
 

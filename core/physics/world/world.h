@@ -121,9 +121,9 @@ class World : public Topology {
   const std::vector<JointDrive> joint_drives;  ///< at most one per coordinate
 };
 
-/// Number of friction bristles of an environment (contact/contact_force_law.h): one per point of
-/// each contact shape and, if there is more to touch than the ground, one per edge. Used by World's
-/// constructor, defined in contact/contact_scene.cpp.
+/// Number of friction bristles of an environment (contact/normal_and_friction_law.h): one per point
+/// of each contact shape and, if there is more to touch than the ground, one per edge. Used by
+/// World's constructor, defined in contact/contact_scene.cpp.
 int count_bristles(const Topology& topology);
 
 }  // namespace skybody

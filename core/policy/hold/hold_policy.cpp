@@ -169,7 +169,7 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
     for (std::size_t k = 0; k < robot.low.size(); ++k) {
       const double range = robot.high[k] - robot.low[k];
       const double a = range > 0.0 ? 2.0 * (wanted[k] - robot.low[k]) / range - 1.0 : 0.0;
-      action[static_cast<std::size_t>(robot.action) + k] = held(a);
+      action[static_cast<std::size_t>(robot.action) + k] = clip_action(a);
     }
   }
 }

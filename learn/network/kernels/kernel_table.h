@@ -18,7 +18,7 @@ inline constexpr int kPad = 16;
 
 /// Function applied to a sum before it is stored. For slopes, which are a layer's derivatives, the
 /// argument is the layer's output.
-enum class Finish : int { kNone, kTanh, kRelu, kElu, kTanhSlope, kReluSlope, kEluSlope };
+enum class Epilogue : int { kNone, kTanh, kRelu, kElu, kTanhSlope, kReluSlope, kEluSlope };
 
 /// Rows that are windows of an image, as in a convolution: row r consists of `lines` lines of
 /// `line` consecutive floats. They begin at x + offsets[r], `line_step` floats apart.
@@ -28,7 +28,7 @@ struct Windows {
   int line_step = 0;
 };
 
-/// y = finish(start + x w): row r of `x` at x + r * x_stride, `inner` wide.
+/// y = epilogue(start + x w): row r of `x` at x + r * x_stride, `inner` wide.
 struct MultiplyCall {
   const float* x;
   int x_stride;  ///< not used by windows
@@ -39,7 +39,7 @@ struct MultiplyCall {
   int start_stride = 0;  ///< 0: the same for all rows
   float* y;
   int y_stride;  ///< at least `columns`
-  Finish finish = Finish::kNone;
+  Epilogue epilogue = Epilogue::kNone;
   const float* output = nullptr;  ///< for slopes: row r at output + r * output_stride
   int output_stride = 0;
   Windows windows = {};
@@ -60,7 +60,7 @@ struct OuterCall {
 
 /// d = d * slope, the derivative at a layer's outputs.
 struct SlopeCall {
-  Finish slope;  ///< kNone or a slope
+  Epilogue slope;  ///< kNone or a slope
   float* d;
   const float* output;
   size_t count;  ///< a multiple of kPad

@@ -4,7 +4,7 @@
 // that neither the tile's shape nor the division of loops changes the bits.
 #pragma once
 
-#include "learn/network/kernels/finish.h"
+#include "learn/network/kernels/epilogue.h"
 #include "learn/network/kernels/floats.h"
 
 namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
@@ -114,7 +114,7 @@ SKYBODY_KERNEL void multiply_rest(const Tile& tile, int rows) {
 }
 
 /// Processes all rows of the columns of a tile, one tile after another.
-/// @param finish  called with (first row, rows) after each tile
+/// @param done  called with (first row, rows) after each tile
 template <Order kOrder, int kVectors, class Done>
 SKYBODY_KERNEL void multiply_rows(Tile tile, int rows, const Done& done) {
   // Narrow tiles have more rows: enough sums to hide a multiply-add's latency.
@@ -190,7 +190,7 @@ inline void multiply_by_panels(const MultiplyCall& call) {
         const int vectors = least(kTileVectors, (width - part) / kLanes);
         const Tile tile = tile_of<kOrder>(call, k, inner, panel, width, column + part);
         const auto done = [&](int row, int rows) {
-          if (is_last) finish_tile(call, row, rows, column + part, vectors);
+          if (is_last) apply_epilogue(call, row, rows, column + part, vectors);
         };
         multiply_vectors<kOrder>(tile, call.rows, vectors, done);
       }

@@ -5,43 +5,43 @@
 
 namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
 
-template <Finish kFinish>
-SKYBODY_KERNEL Floats finished(const Floats& sum, const float* output) {
+template <Epilogue kEpilogue>
+SKYBODY_KERNEL Floats activated(const Floats& sum, const float* output) {
   const Floats zero = floats(0.0f), one = floats(1.0f);
-  if constexpr (kFinish == Finish::kTanh) {
+  if constexpr (kEpilogue == Epilogue::kTanh) {
     return tanh(sum);
-  } else if constexpr (kFinish == Finish::kRelu) {
+  } else if constexpr (kEpilogue == Epilogue::kRelu) {
     return max(zero, sum);  // NaN gives NaN
-  } else if constexpr (kFinish == Finish::kElu) {
+  } else if constexpr (kEpilogue == Epilogue::kElu) {
     return select(zero < sum, sum, expm1_of_negative(min(zero, sum)));
   } else {
     const Floats y = load(output);
-    if constexpr (kFinish == Finish::kTanhSlope) return sum * fma(zero - y, y, one);
-    if constexpr (kFinish == Finish::kReluSlope) return select(zero < y, sum, zero);
+    if constexpr (kEpilogue == Epilogue::kTanhSlope) return sum * fma(zero - y, y, one);
+    if constexpr (kEpilogue == Epilogue::kReluSlope) return select(zero < y, sum, zero);
     return select(zero < y, sum, sum * (y + one));
   }
 }
 
-template <Finish kFinish>
-inline void finish_rows(const MultiplyCall& call, int row, int rows, int column, int vectors) {
+template <Epilogue kEpilogue>
+inline void apply_to_rows(const MultiplyCall& call, int row, int rows, int column, int vectors) {
   for (ptrdiff_t r = row; r < row + rows; ++r) {
     float* y = call.y + r * call.y_stride + column;
     const float* output = call.output + r * call.output_stride + column;
     for (int v = 0; v < vectors * kLanes; v += kLanes) {
-      store(y + v, finished<kFinish>(load(y + v), output + v));
+      store(y + v, activated<kEpilogue>(load(y + v), output + v));
     }
   }
 }
 
 /// Applies the activation to complete sums: `rows` rows from `row` on, `vectors` vectors from
 /// `column` on.
-inline void finish_tile(const MultiplyCall& call, int row, int rows, int column, int vectors) {
-  switch (call.finish) {
-    case Finish::kNone:
+inline void apply_epilogue(const MultiplyCall& call, int row, int rows, int column, int vectors) {
+  switch (call.epilogue) {
+    case Epilogue::kNone:
       return;
 #define SKYBODY_CASE(NAME) \
-  case Finish::NAME:       \
-    return finish_rows<Finish::NAME>(call, row, rows, column, vectors);
+  case Epilogue::NAME:     \
+    return apply_to_rows<Epilogue::NAME>(call, row, rows, column, vectors);
       SKYBODY_CASE(kTanh)
       SKYBODY_CASE(kRelu)
       SKYBODY_CASE(kElu)
@@ -57,10 +57,10 @@ inline void slope(const SlopeCall& call) {
   row.columns = kLanes;
   row.y = call.d;
   row.y_stride = kLanes;
-  row.finish = call.slope;
+  row.epilogue = call.slope;
   row.output = call.output;
   row.output_stride = kLanes;
-  finish_tile(row, 0, static_cast<int>(call.count / kLanes), 0, 1);
+  apply_epilogue(row, 0, static_cast<int>(call.count / kLanes), 0, 1);
 }
 
 }  // namespace skybody::learn::kernels::SKYBODY_KERNEL_SET

@@ -6,33 +6,33 @@
 
 namespace skybody::learn {
 
-inline Finish finish_of(Activation activation) {
+inline Epilogue epilogue_of(Activation activation) {
   switch (activation) {
     case Activation::kTanh:
-      return Finish::kTanh;
+      return Epilogue::kTanh;
     case Activation::kRelu:
-      return Finish::kRelu;
+      return Epilogue::kRelu;
     case Activation::kElu:
-      return Finish::kElu;
+      return Epilogue::kElu;
     case Activation::kNone:
       break;
   }
-  return Finish::kNone;
+  return Epilogue::kNone;
 }
 
 /// The derivative, as a function of the output.
-inline Finish slope_of(Activation activation) {
+inline Epilogue slope_of(Activation activation) {
   switch (activation) {
     case Activation::kTanh:
-      return Finish::kTanhSlope;
+      return Epilogue::kTanhSlope;
     case Activation::kRelu:
-      return Finish::kReluSlope;
+      return Epilogue::kReluSlope;
     case Activation::kElu:
-      return Finish::kEluSlope;
+      return Epilogue::kEluSlope;
     case Activation::kNone:
       break;
   }
-  return Finish::kNone;
+  return Epilogue::kNone;
 }
 
 }  // namespace skybody::learn
