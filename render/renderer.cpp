@@ -1,10 +1,10 @@
 #include "render/renderer.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "render/caster.h"
 #include "render/seen_shape.h"
+#include "render/tile_images.h"
 
 namespace skybody::render {
 namespace {
@@ -40,6 +40,10 @@ Span tiles_between(float low, float high, const std::vector<float>& centers, int
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(std::max(first, last))};
 }
 
+bool meets(const Cover& a, const Cover& b) {
+  return a.left <= b.right && a.right >= b.left && a.top <= b.bottom && a.bottom >= b.top;
+}
+
 void turn(const Eye& eye, const Vec3<double>& v, float (&out)[3]) {
   const Vec3<double> seen = transpose_times(eye.axes, v);
   out[0] = static_cast<float>(seen.x);
@@ -47,7 +51,7 @@ void turn(const Eye& eye, const Vec3<double>& v, float (&out)[3]) {
   out[2] = static_cast<float>(seen.z);
 }
 
-Light light_of(const Sky& sky, const Eye& eye, const Pinhole& camera) {
+Light light_of(const Sky& sky, const Eye& eye, double pixel) {
   Light light{};
   turn(eye, sky.sun, light.sun);
   turn(eye, {0.0, 0.0, 1.0}, light.up);
@@ -55,7 +59,7 @@ Light light_of(const Sky& sky, const Eye& eye, const Pinhole& camera) {
   light.ambient = sky.ambient;
   std::copy(sky.zenith.begin(), sky.zenith.end(), light.zenith);
   std::copy(sky.horizon.begin(), sky.horizon.end(), light.horizon);
-  light.pixel = static_cast<float>(1.0 / camera.focal_x);
+  light.pixel = static_cast<float>(pixel);
   set_sides(light);
   return light;
 }
@@ -65,9 +69,10 @@ Light light_of(const Sky& sky, const Eye& eye, const Pinhole& camera) {
 /// Parts of shapes with their tiles, the lists of a band of tiles, and casters of shadows.
 struct Renderer::Scratch {
   SeenShape* parts = nullptr;
-  TileRange* tiles = nullptr;       ///< of each part
+  TileRange* tiles = nullptr;       ///< of each part, in a grid
+  Cover* covers = nullptr;          ///< of each part, for scattered rays
   std::uint16_t* counts = nullptr;  ///< of the lists of a band
-  std::uint16_t* lists = nullptr;   ///< most_parts_ per tile of a band
+  std::uint16_t* lists = nullptr;   ///< most_parts_ per tile of a band, and one more
   Caster* casters = nullptr;
   CasterBounds bounds{};
   std::uint16_t* shadows = nullptr;  ///< casters of a tile
@@ -80,13 +85,14 @@ struct Renderer::Scratch {
     take(parts, most);
     take(tiles, most);
     take(counts, tiles_of_band);
-    take(lists, most * tiles_of_band);
+    take(lists, most * tiles_of_band + 1);
     take(casters, most);
     for (float** bound :
          {&bounds.low[0], &bounds.low[1], &bounds.high[0], &bounds.high[1], &bounds.top}) {
       take(*bound, most + kTileWidth);
     }
     take(shadows, most);
+    take(covers, most);
   }
 
  private:
@@ -99,33 +105,11 @@ struct Renderer::Scratch {
   double* memory_;
 };
 
-/// A drawn tile, and its place in the image.
-struct Renderer::Tile {
-  const float *x, *y;  ///< directions of its columns and rows
-  int width, height;   ///< of its part within the image [pixels]
-  std::size_t first;   ///< index of its first pixel in the image
-  float depth[kTilePixels];
-  std::uint32_t id[kTilePixels];
-  std::int32_t surface[kTilePixels];
-  float normal[3 * kTilePixels];
-  std::uint32_t color[kTilePixels];
-
-  /// Calls function(index in the image, index in the tile) for each pixel.
-  template <class Function>
-  void each_pixel(int image_width, Function&& function) const {
-    for (int r = 0; r < height; ++r) {
-      const std::size_t row =
-          first + static_cast<std::size_t>(r) * static_cast<std::size_t>(image_width);
-      for (int c = 0; c < width; ++c) {
-        function(row + static_cast<std::size_t>(c), r * kTileWidth + c);
-      }
-    }
-  }
-};
-
 Renderer::Renderer(const Pinhole& camera, int most_shapes, double farthest,
                    const KernelTable& kernels)
-    : camera_(camera),
+    : width_(camera.width),
+      height_(camera.height),
+      pixel_(1.0 / camera.focal_x),
       kernels_(&kernels),
       most_parts_(kMostParts * most_shapes),
       columns_(tiles_for(camera.width, kTileWidth)),
@@ -134,28 +118,75 @@ Renderer::Renderer(const Pinhole& camera, int most_shapes, double farthest,
       x_(directions(camera.width, kTileWidth, camera.center_x, camera.focal_x)),
       y_(directions(camera.height, kTileHeight, camera.center_y, camera.focal_y)) {}
 
+Renderer::Renderer(const RayImage& rays, int most_shapes, double farthest,
+                   const KernelTable& kernels)
+    : width_(rays.width),
+      height_(rays.height),
+      pixel_(widest_pixel(rays)),
+      kernels_(&kernels),
+      most_parts_(kMostParts * most_shapes),
+      farthest_(static_cast<float>(farthest)),
+      faces_(faces_of(rays)) {}
+
 std::size_t Renderer::scratch_size() const { return Scratch(nullptr, most_parts_, columns_).size; }
 
 void Renderer::draw(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
                     double* memory, const Frame& frame) const {
   const Scratch scratch(memory, most_parts_, columns_);
-  for (const PlacedShape& shape : shapes) {
-    if (contains(shape, eye.position)) return fill(shape, frame);
-  }
-  int count = 0;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    count += list_parts(shapes[i], static_cast<int>(i), eye, scratch, count);
+    if (contains(shapes[i], eye.position)) return fill(shapes[i], static_cast<int>(i), frame);
   }
-  Light light = light_of(sky, eye, camera_);
+  if (faces_.empty()) draw_grid(eye, shapes, sky, scratch, frame);
+  for (const RayFace& face : faces_) {
+    draw_face(face, {eye.position, eye.axes * face.axes}, shapes, sky, scratch, frame);
+  }
+}
+
+/// Light and casters of shadows, in axes of the eye.
+Light Renderer::light(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
+                      const Scratch& scratch, const Frame& frame) const {
+  Light light = light_of(sky, eye, pixel_);
   light.casters = scratch.casters;
   light.bounds = scratch.bounds;
   for (std::size_t i = 0; frame.rgb != nullptr && sky.has_shadows && i < shapes.size(); ++i) {
     cast(shapes[i], static_cast<int>(i), eye, light, scratch.casters);
   }
-  for (int band = 0; band < bands_; ++band) draw_band(band, scratch, count, light, frame);
+  return light;
 }
 
-/// Adds the parts of a shape that meet the image, from `first` on. @returns their number
+void Renderer::draw_grid(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
+                         const Scratch& scratch, const Frame& frame) const {
+  int count = 0;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    count += list_parts(shapes[i], static_cast<int>(i), eye, scratch, count);
+  }
+  const Light lit = light(eye, shapes, sky, scratch, frame);
+  for (int band = 0; band < bands_; ++band) draw_band(band, scratch, count, lit, frame);
+}
+
+/// @param eye  with the axes of the face
+void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const PlacedShape> shapes,
+                         const Sky& sky, const Scratch& scratch, const Frame& frame) const {
+  int count = 0;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const int seen = see(shapes[i], eye, scratch.parts + count, scratch.covers + count);
+    for (int k = 0; k < seen; ++k) scratch.parts[count + k].shape = static_cast<int>(i);
+    count += seen;
+  }
+  const Light lit = light(eye, shapes, sky, scratch, frame);
+  for (const RayTile& tile : face.tiles) {
+    int listed = 0;
+    for (int k = 0; k < count; ++k) {
+      scratch.lists[listed] = static_cast<std::uint16_t>(k);
+      listed += meets(scratch.covers[k], tile.bounds) ? 1 : 0;
+    }
+    draw_tile({scratch.parts, scratch.lists, listed, true, tile.x, tile.y, farthest_, nullptr,
+               nullptr, nullptr},
+              RayPixels{tile, face.axes, farthest_}, lit, scratch, frame);
+  }
+}
+
+/// Adds the parts of a shape that meet a grid's image, from `first` on. @returns their number
 int Renderer::list_parts(const PlacedShape& shape, int number, const Eye& eye,
                          const Scratch& scratch, int first) const {
   SeenShape* const parts = scratch.parts + first;
@@ -173,9 +204,8 @@ int Renderer::list_parts(const PlacedShape& shape, int number, const Eye& eye,
   return kept;
 }
 
-void Renderer::fill(const PlacedShape& inside, const Frame& frame) const {
-  const auto pixels =
-      static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
+void Renderer::fill(const PlacedShape& inside, int number, const Frame& frame) const {
+  const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   const auto set = [pixels](auto* image, auto value) {
     if (image != nullptr) std::fill_n(image, pixels, value);
   };
@@ -183,6 +213,7 @@ void Renderer::fill(const PlacedShape& inside, const Frame& frame) const {
   set(frame.range, 0.0f);
   set(frame.instance, inside.instance);
   set(frame.label, static_cast<std::uint8_t>(inside.label));
+  set(frame.shape, number);
   if (frame.normal != nullptr) std::fill_n(frame.normal, 3 * pixels, 0.0f);
   if (frame.rgb != nullptr) std::fill_n(frame.rgb, 3 * pixels, std::uint8_t{0});
 }
@@ -201,70 +232,36 @@ void Renderer::draw_band(int band, const Scratch& scratch, int count, const Ligh
   const int top = band * kTileHeight;
   for (int column = 0; column < columns_; ++column) {
     const int left = column * kTileWidth;
-    Tile tile;
-    tile.x = x_.data() + left;
-    tile.y = y_.data() + top;
-    tile.width = std::min(kTileWidth, camera_.width - left);
-    tile.height = std::min(kTileHeight, camera_.height - top);
-    tile.first = static_cast<std::size_t>(top) * static_cast<std::size_t>(camera_.width) +
-                 static_cast<std::size_t>(left);
-    const TileCall call{scratch.parts,
-                        scratch.lists + column * most_parts_,
-                        scratch.counts[column],
-                        tile.x,
-                        tile.y,
-                        farthest_,
-                        tile.depth,
-                        tile.id,
-                        frame.is_shaded() ? tile.surface : nullptr};
-    kernels_->draw(call);
-    write_depths(tile, frame);
-    if (!frame.is_shaded()) continue;
-    kernels_->shade({call, &light, scratch.shadows, frame.normal != nullptr ? tile.normal : nullptr,
-                     frame.rgb != nullptr ? tile.color : nullptr});
-    write_shades(tile, frame);
+    const GridPixels pixels{x_.data() + left,
+                            y_.data() + top,
+                            std::min(kTileWidth, width_ - left),
+                            std::min(kTileHeight, height_ - top),
+                            width_,
+                            static_cast<std::size_t>(top) * static_cast<std::size_t>(width_) +
+                                static_cast<std::size_t>(left),
+                            farthest_};
+    draw_tile({scratch.parts, scratch.lists + column * most_parts_, scratch.counts[column], false,
+               pixels.x, pixels.y, farthest_, nullptr, nullptr, nullptr},
+              pixels, light, scratch, frame);
   }
 }
 
-void Renderer::write_depths(const Tile& tile, const Frame& frame) const {
-  const int width = camera_.width;
-  if (frame.depth != nullptr) {
-    tile.each_pixel(width, [&](std::size_t to, int at) { frame.depth[to] = tile.depth[at]; });
-  }
-  if (frame.range != nullptr) {
-    tile.each_pixel(width, [&](std::size_t to, int at) {
-      const float x = tile.x[at % kTileWidth], y = tile.y[at / kTileWidth];
-      const float range = tile.depth[at] * std::sqrt((x * x + y * y) + 1.0f);
-      frame.range[to] = tile.id[at] == 0 ? farthest_ : std::min(range, farthest_);
-    });
-  }
-  if (frame.instance != nullptr) {
-    tile.each_pixel(width, [&](std::size_t to, int at) {
-      frame.instance[to] = static_cast<std::uint16_t>(tile.id[at] & 0xffffu);
-    });
-  }
-  if (frame.label != nullptr) {
-    tile.each_pixel(width, [&](std::size_t to, int at) {
-      frame.label[to] = static_cast<std::uint8_t>(tile.id[at] >> 16);
-    });
-  }
-}
-
-void Renderer::write_shades(const Tile& tile, const Frame& frame) const {
-  const int width = camera_.width;
-  if (frame.normal != nullptr) {
-    tile.each_pixel(width, [&](std::size_t to, int at) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        frame.normal[3 * to + k] = tile.normal[k * kTilePixels + static_cast<std::size_t>(at)];
-      }
-    });
-  }
-  if (frame.rgb == nullptr) return;
-  tile.each_pixel(width, [&](std::size_t to, int at) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      frame.rgb[3 * to + k] = static_cast<std::uint8_t>(tile.color[at] >> (8 * k));
-    }
-  });
+/// @param call    without memory for results
+/// @param pixels  GridPixels or RayPixels
+template <class Pixels>
+void Renderer::draw_tile(TileCall call, const Pixels& pixels, const Light& light,
+                         const Scratch& scratch, const Frame& frame) const {
+  DrawnTile tile;
+  call.depth = tile.depth;
+  call.id = tile.id;
+  call.surface = frame.is_shaded() || frame.shape != nullptr ? tile.surface : nullptr;
+  kernels_->draw(call);
+  write_depths(pixels, tile, frame);
+  if (frame.shape != nullptr) write_shapes(pixels, tile, scratch.parts, frame);
+  if (!frame.is_shaded()) return;
+  kernels_->shade({call, &light, scratch.shadows, frame.normal != nullptr ? tile.normal : nullptr,
+                   frame.rgb != nullptr ? tile.color : nullptr});
+  write_shades(pixels, tile, frame);
 }
 
 }  // namespace skybody::render

@@ -1,10 +1,13 @@
-// Draws images of shapes by casting one ray per pixel, in closed form.
+// Draws images of shapes by casting one ray per pixel, in closed form: a pinhole's grid of pixels,
+// or rays of any directions.
 //
 // An image depends on its inputs only: each pixel is computed by additions, products, divisions and
 // square roots of floats in a fixed order, the same for all instruction sets.
 //
 // 1. see(): constants of each shape, in double, and a rectangle around its picture.
-// 2. Shapes are listed by tile (kernel_table.h); each pixel tests the shapes of its tile only.
+// 2. Shapes are listed by tile (kernel_table.h); each pixel tests the shapes of its tile only. Rays
+// of
+//    any directions have up to six faces with tiles of their own (ray_tiles.h).
 // 3. The kernels find the nearest surface of each pixel and shade it.
 #pragma once
 
@@ -14,18 +17,20 @@
 #include <vector>
 
 #include "render/kernels/kernels.h"
+#include "render/ray_tiles.h"
 #include "render/scene.h"
 
 namespace skybody::render {
 
 /// Images to draw, row by row from the top left; null: not wanted.
 struct Frame {
-  float* depth = nullptr;             ///< distance along the optical axis [m]; see Renderer
-  float* range = nullptr;             ///< distance from the eye [m]; `farthest` for nothing
+  float* depth = nullptr;  ///< distance along the optical axis [m]; `farthest` for nothing
+  float* range = nullptr;  ///< distance from the eye [m]; `farthest` for nothing
   std::uint16_t* instance = nullptr;  ///< PlacedShape::instance; 0: nothing
   std::uint8_t* label = nullptr;      ///< Label
   float* normal = nullptr;  ///< right, down, forward of the outward unit normal; 0, 0, 0: nothing
-  std::uint8_t* rgb = nullptr;  ///< red, green, blue
+  std::uint8_t* rgb = nullptr;    ///< red, green, blue
+  std::int32_t* shape = nullptr;  ///< index of the shape in the list of draw(); -1: nothing
 
   bool is_shaded() const { return normal != nullptr || rgb != nullptr; }
 };
@@ -34,9 +39,11 @@ struct Frame {
 class Renderer {
  public:
   /// @param most_shapes  most shapes of a call of draw()
-  /// @param farthest     depth of pixels that see nothing, and of farther surfaces [m], > 0
+  /// @param farthest     depth of pixels that see nothing, and of farther surfaces [m], > 0; of a
+  ///   RayImage the range
   /// @param kernels      kernels_of(best_isa()), or others: all give the same bits
   Renderer(const Pinhole& camera, int most_shapes, double farthest, const KernelTable& kernels);
+  Renderer(const RayImage& rays, int most_shapes, double farthest, const KernelTable& kernels);
 
   /// Doubles of scratch memory for draw().
   std::size_t scratch_size() const;
@@ -46,26 +53,35 @@ class Renderer {
   void draw(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky, double* scratch,
             const Frame& frame) const;
 
-  const Pinhole& camera() const { return camera_; }
+  int width() const { return width_; }    ///< [pixels]
+  int height() const { return height_; }  ///< [pixels]
 
  private:
   struct Scratch;
-  struct Tile;
 
   int list_parts(const PlacedShape& shape, int number, const Eye& eye, const Scratch& scratch,
                  int first) const;
-  void fill(const PlacedShape& inside, const Frame& frame) const;
+  void fill(const PlacedShape& inside, int number, const Frame& frame) const;
+  Light light(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
+              const Scratch& scratch, const Frame& frame) const;
+  void draw_grid(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
+                 const Scratch& scratch, const Frame& frame) const;
+  void draw_face(const RayFace& face, const Eye& eye, std::span<const PlacedShape> shapes,
+                 const Sky& sky, const Scratch& scratch, const Frame& frame) const;
   void draw_band(int band, const Scratch& scratch, int count, const Light& light,
                  const Frame& frame) const;
-  void write_depths(const Tile& tile, const Frame& frame) const;
-  void write_shades(const Tile& tile, const Frame& frame) const;
+  template <class Pixels>
+  void draw_tile(TileCall call, const Pixels& pixels, const Light& light, const Scratch& scratch,
+                 const Frame& frame) const;
 
-  Pinhole camera_;
+  int width_, height_;  ///< [pixels]
+  double pixel_;        ///< Light::pixel
   const KernelTable* kernels_;
   int most_parts_;
-  int columns_, bands_;  ///< of tiles
+  int columns_ = 1, bands_ = 0;  ///< of tiles, of a grid
   float farthest_;
-  std::vector<float> x_, y_;  ///< directions of pixels, up to whole tiles
+  std::vector<float> x_, y_;    ///< directions of a grid's pixels, up to whole tiles
+  std::vector<RayFace> faces_;  ///< empty: a grid
 };
 
 }  // namespace skybody::render

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "core/base/math/mat3.h"
 #include "core/base/math/vec3.h"
@@ -34,6 +35,7 @@ struct Paint {
 /// A shape at its place in the world.
 struct PlacedShape {
   Solid solid = Solid::kSphere;
+  std::int32_t body = -1;                ///< for the caller: the body that it moves with; -1: none
   Vec3<double> position{0.0, 0.0, 0.0};  ///< of its frame, W [m]
   Mat3<double> axes;                     ///< W from its frame
   Vec3<double> half{0.0, 0.0, 0.0};      ///< half its edges; sphere: the radius in x; cylinder and
@@ -56,6 +58,12 @@ struct Pinhole {
   int width = 64, height = 64;              ///< [pixels]
   double focal_x = 32.0, focal_y = 32.0;    ///< focal lengths [pixels]
   double center_x = 32.0, center_y = 32.0;  ///< principal point [pixels]
+};
+
+/// An image whose pixels look in any directions: fisheyes, panoramas, lidars.
+struct RayImage {
+  int width = 0, height = 0;             ///< [pixels]
+  std::vector<Vec3<double>> directions;  ///< camera axes, of any length above 0, row by row
 };
 
 /// Sun and sky.

@@ -12,13 +12,53 @@
 
 namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
 
-/// A linear function along the columns of a pack; at(y) adds the part of a row.
-struct Row {
-  Floats along;
-  float slope;
+/// Directions (x, y, 1) of some columns of a tile: those of an image's columns and rows.
+struct Grid {
+  Floats columns;
+  const float* rows;
 
-  SKYBODY_RENDER Row(const Linear& f, const Floats& x) : along(f.c + f.x * x), slope(f.y) {}
-  SKYBODY_RENDER Floats at(float y) const { return along + slope * y; }
+  SKYBODY_RENDER Grid(const TileCall& call, int column)
+      : columns(load<Floats>(call.x + column)), rows(call.y) {}
+  SKYBODY_RENDER const Floats& x(int) const { return columns; }
+  SKYBODY_RENDER float y(int r) const { return rows[r]; }
+};
+
+/// The same, one by one.
+struct Scattered {
+  Floats across[kTileHeight], down[kTileHeight];
+
+  SKYBODY_RENDER Scattered(const TileCall& call, int column) {
+    for (int r = 0; r < kTileHeight; ++r) {
+      across[r] = load<Floats>(call.x + r * kTileWidth + column);
+      down[r] = load<Floats>(call.y + r * kTileWidth + column);
+    }
+  }
+  SKYBODY_RENDER const Floats& x(int r) const { return across[r]; }
+  SKYBODY_RENDER const Floats& y(int r) const { return down[r]; }
+};
+
+/// A linear function of the directions of row r. In a grid the part of the columns is computed
+/// once.
+template <class Rays>
+struct Along;
+template <>
+struct Along<Grid> {
+  Floats of_columns;
+  float slope;
+  const float* rows;
+
+  SKYBODY_RENDER Along(const Linear& f, const Grid& rays)
+      : of_columns(f.c + f.x * rays.columns), slope(f.y), rows(rays.rows) {}
+  SKYBODY_RENDER Floats at(int r) const { return of_columns + slope * rows[r]; }
+};
+template <>
+struct Along<Scattered> {
+  const Linear& f;
+  const Scattered& rays;
+
+  SKYBODY_RENDER Along(const Linear& function, const Scattered& directions)
+      : f(function), rays(directions) {}
+  SKYBODY_RENDER Floats at(int r) const { return (f.c + f.x * rays.x(r)) + f.y * rays.y(r); }
 };
 
 /// The nearest surface of each pixel of some columns of a tile so far.
@@ -38,13 +78,13 @@ struct Nearest {
 };
 
 /// A box from outside of `kPairs` pairs of faces.
-template <int kPairs, bool kSurfaces>
-SKYBODY_RENDER void meet_box(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+template <int kPairs, class Rays, bool kSurfaces>
+SKYBODY_RENDER void meet_box(const SeenShape& s, int32_t code, const Rays& rays,
                              Nearest<kSurfaces>& nearest) {
-  const Row f0(s.f[0], x), f1(s.f[1], x), f2(s.f[2], x);
+  const Along<Rays> f0(s.f[0], rays), f1(s.f[1], rays), f2(s.f[2], rays);
 #pragma GCC unroll 4
   for (int r = 0; r < kTileHeight; ++r) {
-    const Floats w0 = f0.at(y[r]), w1 = f1.at(y[r]), w2 = f2.at(y[r]);
+    const Floats w0 = f0.at(r), w1 = f1.at(r), w2 = f2.at(r);
     Floats entry = w0, exit = w0 * s.n[0];
     if constexpr (kPairs >= 2) entry = min(entry, w1);
     if constexpr (kPairs == 3) entry = min(entry, w2);
@@ -62,19 +102,19 @@ SKYBODY_RENDER void meet_box(const SeenShape& s, int32_t code, const Floats& x, 
   }
 }
 
-template <bool kSurfaces>
-SKYBODY_RENDER void meet_sphere(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+template <class Rays, bool kSurfaces>
+SKYBODY_RENDER void meet_sphere(const SeenShape& s, int32_t code, const Rays& rays,
                                 Nearest<kSurfaces>& nearest) {
-  const Row middle(s.f[0], x), across(s.f[1], x);
+  const Along<Rays> middle(s.f[0], rays), across(s.f[1], rays);
   const float k = s.n[0], cy = s.n[1], cz = s.n[2], cx = s.n[3];
-  const Floats aside = cz * x - cx;
-  const Floats part = (1.0f + x * x) * k - aside * aside;
 #pragma GCC unroll 4
   for (int r = 0; r < kTileHeight; ++r) {
-    const float down = cy - cz * y[r];
-    const float rest = y[r] * y[r] * k - down * down;
-    const Floats c = across.at(y[r]);
-    const Floats w = middle.at(y[r]) + sqrt((part + rest) - c * c);
+    const Floats aside = cz * rays.x(r) - cx;
+    const Floats part = (1.0f + rays.x(r) * rays.x(r)) * k - aside * aside;
+    const auto down = cy - cz * rays.y(r);
+    const auto rest = rays.y(r) * rays.y(r) * k - down * down;
+    const Floats c = across.at(r);
+    const Floats w = middle.at(r) + sqrt((part + rest) - c * c);
     const Mask hit = greater(w, nearest.w[r]);
     nearest.put(r, hit, w, s.id);
     nearest.put_surface(r, hit, ints(code));
@@ -82,14 +122,15 @@ SKYBODY_RENDER void meet_sphere(const SeenShape& s, int32_t code, const Floats& 
 }
 
 /// A cylinder, or the side of one.
-template <Form kForm, bool kSurfaces>
-SKYBODY_RENDER void meet_cylinder(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+template <Form kForm, class Rays, bool kSurfaces>
+SKYBODY_RENDER void meet_cylinder(const SeenShape& s, int32_t code, const Rays& rays,
                                   Nearest<kSurfaces>& nearest) {
-  const Row middle(s.f[0], x), gx(s.f[1], x), gy(s.f[2], x), across(s.f[3], x), axial(s.f[4], x);
+  const Along<Rays> middle(s.f[0], rays), gx(s.f[1], rays), gy(s.f[2], rays), across(s.f[3], rays),
+      axial(s.f[4], rays);
 #pragma GCC unroll 4
   for (int r = 0; r < kTileHeight; ++r) {
-    const Floats a = gx.at(y[r]), b = gy.at(y[r]), c = across.at(y[r]), z = axial.at(y[r]);
-    const Floats root = sqrt((a * a + b * b) - c * c), mid = middle.at(y[r]);
+    const Floats a = gx.at(r), b = gy.at(r), c = across.at(r), z = axial.at(r);
+    const Floats root = sqrt((a * a + b * b) - c * c), mid = middle.at(r);
     const Floats near_side = mid + root;
     Floats entry = near_side;
     Mask hit;
@@ -119,58 +160,65 @@ SKYBODY_RENDER void meet_cylinder(const SeenShape& s, int32_t code, const Floats
   }
 }
 
-template <bool kSurfaces>
-SKYBODY_RENDER void meet_plane(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+template <class Rays, bool kSurfaces>
+SKYBODY_RENDER void meet_plane(const SeenShape& s, int32_t code, const Rays& rays,
                                Nearest<kSurfaces>& nearest) {
-  const Row f(s.f[0], x);
+  const Along<Rays> f(s.f[0], rays);
 #pragma GCC unroll 4
   for (int r = 0; r < kTileHeight; ++r) {
-    const Floats w = f.at(y[r]);
+    const Floats w = f.at(r);
     const Mask hit = greater(w, nearest.w[r]);
     nearest.put(r, hit, w, s.id);
     nearest.put_surface(r, hit, ints(code));
   }
 }
 
-template <bool kSurfaces>
-SKYBODY_RENDER void meet(const SeenShape& s, int32_t code, const Floats& x, const float* y,
+template <class Rays, bool kSurfaces>
+SKYBODY_RENDER void meet(const SeenShape& s, int32_t code, const Rays& rays,
                          Nearest<kSurfaces>& nearest) {
   switch (s.form) {
     case Form::kBox1:
-      return meet_box<1>(s, code, x, y, nearest);
+      return meet_box<1>(s, code, rays, nearest);
     case Form::kBox2:
-      return meet_box<2>(s, code, x, y, nearest);
+      return meet_box<2>(s, code, rays, nearest);
     case Form::kBox3:
-      return meet_box<3>(s, code, x, y, nearest);
+      return meet_box<3>(s, code, rays, nearest);
     case Form::kSphere:
-      return meet_sphere(s, code, x, y, nearest);
+      return meet_sphere(s, code, rays, nearest);
     case Form::kTube:
-      return meet_cylinder<Form::kTube>(s, code, x, y, nearest);
+      return meet_cylinder<Form::kTube>(s, code, rays, nearest);
     case Form::kCylinderSide:
-      return meet_cylinder<Form::kCylinderSide>(s, code, x, y, nearest);
+      return meet_cylinder<Form::kCylinderSide>(s, code, rays, nearest);
     case Form::kCylinderCap:
-      return meet_cylinder<Form::kCylinderCap>(s, code, x, y, nearest);
+      return meet_cylinder<Form::kCylinderCap>(s, code, rays, nearest);
     case Form::kCylinderBoth:
-      return meet_cylinder<Form::kCylinderBoth>(s, code, x, y, nearest);
+      return meet_cylinder<Form::kCylinderBoth>(s, code, rays, nearest);
     case Form::kPlane:
-      return meet_plane(s, code, x, y, nearest);
+      return meet_plane(s, code, rays, nearest);
   }
 }
 
+/// w at the farthest depth of an image, or at the farthest range of scattered rays.
+SKYBODY_RENDER Floats least_w(const Grid&, int, float farthest) { return floats(1.0f / farthest); }
+SKYBODY_RENDER Floats least_w(const Scattered& rays, int r, float farthest) {
+  const Floats &x = rays.x(r), &y = rays.y(r);
+  return sqrt((x * x + y * y) + 1.0f) / farthest;
+}
+
 /// Depth, id and surface of every pixel of a tile.
-template <bool kSurfaces>
+template <class Rays, bool kSurfaces>
 SKYBODY_RENDER void draw_tile(const TileCall& call) {
   for (int column = 0; column < kTileWidth; column += kLanes) {
-    const Floats x = load<Floats>(call.x + column);
+    const Rays rays(call, column);
     Nearest<kSurfaces> nearest;
     for (int r = 0; r < kTileHeight; ++r) {
-      nearest.w[r] = floats(1.0f / call.farthest);
+      nearest.w[r] = least_w(rays, r, call.farthest);
       nearest.id[r] = ints(0);
       nearest.surface[r] = ints(-1);
     }
     for (int k = 0; k < call.count; ++k) {
       const int32_t index = call.list[k];
-      meet(call.shapes[index], 4 * index, x, call.y, nearest);
+      meet(call.shapes[index], 4 * index, rays, nearest);
     }
     for (int r = 0; r < kTileHeight; ++r) {
       const int at = r * kTileWidth + column;

@@ -64,8 +64,9 @@ struct TileCall {
   const SeenShape* shapes;
   const uint16_t* list;  ///< indices of the shapes that may be seen in it, ascending
   int count;             ///< of the list
-  const float* x;        ///< kTileWidth directions
-  const float* y;        ///< kTileHeight directions
+  bool is_scattered;     ///< rays have directions one by one, and `farthest` is their range
+  const float* x;        ///< kTileWidth directions; scattered: kTilePixels
+  const float* y;        ///< kTileHeight directions; scattered: kTilePixels
   float farthest;        ///< [m]
   float* depth;          ///< kTilePixels, along the optical axis [m]; `farthest` for id 0
   uint32_t* id;          ///< kTilePixels; 0: nothing

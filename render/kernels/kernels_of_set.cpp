@@ -5,11 +5,20 @@
 namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
 namespace {
 
-void draw(const TileCall& call) {
+template <class Rays>
+void draw_rays(const TileCall& call) {
   if (call.surface != nullptr) {
-    draw_tile<true>(call);
+    draw_tile<Rays, true>(call);
   } else {
-    draw_tile<false>(call);
+    draw_tile<Rays, false>(call);
+  }
+}
+
+void draw(const TileCall& call) {
+  if (call.is_scattered) {
+    draw_rays<Scattered>(call);
+  } else {
+    draw_rays<Grid>(call);
   }
 }
 

@@ -61,11 +61,21 @@ SKYBODY_RENDER Triple sky_at(const Light& light, const Floats& height) {
           light.horizon[2] + share * (light.zenith[2] - light.horizon[2])};
 }
 
+/// Directions (x, y, 1) of a pack of a tile.
+struct Directions {
+  Floats x, y;
+
+  SKYBODY_RENDER Directions(const TileCall& tile, int row, int column)
+      : x(load<Floats>(tile.x + (tile.is_scattered ? row * kTileWidth + column : column))),
+        y(tile.is_scattered ? load<Floats>(tile.y + row * kTileWidth + column)
+                            : floats(tile.y[row])) {}
+};
+
 /// Goes through the shapes of the tile, and looks at each one that some lane sees.
 template <bool kPaints>
 SKYBODY_RENDER Surfaces surfaces_of(const TileCall& tile, float pixel, int row, int column) {
   const int at = row * kTileWidth + column;
-  const Floats x = load<Floats>(tile.x + column), y = floats(tile.y[row]);
+  const auto [x, y] = Directions(tile, row, column);
   const Floats depth = load<Floats>(tile.depth + at), length = sqrt((x * x + y * y) + 1.0f);
   const Ints index = load<Ints>(tile.surface + at) >> 2, face = load<Ints>(tile.surface + at) & 3;
   Surfaces seen{{depth * x, depth * y, depth}, {}, {}, ints(-1)};
@@ -124,8 +134,7 @@ SKYBODY_RENDER void shade_tile(const ShadeCall& call) {
   if constexpr (kPaints) {
     const int casters = list_casters(light, seen, kPacks, call.list);
     for (int p = 0; p < kPacks; ++p) {
-      const Floats x = load<Floats>(tile.x + p % kAcross * kLanes);
-      const Floats y = floats(tile.y[p / kAcross]);
+      const auto [x, y] = Directions(tile, p / kAcross, p % kAcross * kLanes);
       const Floats lit = light_at(light, seen[p], call.list, casters);
       store(color_of(seen[p], light, lit, x, y), call.color + p * kLanes);
     }

@@ -30,6 +30,8 @@ ENVS = 128
 LENGTH = Length(trials=3, warm_up=20, receives=100, seconds=1.0, most=3.0)
 # Size of the image [pixels], images, frames of a round.
 DRAWINGS = ((64, "depth", 3000), (64, "normal", 2000), (64, "rgb", 1000), (512, "depth", 60))
+SCANS = 1000  # of a round
+RAYS = 16 * 360
 WORDS = {"depth": "depth, instances", "normal": "and normals", "rgb": "and colours with shadows"}
 # Words: outputs of the camera of `hover_camera`, and the columns that it observes.
 BATCHES = {
@@ -84,6 +86,7 @@ def batch_rate(outputs: str, observe: str, length: Length) -> float:
 def page(found: dict[str, Any]) -> str:
     rows = [head("image | content | frames/s | million rays/s")]
     rows += [Drawing(**row).cells() for row in found["drawings"]]
+    scans = found["scans"]
     batches = [head("images of 64 x 64 | frames/s, thousands")]
     batches += [[words, thousands(rate)] for words, rate in found["batches"].items()]
     beside = ""
@@ -107,6 +110,9 @@ time, least of five rounds.
 
 {markdown_table(rows)}
 {beside}
+A lidar of 16 rings of 360 rays, in a forest of 30 trees on the ground: {scans:,.0f} scans/s,
+{scans * RAYS / 1e6:,.0f} million rays/s (`bench_render --images lidar`).
+
 ## From Python, with physics
 
 `hover_camera`: {ENVS} environments in one batch of `make_pool`, a thread for each processor. A step
@@ -129,6 +135,7 @@ def main() -> int:
         vars(draw(options.program, size, images, max(1, frames // fewer)))
         for size, images, frames in DRAWINGS
     ]
+    found["scans"] = draw(options.program, 0, "lidar", SCANS // fewer).rate
     if options.prototype is not None:
         found["prototype"] = prototype_rate(options.prototype, 64, 3000 // fewer)
     found["batches"] = {

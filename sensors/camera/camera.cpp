@@ -1,145 +1,187 @@
-// A pinhole camera on any link: depth, range, ids, classes, normals and colours, with a rate and a
-// latency.
+// A camera on any link: depth, range, ids, classes, normals, colours and optical flow, through a
+// pinhole, a distorting lens, a fisheye or as a panorama, with a rate, a latency and noise.
 #include <skybody/plugin.h>
 
 #include <algorithm>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "render/renderer.h"
-#include "sensors/camera/frame_clock.h"
-#include "sensors/camera/world_shapes.h"
-#include "sensors/common/mount.h"
+#include "sensors/camera/image_noise.h"
+#include "sensors/camera/optical_flow.h"
+#include "sensors/camera/projection.h"
+#include "sensors/imaging/image_sensor.h"
 
 namespace skybody {
 namespace {
 
-/// Most exposures that a latency keeps.
-constexpr int kMostKept = 64;
+using camera::DepthNoise;
+using camera::EdgeHoles;
+using camera::Lens;
 
-class Camera : public Sensor {
+/// Greatest field of view of a pinhole [rad].
+constexpr double kWidestPinhole = 3.0;
+
+class Camera : public sensor::ImageSensor {
  public:
-  void configure(const Setup& setup) override {
-    mount_.configure(setup);
-    set_clock(setup);
-    shapes_.emplace(setup, mount_.body(), sees_own_robot_.value() ? -1 : mount_.robot(),
-                    ground_.value());
-    renderer_.emplace(pinhole(), shapes_->most(), max_range_.value(),
-                      render::kernels_of(best_isa()));
-    const auto of_shapes = static_cast<std::size_t>(shapes_->most()) * kShapeSize;
-    setup.scratch(shapes_->moment_size() + static_cast<int>(of_shapes + renderer_->scratch_size()));
-    declare_images(setup, mount_.robot());
-  }
+  Camera() : ImageSensor(100.0, "depth and range of nothing; farther surfaces are not seen") {}
 
-  void sense(const EnvView<double>& env, State<double>&, Values<double>,
-             Values<double> buffer) const {
-    const auto now = static_cast<std::int64_t>(env.physics_step());
-    double* const moment = env.scratch_block();
-    const std::int64_t exposure = clock_.exposure_at(now), arrival = clock_.arrival_at(now);
-    const bool is_kept = exposure >= 0 && clock_.latency > 0;
-    const bool is_drawn = is_read(env, now) && (now == 0 || arrival >= 0);
-    if (is_kept || (is_drawn && (now == 0 || clock_.latency == 0))) shapes_->capture(env, moment);
-    if (is_kept) keep(moment, exposure, buffer);
-    if (!is_drawn) return;
-    if (now > 0 && clock_.latency > 0) recall(arrival, buffer, moment);
-    draw(env, moment);
+  void configure(const Setup& setup) override {
+    check_outputs();
+    // Bytes of holes, and shapes and depths of flow: one after another.
+    const std::size_t room = pixels() / 8 + 1 + (has("flow") ? pixels() + 1 : 0);
+    const Lens lens = checked_lens();
+    if (projection_.value() == "fisheye") {
+      configure_exposures(setup, camera::fisheye(lens), room);
+    } else if (projection_.value() == "panorama") {
+      configure_exposures(setup, camera::panorama(lens), room);
+    } else if (!lens.distortion.empty()) {
+      configure_exposures(setup, camera::distorted(lens), room);
+    } else {
+      lens_ = camera::pinhole(lens);
+      configure_exposures(setup, lens_, room, has("flow"));
+    }
+    for (const std::string& name : outputs_.values()) declare(setup, name);
   }
 
  private:
-  static_assert(std::is_trivially_copyable_v<render::PlacedShape>, "lies in scratch memory");
-  static constexpr std::size_t kShapeSize = (sizeof(render::PlacedShape) + 7) / 8;
+  static constexpr const char* kOutputs = "depth, range, instance, class, normal, rgb, flow";
+  static constexpr std::uint64_t kDepthDraws = 1, kRangeDraws = 2, kHoleDraws = 3, kRgbDraws = 4;
 
-  void set_clock(const Setup& setup) {
-    clock_ = {period_.value(), phase_.value(), latency_.value()};
-    if (clock_.phase >= clock_.period) {
-      refuse("`phase` is ", clock_.phase, "; allowed: 0 to ", clock_.period - 1,
-             ", less than `period`");
-    }
-    if (clock_.most_kept() > kMostKept) {
-      refuse("`latency` is ", clock_.latency / clock_.period, " periods; allowed: less than ",
-             kMostKept, ": give a shorter `latency` or a longer `period`");
-    }
-    if (clock_.is_regular()) setup.period(static_cast<int>(clock_.period));
+  int width() const { return static_cast<int>(width_.value()); }
+  int height() const { return static_cast<int>(height_.value()); }
+  std::size_t pixels() const {
+    return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+  }
+  bool is_panorama() const { return projection_.value() == "panorama"; }
+  bool has(const std::string& output) const {
+    const std::vector<std::string>& names = outputs_.values();
+    return std::find(names.begin(), names.end(), output) != names.end();
   }
 
-  render::Pinhole pinhole() const {
-    const SinCos<double> half = sincos(0.5 * field_of_view_.value());
-    render::Pinhole camera;
-    camera.width = static_cast<int>(width_.value());
-    camera.height = static_cast<int>(height_.value());
-    camera.center_x = 0.5 * camera.width;
-    camera.center_y = 0.5 * camera.height;
-    camera.focal_x = camera.focal_y = camera.center_x * half.cos / half.sin;
-    return camera;
+  Lens checked_lens() const {
+    Lens lens{width(), height(), field_of_view_.value(), {}};
+    for (int k = 0; k < distortion_.count(); ++k) lens.distortion.push_back(distortion_.value(k));
+    const bool is_pinhole = projection_.value() == "pinhole";
+    if (is_pinhole && lens.field_of_view > kWidestPinhole) {
+      refuse("`field_of_view` is ", lens.field_of_view, "; allowed: 0.01 to ", kWidestPinhole,
+             " rad for `projection: pinhole`; give a smaller one, or `projection: fisheye`");
+    }
+    if (is_panorama() && lens.field_of_view * height() > kPi * width()) {
+      refuse("`height` is ", height(), "; allowed: up to ",
+             static_cast<int>(kPi * width() / lens.field_of_view),
+             " for this `width` and `field_of_view`: a panorama ends at the zenith");
+    }
+    const std::size_t most = is_pinhole ? 5 : is_panorama() ? 0 : 4;
+    if (lens.distortion.size() > most) {
+      refuse("`distortion` has ", distortion_.count(),
+             " values; allowed for `projection: ", projection_.value(), "`: at most ", most);
+    }
+    return lens;
   }
 
-  void declare_images(const Setup& setup, int robot) {
-    if (clock_.latency > 0) setup.buffer(clock_.most_kept() * shapes_->moment_size());
-    const int height = renderer_->camera().height, width = renderer_->camera().width;
-    const double far = max_range_.value();
-    if (outputs_.values().empty()) {
-      refuse("`outputs` is empty: name one or more of ", kOutputs);
-    }
-    for (const std::string& name : outputs_.values()) {
-      if (std::count(outputs_.values().begin(), outputs_.values().end(), name) > 1) {
+  void check_outputs() const {
+    const std::vector<std::string>& names = outputs_.values();
+    if (names.empty()) refuse("`outputs` is empty: name one or more of ", kOutputs);
+    for (const std::string& name : names) {
+      if (std::count(names.begin(), names.end(), name) > 1) {
         refuse("`outputs` names ", name, " twice: name each image once");
       }
-      if (name == "depth") {
-        depth_ = setup.image<float>(name, {height, width}, robot, 0.0, far);
-      } else if (name == "range") {
-        range_ = setup.image<float>(name, {height, width}, robot, 0.0, far);
-      } else if (name == "instance") {
-        instance_ = setup.image<std::uint16_t>(name, {height, width}, robot);
-      } else if (name == "class") {
-        class_ = setup.image<std::uint8_t>(name, {height, width}, robot);
-      } else if (name == "normal") {
-        normal_ = setup.image<float>(name, {height, width, 3}, robot, -1.0, 1.0);
-      } else if (name == "rgb") {
-        rgb_ = setup.image<std::uint8_t>(name, {height, width, 3}, robot);
-      } else {
-        refuse("`outputs` has an unknown image ", name, ": choose from ", kOutputs);
+    }
+    if (is_panorama() && has("depth")) {
+      refuse("`outputs` names depth, and a panorama has no optical axis: name range");
+    }
+    if (has("flow") && (projection_.value() != "pinhole" || distortion_.count() > 0)) {
+      refuse(
+          "`outputs` names flow, which a pinhole without distortion has alone: leave out "
+          "`projection` and `distortion`");
+    }
+    if (edge_holes_.is_given() && !has("depth") && !has("range")) {
+      refuse("`edge_holes` needs depth or range in `outputs`");
+    }
+  }
+
+  void declare(const Setup& setup, const std::string& name) {
+    const int h = height(), w = width(), of = robot();
+    if (name == "depth") {
+      depth_ =
+          setup.image<float>(name, {h, w}, of, has_axis_behind() ? -max_range() : 0.0, max_range());
+    } else if (name == "range") {
+      range_ = setup.image<float>(name, {h, w}, of, 0.0, max_range());
+    } else if (name == "instance") {
+      instance_ = setup.image<std::uint16_t>(name, {h, w}, of);
+    } else if (name == "class") {
+      class_ = setup.image<std::uint8_t>(name, {h, w}, of);
+    } else if (name == "normal") {
+      normal_ = setup.image<float>(name, {h, w, 3}, of, -1.0, 1.0);
+    } else if (name == "rgb") {
+      rgb_ = setup.image<std::uint8_t>(name, {h, w, 3}, of);
+    } else if (name == "flow") {
+      flow_ = setup.image<float>(name, {h, w, 2}, of);
+    } else {
+      refuse("`outputs` has an unknown image ", name, ": choose from ", kOutputs);
+    }
+  }
+  /// Whether pixels look behind the camera, where depths are negative.
+  bool has_axis_behind() const { return projection_.value() == "fisheye"; }
+
+  void draw(const EnvView<double>& env, const Exposure& exposure) const override {
+    render::Frame frame = frame_of(env);
+    double* const room = exposure.memory + renderer().scratch_size();
+    auto* const is_hole = reinterpret_cast<std::uint8_t*>(room);
+    auto* const shapes = reinterpret_cast<std::int32_t*>(room + pixels() / 8 + 1);
+    float* const own_depth = reinterpret_cast<float*>(shapes + pixels());
+    if (flow_.count > 0) {
+      frame.shape = shapes;
+      if (frame.depth == nullptr) frame.depth = own_depth;
+    }
+    renderer().draw(exposure.eye, exposure.shapes, sky_of(env), exposure.memory, frame);
+    if (flow_.count > 0) write_flow(exposure, frame, env.pixels(flow_));
+    const double holes = edge_holes_.is_given() ? edge_holes_(env) : 0.0;
+    if (holes > 0.0) {
+      EdgeHoles(width(), height())
+          .find(range_.count > 0 ? frame.range : frame.depth, holes, random(env, kHoleDraws),
+                is_hole);
+    }
+    add_errors(env, depth_.count > 0 ? frame.depth : nullptr, kDepthDraws,
+               holes > 0.0 ? is_hole : nullptr);
+    add_errors(env, frame.range, kRangeDraws, holes > 0.0 ? is_hole : nullptr);
+    const double of_colors = frame.rgb != nullptr ? rgb_noise_(env) : 0.0;
+    if (of_colors > 0.0) {
+      camera::add_noise(of_colors, random(env, kRgbDraws), 3 * pixels(), frame.rgb);
+    }
+  }
+
+  void write_flow(const Exposure& exposure, const render::Frame& frame, float* flow) const {
+    const camera::FlowOfBodies flows(exposure.eye, world_shapes().motion(exposure.moment, 0));
+    std::size_t i = 0;
+    for (int row = 0; row < lens_.height; ++row) {
+      for (int column = 0; column < lens_.width; ++column, ++i) {
+        const Vec3<double> along{(column + 0.5 - lens_.center_x) / lens_.focal_x,
+                                 (row + 0.5 - lens_.center_y) / lens_.focal_y, 1.0};
+        const std::int32_t shape = frame.shape[i];
+        const int body = shape < 0 ? -1 : exposure.shapes[static_cast<std::size_t>(shape)].body;
+        const camera::ImageVelocity seen =
+            shape < 0  ? flows.of_infinity(along)
+            : body < 0 ? flows.of_world(along, static_cast<double>(frame.depth[i]))
+                       : flows.of_body(along, static_cast<double>(frame.depth[i]),
+                                       world_shapes().motion(exposure.moment, body));
+        flow[2 * i] = static_cast<float>(lens_.focal_x * seen.x);
+        flow[2 * i + 1] = static_cast<float>(lens_.focal_y * seen.y);
       }
     }
   }
 
-  /// Whether the image is read before the next one arrives.
-  bool is_read(const EnvView<double>& env, std::int64_t now) const {
-    const std::uint64_t rest = env.steps_to_read();
-    if (rest == SKYBODY_NEVER_READ) return false;
-    return now == 0 || rest < static_cast<std::uint64_t>(clock_.period);
-  }
-
-  int place_of(std::int64_t exposure) const {
-    return static_cast<int>(exposure % clock_.most_kept()) * shapes_->moment_size();
-  }
-  void keep(const double* moment, std::int64_t exposure, const Values<double>& buffer) const {
-    const int first = place_of(exposure);
-    for (int k = 0; k < shapes_->moment_size(); ++k) buffer.set(first + k, moment[k]);
-  }
-  void recall(std::int64_t exposure, const Values<double>& buffer, double* moment) const {
-    const int first = place_of(exposure);
-    for (int k = 0; k < shapes_->moment_size(); ++k) moment[k] = buffer[first + k];
-  }
-
-  void draw(const EnvView<double>& env, double* moment) const {
-    double* const shapes = moment + shapes_->moment_size();
-    double* const rest = shapes + static_cast<std::size_t>(shapes_->most()) * kShapeSize;
-    render::Eye eye;
-    WorldShapes::mount(moment, eye.position, eye.axes);
-    eye.position += eye.axes * mount_.point(env);
-    eye.axes = eye.axes * to_mat3(mount_.rotation(env)) * from_camera();
-    renderer_->draw(eye, shapes_->place(moment, reinterpret_cast<render::PlacedShape*>(shapes)),
-                    sky_of(env), rest, frame_of(env));
-  }
-
-  /// (forward, left, up) from camera axes.
-  static Mat3<double> from_camera() {
-    Mat3<double> axes{};
-    axes(0, 2) = 1.0;
-    axes(1, 0) = axes(2, 1) = -1.0;
-    return axes;
+  /// @param is_hole  null: there are none
+  void add_errors(const EnvView<double>& env, float* image, std::uint64_t draws,
+                  const std::uint8_t* is_hole) const {
+    if (image == nullptr) return;
+    const Vec3<double> deviation = depth_noise_.vec3(env);
+    const DepthNoise noise{deviation.x, deviation.y, deviation.z, depth_resolution_(env),
+                           max_range()};
+    if (noise.is_on()) camera::add_noise(noise, random(env, draws), pixels(), image);
+    if (is_hole != nullptr) {
+      EdgeHoles(width(), height()).fill(is_hole, static_cast<float>(max_range()), image);
+    }
   }
 
   render::Sky sky_of(const EnvView<double>& env) const {
@@ -154,36 +196,29 @@ class Camera : public Sensor {
   }
 
   render::Frame frame_of(const EnvView<double>& env) const {
-    const auto pixels = [&env](const auto& image) {
+    const auto pixels_of = [&env](const auto& image) {
       return image.count > 0 ? env.pixels(image) : nullptr;
     };
-    return {pixels(depth_), pixels(range_),  pixels(instance_),
-            pixels(class_), pixels(normal_), pixels(rgb_)};
+    return {pixels_of(depth_), pixels_of(range_),  pixels_of(instance_),
+            pixels_of(class_), pixels_of(normal_), pixels_of(rgb_)};
   }
 
-  static constexpr const char* kOutputs = "depth, range, instance, class, normal, rgb";
-
-  sensor::Mount mount_{this};
   IntegerParameter width_{this, integer("width", "pixels", 64, between(1, 4096), "columns")};
   IntegerParameter height_{this, integer("height", "pixels", 64, between(1, 4096), "rows")};
-  RealParameter field_of_view_{this, real("field_of_view", "rad", 0.5 * kPi, between(0.01, 3.0),
-                                          "horizontal angle of view; pixels are square")};
+  RealParameter field_of_view_{
+      this, real("field_of_view", "rad", 0.5 * kPi, between(0.01, kTwoPi),
+                 "horizontal angle of view; pixels are square; pinhole: up to 3")};
+  TextParameter projection_{this,
+                            choice("projection", "pinhole", {"pinhole", "fisheye", "panorama"},
+                                   "from directions to pixels; see Equations")};
+  RealsParameter distortion_{this,
+                             list("distortion", "", {}, between(-100.0, 100.0),
+                                  "pinhole: k1, k2, p1, p2, k3; fisheye: k1 to k4; see Equations")};
   TextsParameter outputs_{
       this,
       {.name = "outputs",
        .values = {"depth"},
-       .doc = "images: depth, range, instance, class, normal, rgb; see Outputs"}};
-  RealParameter max_range_{this, real("max_range", "m", 100.0, between(1e-3, 1e6),
-                                      "depth and range of nothing; farther surfaces are not seen")};
-  BooleanParameter ground_{this, boolean("ground", true, "the plane z = 0 of W is seen")};
-  BooleanParameter sees_own_robot_{
-      this, boolean("sees_own_robot", false, "the camera's own robot is seen")};
-  IntegerParameter period_{
-      this, integer("period", "physics steps", 1, between(1, 1000000), "interval of exposures")};
-  IntegerParameter phase_{this, integer("phase", "physics steps", 0, between(0, 1000000),
-                                        "step of the first exposure, below `period`")};
-  IntegerParameter latency_{this, integer("latency", "physics steps", 0, between(0, 1000),
-                                          "time from an exposure to its image")};
+       .doc = "images: depth, range, instance, class, normal, rgb, flow; see Outputs"}};
   RealsParameter sun_{this,
                       randomizable(reals("sun", "", {-0.48, -0.36, 0.8}, kAny,
                                          "direction towards the sun, W axes, of any length"))};
@@ -194,11 +229,23 @@ class Camera : public Sensor {
                                                  "brightness of a white surface in shadow"))};
   BooleanParameter shadows_{this,
                             boolean("shadows", true, "shapes shade each other and the ground")};
+  RealsParameter depth_noise_{
+      this, when_given(reals("depth_noise", "m, 1, 1/m", {0.0, 0.0, 0.0}, at_least(0.0),
+                             "a, b, c: the standard deviation of a depth or range d is "
+                             "a + b d + c d^2"))};
+  RealParameter depth_resolution_{
+      this, when_given(real("depth_resolution", "m", 0.0, at_least(0.0),
+                            "depths and ranges are multiples of it; 0: as computed"))};
+  RealParameter edge_holes_{
+      this, when_given(real("edge_holes", "", 0.0, between(0.0, 1.0),
+                            "probability that a pixel beside a jump of depth of 5 % reads "
+                            "`max_range`"))};
+  RealParameter rgb_noise_{
+      this, when_given(real("rgb_noise", "", 0.0, between(0.0, 1.0),
+                            "standard deviation of colours, as a share of the whole range"))};
 
-  FrameClock clock_;
-  std::optional<WorldShapes> shapes_;
-  std::optional<render::Renderer> renderer_;
-  Image<float> depth_, range_, normal_;
+  render::Pinhole lens_;  ///< without distortion
+  Image<float> depth_, range_, normal_, flow_;
   Image<std::uint16_t> instance_;
   Image<std::uint8_t> class_, rgb_;
 };
@@ -206,5 +253,5 @@ class Camera : public Sensor {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Camera, "camera", "1.0.0",
-               "Pinhole camera: depth, range, ids, classes, normals and colours.");
+SKYBODY_PLUGIN(skybody::Camera, "camera", "1.1.0",
+               "Camera: depth, range, ids, classes, normals and colours.");

@@ -1,7 +1,9 @@
 // Frames per second of the renderer on one core, on a fixed scene of 42 shapes and the ground: ten
 // trees, balls and boxes, three gates of four bars, four robots of five boxes.
 //
-//   bench_render [--size N] [--frames N] [--rounds N] [--images depth|normal|rgb]
+//   bench_render [--size N] [--frames N] [--rounds N] [--images depth|normal|rgb|lidar]
+//
+// lidar: 16 rings of 360 rays in a forest of 30 trees.
 //
 // Prints one line of JSON: processor time, which other load affects little, and a hash of depths
 // and instances.
@@ -47,6 +49,19 @@ class Scene {
     for (int i = 0; i < 10; ++i) add_thing(i);
     for (int i = 0; i < 3; ++i) add_gate(3.0 + 3.0 * i);
     for (int i = 0; i < 4; ++i) add_robot();
+  }
+  /// Trees within 20 m of the origin, of which those nearest have 2 m to it.
+  static Scene forest(int trees) {
+    Scene scene;
+    scene.shapes.resize(1);
+    for (int i = 0; i < trees; ++i) {
+      const double distance = scene.between(2.0, 20.0), angle = scene.between(0.0, kTwoPi);
+      const SinCos<double> turn = sincos(angle);
+      const double radius = scene.between(0.1, 0.3);
+      scene.add(Solid::kCapsule, {distance * turn.cos, distance * turn.sin, 3.0}, 0.0,
+                {radius, radius, 3.0});
+    }
+    return scene;
   }
   std::vector<PlacedShape> shapes;
 
@@ -116,20 +131,38 @@ Options read_options(int count, char** words) {
   return options;
 }
 
-int run(const Options& options) {
-  const Scene scene;
+/// 16 rings from -15 to 15 degrees of 360 rays, in camera axes.
+render::RayImage scan() {
+  render::RayImage image{360, 16, {}};
+  for (int ring = 0; ring < image.height; ++ring) {
+    const SinCos<double> rise = sincos((2.0 * ring - 15.0) * kPi / 180.0);
+    for (int i = 0; i < image.width; ++i) {
+      const SinCos<double> turn = sincos(kTwoPi * i / image.width);
+      image.directions.push_back({-rise.cos * turn.sin, -rise.sin, rise.cos * turn.cos});
+    }
+  }
+  return image;
+}
+
+render::Renderer renderer_of(const Options& options, int most_shapes) {
+  const render::KernelTable& kernels = render::kernels_of(best_isa());
+  if (options.images == "lidar") return {scan(), most_shapes, 1000.0, kernels};
   const double half = 0.5 * options.size;
-  const render::Renderer renderer({options.size, options.size, half, half, half, half},
-                                  static_cast<int>(scene.shapes.size()), 1000.0,
-                                  render::kernels_of(best_isa()));
+  const render::Pinhole pinhole{options.size, options.size, half, half, half, half};
+  return {pinhole, most_shapes, 1000.0, kernels};
+}
+
+int run(const Options& options) {
+  const Scene scene = options.images == "lidar" ? Scene::forest(30) : Scene();
+  const render::Renderer renderer = renderer_of(options, static_cast<int>(scene.shapes.size()));
   const auto pixels =
-      static_cast<std::size_t>(options.size) * static_cast<std::size_t>(options.size);
+      static_cast<std::size_t>(renderer.width()) * static_cast<std::size_t>(renderer.height());
   std::vector<double> scratch(renderer.scratch_size());
   std::vector<float> depth(pixels), normal(3 * pixels);
   std::vector<std::uint16_t> instance(pixels);
   std::vector<std::uint8_t> rgb(3 * pixels);
   render::Frame frame;
-  frame.depth = depth.data();
+  (options.images == "lidar" ? frame.range : frame.depth) = depth.data();
   frame.instance = instance.data();
   if (options.images == "normal") frame.normal = normal.data();
   if (options.images == "rgb") frame.rgb = rgb.data();

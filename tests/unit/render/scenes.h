@@ -41,33 +41,38 @@ inline PlacedShape shape_at(Solid solid, const Vec3<double>& position, const Vec
   return shape;
 }
 
-/// Distance along the optical axis to a shape in the direction (x, y, 1) of camera axes; infinite
-/// if there is none.
-inline double depth_along(const PlacedShape& shape, const Eye& eye, double x, double y) {
-  const double length = std::sqrt(x * x + y * y + 1.0);
-  const Vec3<double> along = eye.axes * Vec3<double>{x / length, y / length, 1.0 / length};
+/// Distance to a shape along a unit vector of camera axes; infinite if there is none.
+inline double range_along(const PlacedShape& shape, const Eye& eye, const Vec3<double>& direction) {
+  const Vec3<double> along = eye.axes * direction;
   const obstacles::Ray<double> ray{transpose_times(shape.axes, eye.position - shape.position),
                                    transpose_times(shape.axes, along)};
   const double radius = shape.half.x, half = shape.half.z;
   switch (shape.solid) {
     case Solid::kBox:
-      return obstacles::in_box(ray, shape.half).first() / length;
+      return obstacles::in_box(ray, shape.half).first();
     case Solid::kSphere:
-      return obstacles::in_sphere(ray, radius).first() / length;
+      return obstacles::in_sphere(ray, radius).first();
     case Solid::kCylinder:
-      return obstacles::in_cylinder(ray, radius, half).first() / length;
+      return obstacles::in_cylinder(ray, radius, half).first();
     case Solid::kCapsule: {
       double nearest = obstacles::in_cylinder(ray, radius, half).first();
       for (const double end : {half, -half}) {
         const obstacles::Ray<double> to_end{ray.from - Vec3<double>{0.0, 0.0, end}, ray.along};
         nearest = std::min(nearest, obstacles::in_sphere(to_end, radius).first());
       }
-      return nearest / length;
+      return nearest;
     }
     case Solid::kPlane:
-      return obstacles::until_plane(ray) / length;
+      return obstacles::until_plane(ray);
   }
   return 0.0;
+}
+
+/// Distance along the optical axis to a shape in the direction (x, y, 1) of camera axes; infinite
+/// if there is none.
+inline double depth_along(const PlacedShape& shape, const Eye& eye, double x, double y) {
+  const double length = std::sqrt(x * x + y * y + 1.0);
+  return range_along(shape, eye, {x / length, y / length, 1.0 / length}) / length;
 }
 
 /// The nearest of some shapes in a direction.
@@ -126,6 +131,7 @@ class RandomScenes {
 
 /// A renderer with its memory and all of its images.
 struct Camera {
+  Pinhole pinhole;  ///< of a grid
   Renderer renderer;
   int most_shapes;
   std::vector<double> scratch;
@@ -133,9 +139,15 @@ struct Camera {
   std::vector<std::uint16_t> instance;
   std::vector<std::uint8_t> label, rgb;
 
-  explicit Camera(const Pinhole& pinhole, int most = 64, double farthest = 100.0,
+  explicit Camera(const Pinhole& grid, int most = 64, double farthest = 100.0,
                   const KernelTable& kernels = kernels_of(best_isa()))
-      : renderer(pinhole, most, farthest, kernels),
+      : Camera(grid, Renderer(grid, most, farthest, kernels), most) {}
+  explicit Camera(const RayImage& rays, int most = 64, double farthest = 100.0,
+                  const KernelTable& kernels = kernels_of(best_isa()))
+      : Camera(Pinhole{}, Renderer(rays, most, farthest, kernels), most) {}
+  Camera(const Pinhole& grid, const Renderer& drawn_by, int most)
+      : pinhole(grid),
+        renderer(drawn_by),
         most_shapes(most),
         scratch(renderer.scratch_size()),
         depth(pixels()),
@@ -146,8 +158,7 @@ struct Camera {
         rgb(3 * pixels()) {}
 
   std::size_t pixels() const {
-    return static_cast<std::size_t>(renderer.camera().width) *
-           static_cast<std::size_t>(renderer.camera().height);
+    return static_cast<std::size_t>(renderer.width()) * static_cast<std::size_t>(renderer.height());
   }
   void draw(const Eye& eye, const std::vector<PlacedShape>& shapes, const Sky& sky = {}) {
     renderer.draw(
@@ -157,7 +168,7 @@ struct Camera {
   /// Calls function(index, x, y) for each pixel with its direction.
   template <class Function>
   void each_pixel(Function&& function) const {
-    const Pinhole& c = renderer.camera();
+    const Pinhole& c = pinhole;
     for (int row = 0; row < c.height; ++row) {
       for (int column = 0; column < c.width; ++column) {
         function(static_cast<std::size_t>(row * c.width + column),

@@ -13,14 +13,20 @@ namespace skybody {
 
 /// Shapes of robots and obstacles, and the ground. Immutable.
 ///
-/// A moment holds the values that place them: of each listed body its position and quaternion, of
-/// each obstacle its presence, position, quaternion and size.
+/// A moment holds the values that place them: of each listed body its position and quaternion, and
+/// its velocities if wanted; of each obstacle its presence, position, quaternion and size.
 class WorldShapes {
  public:
+  /// A listed body's motion: W axes, velocity of its origin [m/s], angular velocity [rad/s].
+  struct Motion {
+    Vec3<double> position, velocity, angular_velocity;
+  };
+
   /// @param mount         world body that carries the camera
   /// @param hidden_robot  robot that is not drawn; -1: none
+  /// @param has_motion    moments hold velocities
   /// @throws std::runtime_error for obstacles without a closed form, and too many shapes
-  WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground);
+  WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground, bool has_motion);
 
   /// Most shapes of an environment.
   int most() const { return most_; }
@@ -30,6 +36,8 @@ class WorldShapes {
   void capture(const EnvView<double>& env, double* moment) const;
   /// Position and axes (W from body) of the body that carries the camera.
   static void mount(const double* moment, Vec3<double>& position, Mat3<double>& axes);
+  /// Motion of a listed body: PlacedShape::body, or 0, which carries the camera. Needs has_motion.
+  Motion motion(const double* moment, int body) const;
   /// Writes the shapes that are present. @param shapes  most() places @returns the written ones
   std::span<const render::PlacedShape> place(const double* moment,
                                              render::PlacedShape* shapes) const;
@@ -47,13 +55,14 @@ class WorldShapes {
   };
 
   std::size_t list_body(int body);
+  int body_values() const;
   void add_visuals(const Setup& setup, int hidden_robot);
   void add_obstacles(const Setup& setup);
 
   std::vector<int> bodies_;  ///< world body indices, the camera's first
   std::vector<Visual> visuals_;
   std::vector<Thing> things_;
-  bool has_ground_;
+  bool has_ground_, has_motion_;
   int most_ = 0;
 };
 

@@ -1,4 +1,4 @@
-#include "sensors/camera/world_shapes.h"
+#include "sensors/imaging/world_shapes.h"
 
 #include <algorithm>
 
@@ -10,7 +10,8 @@ using render::Label;
 using render::PlacedShape;
 using render::Solid;
 
-constexpr int kBodyValues = 7;       ///< position, quaternion
+constexpr int kPoseValues = 7;       ///< position, quaternion
+constexpr int kMotionValues = 6;     ///< velocity, angular velocity, W axes
 constexpr int kObstacleValues = 11;  ///< presence, position, quaternion, size
 /// Limit of shapes; the renderer numbers parts of shapes by 16 bits.
 constexpr int kMostShapes = 20000;
@@ -62,8 +63,9 @@ render::Paint paint_of_ground() { return {{0.4f, 0.43f, 0.4f}, {0.58f, 0.6f, 0.5
 
 }  // namespace
 
-WorldShapes::WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground)
-    : has_ground_(has_ground), most_(has_ground ? 1 : 0) {
+WorldShapes::WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground,
+                         bool has_motion)
+    : has_ground_(has_ground), has_motion_(has_motion), most_(has_ground ? 1 : 0) {
   list_body(mount);
   add_visuals(setup, hidden_robot);
   add_obstacles(setup);
@@ -93,7 +95,9 @@ void WorldShapes::add_visuals(const Setup& setup, int hidden_robot) {
     for (std::size_t k = 0; k < 3; ++k) {
       shape.paint.color[k] = static_cast<float>(visual.color[k]);
     }
-    visuals_.push_back({list_body(info.body), shape});
+    const std::size_t body = list_body(info.body);
+    shape.body = static_cast<std::int32_t>(body);
+    visuals_.push_back({body, shape});
     ++most_;
   }
 }
@@ -113,8 +117,10 @@ void WorldShapes::add_obstacles(const Setup& setup) {
   }
 }
 
+int WorldShapes::body_values() const { return kPoseValues + (has_motion_ ? kMotionValues : 0); }
+
 int WorldShapes::moment_size() const {
-  return kBodyValues * static_cast<int>(bodies_.size()) +
+  return body_values() * static_cast<int>(bodies_.size()) +
          kObstacleValues * static_cast<int>(things_.size());
 }
 
@@ -126,6 +132,9 @@ void WorldShapes::capture(const EnvView<double>& env, double* moment) const {
   for (const int index : bodies_) {
     const BodyMotion<double> body = env.body(index);
     put_pose(body.position, body.rotation);
+    if (!has_motion_) continue;
+    const Vec3<double> v = body.velocity, w = rotate(body.rotation, body.angular_velocity);
+    put(v.x, v.y, v.z, w.x, w.y, w.z);
   }
   for (const Thing& thing : things_) {
     const obstacles::PlacedObstacle<double> placed = obstacles::place(env, thing.obstacle);
@@ -138,6 +147,11 @@ void WorldShapes::capture(const EnvView<double>& env, double* moment) const {
 void WorldShapes::mount(const double* moment, Vec3<double>& position, Mat3<double>& axes) {
   position = vec3_at(moment);
   axes = to_mat3(quat_at(moment + 3));
+}
+
+WorldShapes::Motion WorldShapes::motion(const double* moment, int body) const {
+  const double* const values = moment + body_values() * body;
+  return {vec3_at(values), vec3_at(values + kPoseValues), vec3_at(values + kPoseValues + 3)};
 }
 
 std::span<const PlacedShape> WorldShapes::place(const double* moment, PlacedShape* shapes) const {
@@ -153,14 +167,14 @@ std::span<const PlacedShape> WorldShapes::place(const double* moment, PlacedShap
   }
   const double* bodies = moment;
   for (const Visual& visual : visuals_) {
-    const double* pose = bodies + kBodyValues * visual.body;
+    const double* pose = bodies + static_cast<std::size_t>(body_values()) * visual.body;
     const Mat3<double> axes = to_mat3(quat_at(pose + 3));
     *next = visual.shape;
     next->position = vec3_at(pose) + axes * visual.shape.position;
     next->axes = axes * visual.shape.axes;
     ++next;
   }
-  const double* values = moment + kBodyValues * bodies_.size();
+  const double* values = moment + static_cast<std::size_t>(body_values()) * bodies_.size();
   for (const Thing& thing : things_) {
     const double* const v = values;
     values += kObstacleValues;

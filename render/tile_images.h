@@ -1,0 +1,135 @@
+// Pixels of drawn tiles, and their places in images.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "render/kernels/kernel_table.h"
+#include "render/ray_tiles.h"
+#include "render/renderer.h"
+
+namespace skybody::render {
+
+/// Results of the kernels.
+struct DrawnTile {
+  float depth[kTilePixels];
+  std::uint32_t id[kTilePixels];
+  std::int32_t surface[kTilePixels];
+  float normal[3 * kTilePixels];
+  std::uint32_t color[kTilePixels];
+};
+
+/// Distance from the eye at a depth along the optical axis, for the direction (x, y, 1).
+inline float range_at(float depth, float x, float y) {
+  return depth * std::sqrt((x * x + y * y) + 1.0f);
+}
+
+/// Pixels of a tile of a grid.
+struct GridPixels {
+  const float *x, *y;  ///< directions of its columns and rows
+  int width, height;   ///< of its part within the image
+  int image_width;
+  std::size_t first;  ///< index of its first pixel in the image
+  float farthest;     ///< [m]
+
+  /// Calls function(index in the image, index in the tile) for each pixel.
+  template <class Function>
+  void each(Function&& function) const {
+    for (int r = 0; r < height; ++r) {
+      const std::size_t row =
+          first + static_cast<std::size_t>(r) * static_cast<std::size_t>(image_width);
+      for (int c = 0; c < width; ++c) {
+        function(row + static_cast<std::size_t>(c), r * kTileWidth + c);
+      }
+    }
+  }
+  float depth(const DrawnTile& tile, int at) const { return tile.depth[at]; }
+  float range(const DrawnTile& tile, int at) const {
+    if (tile.id[at] == 0) return farthest;
+    return std::min(range_at(tile.depth[at], x[at % kTileWidth], y[at / kTileWidth]), farthest);
+  }
+  /// Component `axis` of the normal, camera axes.
+  float normal(const DrawnTile& tile, int at, int axis) const {
+    return tile.normal[axis * kTilePixels + at];
+  }
+};
+
+/// Pixels of a tile of scattered rays.
+struct RayPixels {
+  const RayTile& tile;
+  const Mat3<double>& axes;  ///< camera axes from the face's
+  float farthest;            ///< [m]
+
+  template <class Function>
+  void each(Function&& function) const {
+    for (int at = 0; at < tile.count; ++at) {
+      function(static_cast<std::size_t>(tile.pixel[at]), at);
+    }
+  }
+  float depth(const DrawnTile& drawn, int at) const {
+    return drawn.id[at] == 0 ? farthest : range(drawn, at) * tile.axial[at];
+  }
+  float range(const DrawnTile& drawn, int at) const {
+    if (drawn.id[at] == 0) return farthest;
+    return std::min(range_at(drawn.depth[at], tile.x[at], tile.y[at]), farthest);
+  }
+  /// The axes are a permutation with signs: the sum is exact.
+  float normal(const DrawnTile& drawn, int at, int axis) const {
+    float sum = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      sum += static_cast<float>(axes(axis, k)) * drawn.normal[k * kTilePixels + at];
+    }
+    return sum;
+  }
+};
+
+template <class Pixels>
+void write_depths(const Pixels& pixels, const DrawnTile& tile, const Frame& frame) {
+  if (frame.depth != nullptr) {
+    pixels.each([&](std::size_t to, int at) { frame.depth[to] = pixels.depth(tile, at); });
+  }
+  if (frame.range != nullptr) {
+    pixels.each([&](std::size_t to, int at) { frame.range[to] = pixels.range(tile, at); });
+  }
+  if (frame.instance != nullptr) {
+    pixels.each([&](std::size_t to, int at) {
+      frame.instance[to] = static_cast<std::uint16_t>(tile.id[at] & 0xffffu);
+    });
+  }
+  if (frame.label != nullptr) {
+    pixels.each([&](std::size_t to, int at) {
+      frame.label[to] = static_cast<std::uint8_t>(tile.id[at] >> 16);
+    });
+  }
+}
+
+/// @param parts  that the surfaces of the tile number
+template <class Pixels>
+void write_shapes(const Pixels& pixels, const DrawnTile& tile, const SeenShape* parts,
+                  const Frame& frame) {
+  pixels.each([&](std::size_t to, int at) {
+    const std::int32_t surface = tile.surface[at];
+    frame.shape[to] = surface < 0 ? -1 : parts[surface >> 2].shape;
+  });
+}
+
+template <class Pixels>
+void write_shades(const Pixels& pixels, const DrawnTile& tile, const Frame& frame) {
+  if (frame.normal != nullptr) {
+    pixels.each([&](std::size_t to, int at) {
+      for (int k = 0; k < 3; ++k) {
+        frame.normal[3 * to + static_cast<std::size_t>(k)] = pixels.normal(tile, at, k);
+      }
+    });
+  }
+  if (frame.rgb == nullptr) return;
+  pixels.each([&](std::size_t to, int at) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      frame.rgb[3 * to + k] = static_cast<std::uint8_t>(tile.color[at] >> (8 * k));
+    }
+  });
+}
+
+}  // namespace skybody::render

@@ -1,0 +1,151 @@
+// Exposures of the world's shapes at a rate, with a latency: the base of cameras and lidars.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "render/renderer.h"
+#include "sensors/common/mount.h"
+#include "sensors/imaging/frame_clock.h"
+#include "sensors/imaging/world_shapes.h"
+
+namespace skybody::sensor {
+
+/// A sensor that draws images of an environment as it was at an exposure. The state keeps the poses
+/// of exposures that have not arrived, never pixels.
+class ImageSensor : public Sensor {
+ public:
+  void sense(const EnvView<double>& env, State<double>&, Values<double>,
+             Values<double> buffer) const {
+    const auto now = static_cast<std::int64_t>(env.physics_step());
+    double* const moment = env.scratch_block();
+    const std::int64_t exposure = clock_.exposure_at(now), arrival = clock_.arrival_at(now);
+    const bool is_kept = exposure >= 0 && clock_.latency > 0;
+    const bool is_drawn = is_read(env, now) && (now == 0 || arrival >= 0);
+    if (is_kept || (is_drawn && (now == 0 || clock_.latency == 0))) shapes_->capture(env, moment);
+    if (is_kept) keep(moment, exposure, buffer);
+    if (!is_drawn) return;
+    if (now > 0 && clock_.latency > 0) recall(arrival, buffer, moment);
+    expose(env, moment);
+  }
+
+ protected:
+  /// An exposure to draw.
+  struct Exposure {
+    render::Eye eye;
+    std::span<const render::PlacedShape> shapes;
+    const double* moment;  ///< for world_shapes()
+    double* memory;        ///< of the renderer, and the room asked for in configure_exposures()
+  };
+
+  /// @param range_doc  meaning of `max_range`
+  ImageSensor(double max_range, const char* range_doc)
+      : max_range_(this, real("max_range", "m", max_range, between(1e-3, 1e6), range_doc)) {}
+
+  /// Call in configure(), before the images are declared.
+  /// @param view  render::Pinhole or render::RayImage
+  /// @param room  doubles of memory beside the renderer's
+  /// @param has_motion  exposures hold velocities of bodies
+  /// @throws std::runtime_error for times that cannot be, and scenes that cannot be drawn
+  template <class View>
+  void configure_exposures(const Setup& setup, const View& view, std::size_t room,
+                           bool has_motion = false) {
+    mount_.configure(setup);
+    set_clock(setup);
+    shapes_.emplace(setup, mount_.body(), sees_own_robot_.value() ? -1 : mount_.robot(),
+                    ground_.value(), has_motion);
+    renderer_.emplace(view, shapes_->most(), max_range_.value(), render::kernels_of(best_isa()));
+    const auto of_shapes = static_cast<std::size_t>(shapes_->most()) * kShapeSize;
+    setup.scratch(shapes_->moment_size() +
+                  static_cast<int>(of_shapes + renderer_->scratch_size() + room));
+    if (clock_.latency > 0) setup.buffer(clock_.most_kept() * shapes_->moment_size());
+  }
+
+  int robot() const { return mount_.robot(); }
+  double max_range() const { return max_range_.value(); }
+  const render::Renderer& renderer() const { return *renderer_; }
+  const WorldShapes& world_shapes() const { return *shapes_; }
+
+  /// Draws the images of an exposure.
+  virtual void draw(const EnvView<double>& env, const Exposure& exposure) const = 0;
+
+ private:
+  static_assert(std::is_trivially_copyable_v<render::PlacedShape>, "lies in scratch memory");
+  static constexpr std::size_t kShapeSize = (sizeof(render::PlacedShape) + 7) / 8;
+  /// Most exposures that a latency keeps.
+  static constexpr int kMostKept = 64;
+
+  void set_clock(const Setup& setup) {
+    clock_ = {period_.value(), phase_.value(), latency_.value()};
+    if (clock_.phase >= clock_.period) {
+      refuse("`phase` is ", clock_.phase, "; allowed: 0 to ", clock_.period - 1,
+             ", less than `period`");
+    }
+    if (clock_.most_kept() > kMostKept) {
+      refuse("`latency` is ", clock_.latency / clock_.period, " periods; allowed: less than ",
+             kMostKept, ": give a shorter `latency` or a longer `period`");
+    }
+    if (clock_.is_regular()) setup.period(static_cast<int>(clock_.period));
+  }
+
+  /// Whether the image is read before the next one arrives.
+  bool is_read(const EnvView<double>& env, std::int64_t now) const {
+    const std::uint64_t rest = env.steps_to_read();
+    if (rest == SKYBODY_NEVER_READ) return false;
+    return now == 0 || rest < static_cast<std::uint64_t>(clock_.period);
+  }
+
+  int place_of(std::int64_t exposure) const {
+    return static_cast<int>(exposure % clock_.most_kept()) * shapes_->moment_size();
+  }
+  void keep(const double* moment, std::int64_t exposure, const Values<double>& buffer) const {
+    const int first = place_of(exposure);
+    for (int k = 0; k < shapes_->moment_size(); ++k) buffer.set(first + k, moment[k]);
+  }
+  void recall(std::int64_t exposure, const Values<double>& buffer, double* moment) const {
+    const int first = place_of(exposure);
+    for (int k = 0; k < shapes_->moment_size(); ++k) moment[k] = buffer[first + k];
+  }
+
+  void expose(const EnvView<double>& env, double* moment) const {
+    double* const shapes = moment + shapes_->moment_size();
+    Exposure exposure;
+    WorldShapes::mount(moment, exposure.eye.position, exposure.eye.axes);
+    exposure.eye.position += exposure.eye.axes * mount_.point(env);
+    exposure.eye.axes = exposure.eye.axes * to_mat3(mount_.rotation(env)) * from_camera();
+    exposure.shapes = shapes_->place(moment, reinterpret_cast<render::PlacedShape*>(shapes));
+    exposure.moment = moment;
+    exposure.memory = shapes + static_cast<std::size_t>(shapes_->most()) * kShapeSize;
+    draw(env, exposure);
+  }
+
+  /// (forward, left, up) from camera axes.
+  static Mat3<double> from_camera() {
+    Mat3<double> axes{};
+    axes(0, 2) = 1.0;
+    axes(1, 0) = axes(2, 1) = -1.0;
+    return axes;
+  }
+
+  Mount mount_{this};
+  RealParameter max_range_;
+  BooleanParameter ground_{this, boolean("ground", true, "the plane z = 0 of W is seen")};
+  BooleanParameter sees_own_robot_{
+      this, boolean("sees_own_robot", false, "the sensor's own robot is seen")};
+  IntegerParameter period_{
+      this, integer("period", "physics steps", 1, between(1, 1000000), "interval of exposures")};
+  IntegerParameter phase_{this, integer("phase", "physics steps", 0, between(0, 1000000),
+                                        "step of the first exposure, below `period`")};
+  IntegerParameter latency_{this, integer("latency", "physics steps", 0, between(0, 1000),
+                                          "time from an exposure to its image")};
+
+  FrameClock clock_;
+  std::optional<WorldShapes> shapes_;
+  std::optional<render::Renderer> renderer_;
+};
+
+}  // namespace skybody::sensor
