@@ -48,7 +48,7 @@ class Body:
         base = f"robots.{robot}.base"
         self.position = envs.state(f"{base}.position")[k]
         self.turn = Rotation.from_quat(envs.state(f"{base}.rotation")[k][[1, 2, 3, 0]])
-        self.velocity = envs.state(f"{base}.linear_velocity")[k]
+        self.velocity = envs.state(f"{base}.velocity")[k]
         self.rate = self.turn.apply(envs.state(f"{base}.angular_velocity")[k])
 
     def after(self, time: float) -> tuple[Reals, Rotation]:
@@ -99,7 +99,7 @@ def test_flow_is_the_velocity_of_projected_points() -> None:
             scale = np.abs(flow).max() + 1.0
             error = np.abs(observation["eye_flow"][k] - flow) * is_seen
             assert np.max(error) < 2e-4 * scale  # depths are float32: 1e-5 of them
-    assert seen_other > 500
+    assert seen_other > 200
 
 
 def test_the_skys_flow_is_the_cameras_turning_alone() -> None:
