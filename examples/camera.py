@@ -1,4 +1,4 @@
-"""A camera and a lidar on a racing vehicle: adds them to a scenario, and saves what they see.
+"""A camera and a lidar on a racing vehicle: adds them to a scenario, and saves their images.
 
 python examples/camera.py [--out cameras.png]
 """

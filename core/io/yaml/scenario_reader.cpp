@@ -352,9 +352,8 @@ class ScenarioReader {
   static std::vector<const ParameterValue*> by_name(const std::vector<ParameterValue>& values) {
     std::vector<const ParameterValue*> sorted;
     for (const ParameterValue& value : values) sorted.push_back(&value);
-    std::sort(sorted.begin(), sorted.end(), [](const ParameterValue* a, const ParameterValue* b) {
-      return a->name < b->name;
-    });
+    std::sort(sorted.begin(), sorted.end(),
+              [](const ParameterValue* a, const ParameterValue* b) { return a->name < b->name; });
     return sorted;
   }
 
