@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/math/math.h"
+#include "render/mesh.h"
 
 namespace skybody::render {
 namespace {
@@ -104,6 +105,15 @@ void cast_cylinder(const PlacedShape& placed, int shape, const Lit& lit, Light& 
   add(caster, lit, lit.center, {radius, radius, half}, light, casters);
 }
 
+/// The box about a mesh casts its shadow.
+PlacedShape box_about(const PlacedShape& placed) {
+  PlacedShape box = placed;
+  box.solid = Solid::kBox;
+  box.position += placed.axes * placed.mesh->center();
+  box.half = placed.mesh->half();
+  return box;
+}
+
 }  // namespace
 
 void set_sides(Light& light) {
@@ -117,6 +127,7 @@ void set_sides(Light& light) {
 
 void cast(const PlacedShape& placed, int shape, const Eye& eye, Light& light, Caster* casters) {
   if (placed.solid == Solid::kPlane) return;
+  if (placed.solid == Solid::kMesh) return cast(box_about(placed), shape, eye, light, casters);
   const Lit lit(placed, eye, light);
   if (placed.solid == Solid::kBox) return cast_box(placed, shape, lit, light, casters);
   if (placed.solid == Solid::kSphere) return cast_sphere(placed, shape, 0.0, lit, light, casters);

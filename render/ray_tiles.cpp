@@ -46,9 +46,6 @@ std::vector<int> pixels_by_tile(int width, int height) {
   return order;
 }
 
-/// A cover without extent is the empty one for add().
-constexpr Cover kNowhere{HUGE_VALF, -HUGE_VALF, HUGE_VALF, -HUGE_VALF};
-
 void add(Cover& cover, float x, float y) {
   cover.left = std::min(cover.left, x);
   cover.right = std::max(cover.right, x);

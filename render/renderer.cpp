@@ -3,16 +3,12 @@
 #include <algorithm>
 
 #include "render/caster.h"
+#include "render/mesh.h"
 #include "render/seen_shape.h"
 #include "render/tile_images.h"
 
 namespace skybody::render {
 namespace {
-
-/// Tiles [left, right) x [top, bottom).
-struct TileRange {
-  std::uint16_t left, right, top, bottom;
-};
 
 int tiles_for(int pixels, int size) { return (pixels + size - 1) / size; }
 
@@ -38,6 +34,11 @@ Span tiles_between(float low, float high, const std::vector<float>& centers, int
   const float to = within((high - centers[0]) / step + 2.0f);
   const int first = static_cast<int>(from) / tile, last = tiles_for(static_cast<int>(to), tile);
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(std::max(first, last))};
+}
+
+/// Where the pixels' centres of an axis are.
+GridAxis axis_of(const std::vector<float>& centers, int pixels) {
+  return {centers[0], 1.0f / (centers[1] - centers[0]), static_cast<float>(pixels)};
 }
 
 bool meets(const Cover& a, const Cover& b) {
@@ -66,6 +67,16 @@ Light light_of(const Sky& sky, const Eye& eye, double pixel) {
 
 }  // namespace
 
+/// Tiles [left, right) x [top, bottom).
+struct Renderer::TileRange {
+  std::uint16_t left, right, top, bottom;
+};
+
+/// Numbers of parts and triangles that an eye may see.
+struct Renderer::Seen {
+  int parts = 0, triangles = 0;
+};
+
 /// Parts of shapes with their tiles, the lists of a band of tiles, and casters of shadows.
 struct Renderer::Scratch {
   SeenShape* parts = nullptr;
@@ -76,10 +87,14 @@ struct Renderer::Scratch {
   Caster* casters = nullptr;
   CasterBounds bounds{};
   std::uint16_t* shadows = nullptr;  ///< casters of a tile
-  std::size_t size = 0;              ///< doubles
+  SeenTriangle* triangles = nullptr;
+  TileRange* triangle_tiles = nullptr;       ///< of each triangle, in a grid
+  std::uint16_t* triangle_counts = nullptr;  ///< of the lists of a band
+  std::uint16_t* triangle_lists = nullptr;   ///< as `lists`
+  std::size_t size = 0;                      ///< doubles
 
   /// @param memory  `size` doubles; null: only computes the size
-  Scratch(double* memory, int most_parts, int columns) : memory_(memory) {
+  Scratch(double* memory, int most_parts, int most_triangles, int columns) : memory_(memory) {
     const auto most = static_cast<std::size_t>(most_parts);
     const auto tiles_of_band = static_cast<std::size_t>(columns);
     take(parts, most);
@@ -93,6 +108,12 @@ struct Renderer::Scratch {
     }
     take(shadows, most);
     take(covers, most);
+    if (most_triangles == 0) return;
+    const auto of_meshes = static_cast<std::size_t>(most_triangles);
+    take(triangles, of_meshes);
+    take(triangle_tiles, of_meshes);
+    take(triangle_counts, tiles_of_band);
+    take(triangle_lists, of_meshes * tiles_of_band + 1);
   }
 
  private:
@@ -105,34 +126,38 @@ struct Renderer::Scratch {
   double* memory_;
 };
 
-Renderer::Renderer(const Pinhole& camera, int most_shapes, double farthest,
+Renderer::Renderer(const Pinhole& camera, const Capacity& most, double farthest,
                    const KernelTable& kernels)
     : width_(camera.width),
       height_(camera.height),
       pixel_(1.0 / camera.focal_x),
       kernels_(&kernels),
-      most_parts_(kMostParts * most_shapes),
+      most_parts_(kMostParts * most.shapes),
+      most_triangles_(most.triangles),
       columns_(tiles_for(camera.width, kTileWidth)),
       bands_(tiles_for(camera.height, kTileHeight)),
       farthest_(static_cast<float>(farthest)),
       x_(directions(camera.width, kTileWidth, camera.center_x, camera.focal_x)),
       y_(directions(camera.height, kTileHeight, camera.center_y, camera.focal_y)) {}
 
-Renderer::Renderer(const RayImage& rays, int most_shapes, double farthest,
+Renderer::Renderer(const RayImage& rays, const Capacity& most, double farthest,
                    const KernelTable& kernels)
     : width_(rays.width),
       height_(rays.height),
       pixel_(widest_pixel(rays)),
       kernels_(&kernels),
-      most_parts_(kMostParts * most_shapes),
+      most_parts_(kMostParts * most.shapes),
+      most_triangles_(most.triangles),
       farthest_(static_cast<float>(farthest)),
       faces_(faces_of(rays)) {}
 
-std::size_t Renderer::scratch_size() const { return Scratch(nullptr, most_parts_, columns_).size; }
+std::size_t Renderer::scratch_size() const {
+  return Scratch(nullptr, most_parts_, most_triangles_, columns_).size;
+}
 
 void Renderer::draw(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
                     double* memory, const Frame& frame) const {
-  const Scratch scratch(memory, most_parts_, columns_);
+  const Scratch scratch(memory, most_parts_, most_triangles_, columns_);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (contains(shapes[i], eye.position)) return fill(shapes[i], static_cast<int>(i), frame);
   }
@@ -156,34 +181,86 @@ Light Renderer::light(const Eye& eye, std::span<const PlacedShape> shapes, const
 
 void Renderer::draw_grid(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
                          const Scratch& scratch, const Frame& frame) const {
-  int count = 0;
+  Seen seen;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    count += list_parts(shapes[i], static_cast<int>(i), eye, scratch, count);
+    const int part = seen.parts;
+    seen.parts += list_parts(shapes[i], static_cast<int>(i), eye, scratch, part);
+    if (shapes[i].solid != Solid::kMesh || seen.parts == part) continue;
+    scratch.tiles[part] = {};  // the mesh's triangles are listed instead
+    const int first = seen.triangles;
+    seen.triangles += see_triangles(shapes[i], eye, part, scratch, first);
+    for (int k = first; k < seen.triangles; ++k) {
+      const float* const bounds = scratch.triangles[k].bounds;
+      const Span x = tiles_between(bounds[0], bounds[1], x_, kTileWidth);
+      const Span y = tiles_between(bounds[2], bounds[3], y_, kTileHeight);
+      scratch.triangle_tiles[k] = {x.first, x.last, y.first, y.last};
+    }
   }
   const Light lit = light(eye, shapes, sky, scratch, frame);
-  for (int band = 0; band < bands_; ++band) draw_band(band, scratch, count, lit, frame);
+  for (int band = 0; band < bands_; ++band) draw_band(band, scratch, seen, lit, frame);
 }
 
 /// @param eye  with the axes of the face
 void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const PlacedShape> shapes,
                          const Sky& sky, const Scratch& scratch, const Frame& frame) const {
-  int count = 0;
+  Seen seen;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const int seen = see(shapes[i], eye, scratch.parts + count, scratch.covers + count);
-    for (int k = 0; k < seen; ++k) scratch.parts[count + k].shape = static_cast<int>(i);
-    count += seen;
+    const int part = seen.parts;
+    seen.parts += see(shapes[i], eye, scratch.parts + part, scratch.covers + part);
+    for (int k = part; k < seen.parts; ++k) scratch.parts[k].shape = static_cast<int>(i);
+    if (shapes[i].solid != Solid::kMesh || seen.parts == part) continue;
+    scratch.covers[part] = kNowhere;  // the mesh's triangles are listed instead
+    seen.triangles += see_triangles(shapes[i], eye, part, scratch, seen.triangles);
   }
   const Light lit = light(eye, shapes, sky, scratch, frame);
   for (const RayTile& tile : face.tiles) {
-    int listed = 0;
-    for (int k = 0; k < count; ++k) {
-      scratch.lists[listed] = static_cast<std::uint16_t>(k);
-      listed += meets(scratch.covers[k], tile.bounds) ? 1 : 0;
+    int shapes_listed = 0, triangles_listed = 0;
+    for (int k = 0; k < seen.parts; ++k) {
+      scratch.lists[shapes_listed] = static_cast<std::uint16_t>(k);
+      shapes_listed += meets(scratch.covers[k], tile.bounds) ? 1 : 0;
     }
-    draw_tile({scratch.parts, scratch.lists, listed, true, tile.x, tile.y, farthest_, nullptr,
-               nullptr, nullptr},
-              RayPixels{tile, face.axes, farthest_}, lit, scratch, frame);
+    for (int k = 0; k < seen.triangles; ++k) {
+      const float* const b = scratch.triangles[k].bounds;
+      scratch.triangle_lists[triangles_listed] = static_cast<std::uint16_t>(k);
+      triangles_listed += meets({b[0], b[1], b[2], b[3]}, tile.bounds) ? 1 : 0;
+    }
+    TileCall call{};
+    call.list = scratch.lists;
+    call.count = shapes_listed;
+    call.triangle_list = scratch.triangle_lists;
+    call.triangle_count = triangles_listed;
+    call.is_scattered = true;
+    call.x = tile.x;
+    call.y = tile.y;
+    draw_tile(call, RayPixels{tile, face.axes, farthest_}, lit, scratch, frame);
   }
+}
+
+/// Writes the triangles of a mesh that may be seen, from `first` on. @returns their number
+int Renderer::see_triangles(const PlacedShape& shape, const Eye& eye, int part,
+                            const Scratch& scratch, int first) const {
+  MeshCall call{};
+  for (int k = 0; k < 9; ++k) call.coordinates[k] = shape.mesh->coordinate(k);
+  call.count = shape.mesh->count();
+  const Vec3<double> from = transpose_times(shape.axes, eye.position - shape.position);
+  call.eye[0] = static_cast<float>(from.x);
+  call.eye[1] = static_cast<float>(from.y);
+  call.eye[2] = static_cast<float>(from.z);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      call.axes[row][column] =
+          static_cast<float>(dot(eye.axes.column(row), shape.axes.column(column)));
+    }
+  }
+  call.has_grid = faces_.empty();
+  if (call.has_grid) {
+    call.columns = axis_of(x_, width_);
+    call.rows = axis_of(y_, height_);
+  }
+  call.id = scratch.parts[part].id;
+  call.part = part;
+  call.seen = scratch.triangles + first;
+  return kernels_->see_mesh(call);
 }
 
 /// Adds the parts of a shape that meet a grid's image, from `first` on. @returns their number
@@ -218,16 +295,26 @@ void Renderer::fill(const PlacedShape& inside, int number, const Frame& frame) c
   if (frame.rgb != nullptr) std::fill_n(frame.rgb, 3 * pixels, std::uint8_t{0});
 }
 
-void Renderer::draw_band(int band, const Scratch& scratch, int count, const Light& light,
-                         const Frame& frame) const {
-  std::fill_n(scratch.counts, columns_, std::uint16_t{0});
+/// Lists the numbers of tile ranges by the columns of a band.
+/// @param lists  `most` per column
+void Renderer::list_band(int band, const TileRange* ranges, int count, int most,
+                         std::uint16_t* counts, std::uint16_t* lists) const {
+  std::fill_n(counts, columns_, std::uint16_t{0});
   for (int k = 0; k < count; ++k) {
-    const TileRange& range = scratch.tiles[k];
+    const TileRange& range = ranges[k];
     if (band < range.top || band >= range.bottom) continue;
     for (int column = range.left; column < range.right; ++column) {
-      scratch.lists[column * most_parts_ + scratch.counts[column]++] =
-          static_cast<std::uint16_t>(k);
+      lists[column * most + counts[column]++] = static_cast<std::uint16_t>(k);
     }
+  }
+}
+
+void Renderer::draw_band(int band, const Scratch& scratch, const Seen& seen, const Light& light,
+                         const Frame& frame) const {
+  list_band(band, scratch.tiles, seen.parts, most_parts_, scratch.counts, scratch.lists);
+  if (seen.triangles > 0) {
+    list_band(band, scratch.triangle_tiles, seen.triangles, most_triangles_,
+              scratch.triangle_counts, scratch.triangle_lists);
   }
   const int top = band * kTileHeight;
   for (int column = 0; column < columns_; ++column) {
@@ -240,24 +327,34 @@ void Renderer::draw_band(int band, const Scratch& scratch, int count, const Ligh
                             static_cast<std::size_t>(top) * static_cast<std::size_t>(width_) +
                                 static_cast<std::size_t>(left),
                             farthest_};
-    draw_tile({scratch.parts, scratch.lists + column * most_parts_, scratch.counts[column], false,
-               pixels.x, pixels.y, farthest_, nullptr, nullptr, nullptr},
-              pixels, light, scratch, frame);
+    TileCall call{};
+    call.list = scratch.lists + column * most_parts_;
+    call.count = scratch.counts[column];
+    if (seen.triangles > 0) {
+      call.triangle_list = scratch.triangle_lists + column * most_triangles_;
+      call.triangle_count = scratch.triangle_counts[column];
+    }
+    call.x = pixels.x;
+    call.y = pixels.y;
+    draw_tile(call, pixels, light, scratch, frame);
   }
 }
 
-/// @param call    without memory for results
+/// @param call    with lists and directions
 /// @param pixels  GridPixels or RayPixels
 template <class Pixels>
 void Renderer::draw_tile(TileCall call, const Pixels& pixels, const Light& light,
                          const Scratch& scratch, const Frame& frame) const {
   DrawnTile tile;
+  call.shapes = scratch.parts;
+  call.triangles = scratch.triangles;
+  call.farthest = farthest_;
   call.depth = tile.depth;
   call.id = tile.id;
   call.surface = frame.is_shaded() || frame.shape != nullptr ? tile.surface : nullptr;
   kernels_->draw(call);
   write_depths(pixels, tile, frame);
-  if (frame.shape != nullptr) write_shapes(pixels, tile, scratch.parts, frame);
+  if (frame.shape != nullptr) write_shapes(pixels, tile, scratch.parts, scratch.triangles, frame);
   if (!frame.is_shaded()) return;
   kernels_->shade({call, &light, scratch.shadows, frame.normal != nullptr ? tile.normal : nullptr,
                    frame.rgb != nullptr ? tile.color : nullptr});

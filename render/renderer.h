@@ -35,20 +35,31 @@ struct Frame {
   bool is_shaded() const { return normal != nullptr || rgb != nullptr; }
 };
 
+/// The most that a scene has.
+struct Capacity {
+  int shapes;     ///< with meshes
+  int triangles;  ///< of all meshes
+
+  Capacity(int most_shapes, int most_triangles = 0)
+      : shapes(most_shapes), triangles(most_triangles) {}
+};
+
 /// Immutable: threads may share one, each with its own scratch memory.
 class Renderer {
  public:
-  /// @param most_shapes  most shapes of a call of draw()
-  /// @param farthest     depth of pixels that see nothing, and of farther surfaces [m], > 0; of a
+  /// @param most      of a call of draw()
+  /// @param farthest  depth of pixels that see nothing, and of farther surfaces [m], > 0; of a
   ///   RayImage the range
-  /// @param kernels      kernels_of(best_isa()), or others: all give the same bits
-  Renderer(const Pinhole& camera, int most_shapes, double farthest, const KernelTable& kernels);
-  Renderer(const RayImage& rays, int most_shapes, double farthest, const KernelTable& kernels);
+  /// @param kernels   kernels_of(best_isa()), or others: all give the same bits
+  Renderer(const Pinhole& camera, const Capacity& most, double farthest,
+           const KernelTable& kernels);
+  Renderer(const RayImage& rays, const Capacity& most, double farthest, const KernelTable& kernels);
 
   /// Doubles of scratch memory for draw().
   std::size_t scratch_size() const;
 
   /// An eye inside of a shape sees that shape at distance 0 in all pixels; its normals are 0.
+  /// Meshes have no inside.
   /// @param scratch  scratch_size() doubles, content undefined
   void draw(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky, double* scratch,
             const Frame& frame) const;
@@ -58,7 +69,13 @@ class Renderer {
 
  private:
   struct Scratch;
+  struct TileRange;
+  struct Seen;
 
+  int see_triangles(const PlacedShape& shape, const Eye& eye, int part, const Scratch& scratch,
+                    int first) const;
+  void list_band(int band, const TileRange* ranges, int count, int most, std::uint16_t* counts,
+                 std::uint16_t* lists) const;
   int list_parts(const PlacedShape& shape, int number, const Eye& eye, const Scratch& scratch,
                  int first) const;
   void fill(const PlacedShape& inside, int number, const Frame& frame) const;
@@ -68,7 +85,7 @@ class Renderer {
                  const Scratch& scratch, const Frame& frame) const;
   void draw_face(const RayFace& face, const Eye& eye, std::span<const PlacedShape> shapes,
                  const Sky& sky, const Scratch& scratch, const Frame& frame) const;
-  void draw_band(int band, const Scratch& scratch, int count, const Light& light,
+  void draw_band(int band, const Scratch& scratch, const Seen& seen, const Light& light,
                  const Frame& frame) const;
   template <class Pixels>
   void draw_tile(TileCall call, const Pixels& pixels, const Light& light, const Scratch& scratch,
@@ -77,7 +94,7 @@ class Renderer {
   int width_, height_;  ///< [pixels]
   double pixel_;        ///< Light::pixel
   const KernelTable* kernels_;
-  int most_parts_;
+  int most_parts_, most_triangles_;
   int columns_ = 1, bands_ = 0;  ///< of tiles, of a grid
   float farthest_;
   std::vector<float> x_, y_;    ///< directions of a grid's pixels, up to whole tiles

@@ -16,7 +16,8 @@ enum class Solid {
   kSphere,
   kCylinder,  ///< about z
   kCapsule,   ///< about z
-  kPlane      ///< the half-space below z = 0
+  kPlane,     ///< the half-space below z = 0
+  kMesh       ///< the triangles of a Mesh
 };
 
 /// The class of a shape. The numbers are pixels of class images.
@@ -32,6 +33,8 @@ struct Paint {
   float square = 0.0f;              ///< edge length of the squares of a plane [m]; 0: none
 };
 
+class Mesh;
+
 /// A shape at its place in the world.
 struct PlacedShape {
   Solid solid = Solid::kSphere;
@@ -44,6 +47,7 @@ struct PlacedShape {
   std::uint16_t instance = 0;            ///< above 0
   Label label = Label::kNothing;
   Paint paint;
+  const Mesh* mesh = nullptr;  ///< of a kMesh, which has no `half`
 };
 
 /// A place to see from.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/math/math.h"
+#include "render/mesh.h"
 
 namespace skybody::render {
 namespace {
@@ -184,6 +185,23 @@ int see_capsule(const PlacedShape& shape, Placed& placed, SeenShape* parts, Cove
   return count;
 }
 
+/// The box about a mesh, as a cover of it.
+bool see_mesh(const PlacedShape& shape, Placed& placed, SeenShape& part, Cover& cover) {
+  const Vec3<double>&middle = shape.mesh->center(), &half = shape.mesh->half();
+  CoverSum corners;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [corner](int axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; };
+    corners.add(placed.center + placed.axis[0] * (middle.x + side(0) * half.x) +
+                    placed.axis[1] * (middle.y + side(1) * half.y) +
+                    placed.axis[2] * (middle.z + side(2) * half.z),
+                0.0);
+  }
+  if (corners.is_behind()) return false;
+  cover = corners.cover();
+  part = start_part(shape, Form::kBox1);  // it is in no tile's list
+  return true;
+}
+
 /// `value` modulo 2, in [0, 2).
 double modulo_two(double value) { return value - 2.0 * floor(0.5 * value); }
 
@@ -220,6 +238,8 @@ bool contains(const PlacedShape& shape, const Vec3<double>& eye) {
     }
     case Solid::kPlane:
       return at.z <= 0.0;
+    case Solid::kMesh:
+      return false;
   }
   return false;
 }
@@ -238,6 +258,8 @@ int see(const PlacedShape& shape, const Eye& eye, SeenShape* parts, Cover* cover
     case Solid::kPlane:
       see_plane(shape, placed, parts[0], covers[0]);
       return 1;
+    case Solid::kMesh:
+      return see_mesh(shape, placed, parts[0], covers[0]) ? 1 : 0;
   }
   return 0;
 }

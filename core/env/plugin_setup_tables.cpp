@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/io/urdf/triangle_mesh_reader.h"
 #include "core/physics/bodies/default_state.h"
 
 namespace skybody {
@@ -273,6 +274,28 @@ BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
   }
 }
 
+template <class Read>
+const SkybodyTriangles* MeshTables::table(const std::string& key, Read&& read) {
+  const auto [found, is_new] = tables_.try_emplace(key);
+  Table& table = found->second;
+  if (is_new) {
+    table.problem = read(table.mesh);
+    table.triangles = {table.mesh.corners.data(), table.mesh.count(), table.problem.c_str()};
+  }
+  return &table.triangles;
+}
+
+const SkybodyTriangles* MeshTables::of_file(const std::string& file) {
+  return table(file, [&](TriangleMesh& mesh) { return read_triangle_mesh(file, mesh); });
+}
+
+const SkybodyTriangles* MeshTables::of_field(const Shape& shape) {
+  const std::string key = "field " + std::to_string(reinterpret_cast<std::uintptr_t>(&shape));
+  return table(key, [&](TriangleMesh& mesh) {
+    return triangulate(*shape.heights, shape.size.x, shape.size.y, mesh);
+  });
+}
+
 SetupTables::SetupTables(const Topology& topology, const StateLayout& layout)
     : scenario_(topology.scenario), layout_(layout) {
   for (int i = 0; i < static_cast<int>(scenario_.robots.size()); ++i) {
@@ -320,22 +343,25 @@ void SetupTables::add_shapes(const Topology& topology) {
   }
 }
 
-/// Meshes of visuals are not read: a body with one is drawn by its collision shapes, in the colour
+/// A body with a mesh of a format that is not read is drawn by its collision shapes, in the colour
 /// of its first visual.
 void SetupTables::add_visuals(const Topology& topology) {
-  const auto is_mesh = [](const Shape& shape) { return shape.type == ShapeType::kMesh; };
+  const auto is_unreadable = [](const Shape& shape) {
+    return shape.type == ShapeType::kMesh && !is_readable_mesh(shape.mesh);
+  };
   for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
     const Body& body = *topology.bodies[static_cast<std::size_t>(i)].model;
-    const bool has_closed_forms =
-        !body.visuals.empty() && std::none_of(body.visuals.begin(), body.visuals.end(), is_mesh);
-    for (const Shape& shape : has_closed_forms ? body.visuals : body.collisions) {
+    const bool is_drawn = !body.visuals.empty() &&
+                          std::none_of(body.visuals.begin(), body.visuals.end(), is_unreadable);
+    for (const Shape& shape : is_drawn ? body.visuals : body.collisions) {
       SkybodyVisualInfo& info = visuals_.emplace_back();
-      info.shape = shape_info(contact_shape(shape), body.name);
-      info.shape.mesh = "";
+      const Shape drawn = is_drawn ? shape : contact_shape(shape);
+      info.shape = shape_info(drawn, body.name);
+      info.shape.mesh = shape.mesh.c_str();
+      visual_shapes_.push_back(&shape);
       info.shape.robot = topology.bodies[static_cast<std::size_t>(i)].robot;
       info.shape.body = i;
-      const Shape& painted =
-          has_closed_forms || body.visuals.empty() ? shape : body.visuals.front();
+      const Shape& painted = is_drawn || body.visuals.empty() ? shape : body.visuals.front();
       std::copy(painted.rgba.begin(), painted.rgba.end(), info.color);
     }
   }
@@ -368,6 +394,15 @@ SkybodySetup SetupTables::setup(const std::string& instance, const std::vector<i
   s.shape_count = static_cast<int>(shapes_.size());
   s.visuals = visuals_.data();
   s.visual_count = static_cast<int>(visuals_.size());
+  s.tables = const_cast<SetupTables*>(this);
+  s.visual_triangles = [](void* tables, int32_t visual) {
+    const auto& own = *static_cast<const SetupTables*>(tables);
+    return own.meshes_.of_file(own.visual_shapes_[static_cast<std::size_t>(visual)]->mesh_file);
+  };
+  s.obstacle_triangles = [](void* tables, int32_t obstacle) {
+    const auto& own = *static_cast<const SetupTables*>(tables);
+    return own.meshes_.of_field(own.scenario_.obstacles[static_cast<std::size_t>(obstacle)].shape);
+  };
   s.params = params_.data();
   s.param_count = static_cast<int>(params_.size());
   s.values = values.data();

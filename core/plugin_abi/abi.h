@@ -204,12 +204,19 @@ typedef struct SkybodyShapeInfo {
   double rotation[4];  /* body frame (obstacles: W) from the shape's frame, w x y z */
 } SkybodyShapeInfo;
 
-/* A shape to draw: a visual of a body, or a collision shape of a body without visuals. Obstacles
- * are drawn as in SkybodySetup::shapes. */
+/* A shape to draw: a visual of a body, or a collision shape of a body without visuals, or with a
+ * mesh of a format that is not read. Obstacles are drawn as in SkybodySetup::shapes. */
 typedef struct SkybodyVisualInfo {
   SkybodyShapeInfo shape; /* `obstacle` and `first_param` are -1 */
   double color[4];        /* red, green, blue, opacity, each in [0, 1] */
 } SkybodyVisualInfo;
+
+/* Triangles to draw. */
+typedef struct SkybodyTriangles {
+  const float* corners; /* nine numbers per triangle: x, y, z of each corner, unscaled [m] */
+  int32_t count;
+  const char* problem; /* why there are none, such as "is not found"; "" if there are */
+} SkybodyTriangles;
 
 /* A randomizable value. */
 typedef struct SkybodyEnvParamInfo {
@@ -251,6 +258,11 @@ typedef struct SkybodySetup {
   int32_t param_count;
   const SkybodyValue* values; /* this plugin's parameters */
   int32_t value_count;
+  /* The triangles of a visual of the kind SKYBODY_MESH, and those of an obstacle of the kind
+   * SKYBODY_HEIGHT_FIELD (by its index among the obstacles). Files are read at the first call. */
+  const SkybodyTriangles* (*visual_triangles)(void* tables, int32_t visual);
+  const SkybodyTriangles* (*obstacle_triangles)(void* tables, int32_t obstacle);
+  void* tables;
 } SkybodySetup;
 
 /* Element types of images. Vectors are doubles in lanes, and float32 for learners. */

@@ -22,6 +22,7 @@ using EnvParamInfo = SkybodyEnvParamInfo;
 using ChainInfo = SkybodyChainInfo;
 using ShapeInfo = SkybodyShapeInfo;
 using VisualInfo = SkybodyVisualInfo;
+using Triangles = SkybodyTriangles;
 
 /// Signals between controllers; sizes, units and frames in signals.h.
 enum class Signal {
@@ -95,6 +96,14 @@ class Setup {
   /// Shapes to draw, in body order: the visuals of each body, or the collision shapes of a body
   /// that has none.
   View<VisualInfo> visuals() const { return {raw_.visuals, raw_.visual_count}; }
+  /// Triangles of a visual of the kind SKYBODY_MESH. The file is read at the first call.
+  /// @param visual  index in visuals()
+  /// @throws std::runtime_error with the file and the reason if it has none
+  const Triangles& visual_triangles(int visual) const;
+  /// Triangles of an obstacle of the kind SKYBODY_HEIGHT_FIELD.
+  /// @param obstacle  ShapeInfo::obstacle
+  /// @throws std::runtime_error with the obstacle's name and the reason if it has none
+  const Triangles& obstacle_triangles(int obstacle) const;
 
   /// Controllers: indices of the robots that this one serves: its own robot, or its team in the
   /// order of the scenario's list. Empty for others.

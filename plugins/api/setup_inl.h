@@ -119,6 +119,20 @@ inline void Setup::privileged_channel(const std::string& name, const std::string
   declare_.channel(declare_.host, &channel);
 }
 
+inline const Triangles& Setup::visual_triangles(int visual) const {
+  const Triangles& found = *raw_.visual_triangles(raw_.tables, visual);
+  if (*found.problem == '\0') return found;
+  const ShapeInfo& shape = raw_.visuals[visual].shape;
+  refuse("the mesh `", shape.mesh, "` of the body `", shape.name, "` ", found.problem,
+         ": mend or simplify the file, or draw the body as boxes, cylinders, spheres or capsules");
+}
+
+inline const Triangles& Setup::obstacle_triangles(int obstacle) const {
+  const Triangles& found = *raw_.obstacle_triangles(raw_.tables, obstacle);
+  if (*found.problem == '\0') return found;
+  refuse("the height field ", obstacle, " of the obstacles ", found.problem, ": use a coarser one");
+}
+
 template <class T>
 Image<T> Setup::image(const std::string& name, const std::vector<int>& shape, int robot, double low,
                       double high) const {

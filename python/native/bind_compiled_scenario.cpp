@@ -66,6 +66,26 @@ std::vector<std::string> robot_names(const CompiledScenario& compiled) {
   return names;
 }
 
+std::map<std::string, std::string> sensors_of(const CompiledScenario& compiled) {
+  std::map<std::string, std::string> sensors;
+  for (const PluginUse& use : compiled.scenario().sensors) sensors[use.instance] = use.plugin;
+  return sensors;
+}
+
+/// The values of a sensor's parameters, each as a list.
+nb::dict sensor_parameters(const CompiledScenario& compiled, const std::string& name) {
+  for (const PluginUse& use : compiled.scenario().sensors) {
+    if (use.instance != name) continue;
+    nb::dict parameters;
+    for (const ParameterValue& value : use.parameters) {
+      const bool is_text = value.type == ParameterType::kText;
+      parameters[value.name.c_str()] = is_text ? nb::cast(value.texts) : nb::cast(value.numbers);
+    }
+    return parameters;
+  }
+  throw nb::value_error(("no sensor is called `" + name + "`").c_str());
+}
+
 std::vector<std::string> param_paths(const CompiledScenario& compiled) {
   std::vector<std::string> paths;
   for (const EnvParam& p : compiled.layout().param_info) paths.push_back(p.path);
@@ -245,6 +265,20 @@ void bind_time_and_spaces(nb::class_<LoadedScenario>& c) {
                 "What an action row consists of, one channel per agent.");
 }
 
+void bind_sensors(nb::class_<LoadedScenario>& c) {
+  using E = LoadedScenario;
+  c.def_prop_ro(
+      "sensors", [](const E& e) { return sensors_of(*e); },
+      "Plugins of the sensors, by the sensors' names.");
+  c.def(
+      "sensor_parameters",
+      [](const E& e, const std::string& name) { return sensor_parameters(*e, name); },
+      nb::arg("name"),
+      nb::sig("def sensor_parameters(self, name: str) -> dict[str, list[float] | list[str]]"),
+      "The values of a sensor's parameters in the scenario, defaults included; true is 1.\n\n"
+      "Raises ValueError if there is no such sensor.");
+}
+
 void bind_params(nb::class_<LoadedScenario>& c) {
   using E = LoadedScenario;
   c.def_prop_ro(
@@ -306,6 +340,7 @@ void bind_compiled_scenario(nb::module_& m) {
       nb::sig("def __deepcopy__(self, memo: typing.Any) -> typing.Self"));
   bind_identity(c);
   bind_time_and_spaces(c);
+  bind_sensors(c);
   bind_params(c);
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 EXTRAS = {  # of the modules that are imported at their first use; empty: a plain installation
+    "camera": "",
     "env": "",
     "vector": "",
     "multi_agent": "multi-agent",

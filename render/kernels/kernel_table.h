@@ -59,19 +59,51 @@ struct SeenShape {
   float place[2];        ///< of the eye in the squares' axes, in edge lengths, modulo 2
 };
 
+/// Most lanes of a kernel: arrays for the kernels are padded to multiples of it.
+inline constexpr int kMostLanes = 16;
+
+/// A triangle of a mesh as seen from an eye.
+struct SeenTriangle {
+  Linear f[4];      ///< w of its plane; three edges, at least 0 inside
+  float bounds[4];  ///< of its picture: left, right, top, bottom
+  uint32_t id;      ///< as SeenShape::id
+  int32_t part;     ///< index of the SeenShape that has its mesh's paint
+};
+
+/// Pixel centres of a grid along an axis: first, first + step, ...
+struct GridAxis {
+  float first, inverse_step, count;
+};
+
+/// A mesh to be seen from an eye.
+struct MeshCall {
+  const float* coordinates[9];  ///< x, y, z of each corner, `count` each, padded
+  int count;
+  float eye[3];      ///< in the mesh's frame [m]
+  float axes[3][3];  ///< rows: axes of the camera, in the mesh's frame
+  bool has_grid;     ///< triangles without a pixel centre are left out
+  GridAxis columns, rows;
+  uint32_t id;
+  int32_t part;
+  SeenTriangle* seen;  ///< room for `count`
+};
+
 /// A tile of an image.
 struct TileCall {
   const SeenShape* shapes;
   const uint16_t* list;  ///< indices of the shapes that may be seen in it, ascending
   int count;             ///< of the list
-  bool is_scattered;     ///< rays have directions one by one, and `farthest` is their range
-  const float* x;        ///< kTileWidth directions; scattered: kTilePixels
-  const float* y;        ///< kTileHeight directions; scattered: kTilePixels
-  float farthest;        ///< [m]
-  float* depth;          ///< kTilePixels, along the optical axis [m]; `farthest` for id 0
-  uint32_t* id;          ///< kTilePixels; 0: nothing
-  int32_t*
-      surface;  ///< kTilePixels: 4 * index of the shape + its face, -1: nothing; null: not wanted
+  const SeenTriangle* triangles;
+  const uint16_t* triangle_list;  ///< as `list`
+  int triangle_count;
+  bool is_scattered;  ///< rays have directions one by one, and `farthest` is their range
+  const float* x;     ///< kTileWidth directions; scattered: kTilePixels
+  const float* y;     ///< kTileHeight directions; scattered: kTilePixels
+  float farthest;     ///< [m]
+  float* depth;       ///< kTilePixels, along the optical axis [m]; `farthest` for id 0
+  uint32_t* id;       ///< kTilePixels; 0: nothing
+  int32_t* surface;   ///< kTilePixels: 4 * index of the shape + its face, -2 - index of the
+                     ///< triangle, -1: nothing; null: not wanted
 };
 
 /// Forms of bodies that cast shadows.
@@ -125,6 +157,8 @@ struct ShadeCall {
 
 /// The functions for one instruction set.
 struct KernelTable {
+  /// Writes the triangles that may be seen. @returns their number
+  int (*see_mesh)(const MeshCall&);
   /// Depth and id of each pixel, and the surface if wanted.
   void (*draw)(const TileCall&);
   void (*shade)(const ShadeCall&);

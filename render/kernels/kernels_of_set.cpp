@@ -1,9 +1,11 @@
 // The kernels of one instruction set; compiled once per set (CMakeLists.txt).
-#include "render/kernels/hits.h"
 #include "render/kernels/shades.h"
+#include "render/kernels/tiles.h"
 
 namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
 namespace {
+
+int see_triangles(const MeshCall& call) { return see_mesh(call); }
 
 template <class Rays>
 void draw_rays(const TileCall& call) {
@@ -33,6 +35,6 @@ void shade(const ShadeCall& call) {
 }  // namespace
 
 extern const KernelTable kTable;  // also of sets that kernel_table.h does not list
-const KernelTable kTable = {.draw = draw, .shade = shade};
+const KernelTable kTable = {.see_mesh = see_triangles, .draw = draw, .shade = shade};
 
 }  // namespace skybody::render::kernels::SKYBODY_KERNEL_SET

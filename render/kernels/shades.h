@@ -71,13 +71,30 @@ struct Directions {
                             : floats(tile.y[row])) {}
 };
 
+/// Normals and paints of the lanes that see triangles. Both sides of a triangle are seen: its
+/// normal is towards the eye.
+SKYBODY_RENDER void add_triangles(const TileCall& tile, const Ints& surface, Surfaces& seen) {
+  for (int k = 0; k < tile.triangle_count; ++k) {
+    const Mask is_seen = equal(surface, ints(-2 - tile.triangle_list[k]));
+    if (!any(is_seen)) continue;
+    const SeenTriangle& s = tile.triangles[tile.triangle_list[k]];
+    const Linear& f = s.f[0];
+    const Floats length = sqrt(floats((f.x * f.x + f.y * f.y) + f.c * f.c));
+    const Triple normal{-f.x / length, -f.y / length, -f.c / length};
+    const SeenShape& part = tile.shapes[s.part];
+    seen.normal = select(is_seen, normal, seen.normal);
+    seen.shape = select(is_seen, ints(part.shape), seen.shape);
+    seen.paint = select(is_seen, triple(part.color), seen.paint);
+  }
+}
+
 /// Goes through the shapes of the tile, and looks at each one that some lane sees.
 template <bool kPaints>
 SKYBODY_RENDER Surfaces surfaces_of(const TileCall& tile, float pixel, int row, int column) {
   const int at = row * kTileWidth + column;
   const auto [x, y] = Directions(tile, row, column);
   const Floats depth = load<Floats>(tile.depth + at), length = sqrt((x * x + y * y) + 1.0f);
-  const Ints index = load<Ints>(tile.surface + at) >> 2, face = load<Ints>(tile.surface + at) & 3;
+  const Ints surface = load<Ints>(tile.surface + at), index = surface >> 2, face = surface & 3;
   Surfaces seen{{depth * x, depth * y, depth}, {}, {}, ints(-1)};
   for (int k = 0; k < tile.count; ++k) {
     const Mask is_seen = equal(index, ints(tile.list[k]));
@@ -93,6 +110,7 @@ SKYBODY_RENDER Surfaces surfaces_of(const TileCall& tile, float pixel, int row, 
           select(is_seen, paint_at(s, seen.point, depth * length, facing, pixel), seen.paint);
     }
   }
+  add_triangles(tile, surface, seen);
   return seen;
 }
 

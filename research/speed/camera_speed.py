@@ -29,10 +29,21 @@ PAGE = "camera_speed"
 ENVS = 128
 LENGTH = Length(trials=3, warm_up=20, receives=100, seconds=1.0, most=3.0)
 # Size of the image [pixels], images, frames of a round.
-DRAWINGS = ((64, "depth", 3000), (64, "normal", 2000), (64, "rgb", 1000), (512, "depth", 60))
+DRAWINGS = (
+    (64, "depth", 3000),
+    (64, "normal", 2000),
+    (64, "rgb", 1000),
+    (512, "depth", 60),
+    (64, "mesh", 1000),
+)
 SCANS = 1000  # of a round
 RAYS = 16 * 360
-WORDS = {"depth": "depth, instances", "normal": "and normals", "rgb": "and colours with shadows"}
+WORDS = {
+    "depth": "depth, instances",
+    "normal": "and normals",
+    "rgb": "and colours with shadows",
+    "mesh": "depth, instances of four meshes of 2,000 triangles",
+}
 # Words: outputs of the camera of `hover_camera`, and the columns that it observes.
 BATCHES = {
     "depth": ("depth", "front.depth"),

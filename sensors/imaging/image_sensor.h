@@ -58,7 +58,8 @@ class ImageSensor : public Sensor {
     set_clock(setup);
     shapes_.emplace(setup, mount_.body(), sees_own_robot_.value() ? -1 : mount_.robot(),
                     ground_.value(), has_motion);
-    renderer_.emplace(view, shapes_->most(), max_range_.value(), render::kernels_of(best_isa()));
+    renderer_.emplace(view, shapes_->capacity(), max_range_.value(),
+                      render::kernels_of(best_isa()));
     const auto of_shapes = static_cast<std::size_t>(shapes_->most()) * kShapeSize;
     setup.scratch(shapes_->moment_size() +
                   static_cast<int>(of_shapes + renderer_->scratch_size() + room));

@@ -15,6 +15,7 @@ constexpr int kMotionValues = 6;     ///< velocity, angular velocity, W axes
 constexpr int kObstacleValues = 11;  ///< presence, position, quaternion, size
 /// Limit of shapes; the renderer numbers parts of shapes by 16 bits.
 constexpr int kMostShapes = 20000;
+constexpr int kMostTriangles = 60000;  // of all meshes; the same limit
 
 constexpr std::uint16_t kGroundInstance = 1;
 constexpr std::uint16_t kFirstRobotInstance = 2;
@@ -33,6 +34,9 @@ Solid solid_of(int kind) {
       return Solid::kCapsule;
     case SKYBODY_PLANE:
       return Solid::kPlane;
+    case SKYBODY_MESH:
+    case SKYBODY_HEIGHT_FIELD:
+      return Solid::kMesh;
     default:
       return Solid::kSphere;
   }
@@ -82,12 +86,17 @@ std::size_t WorldShapes::list_body(int body) {
 }
 
 void WorldShapes::add_visuals(const Setup& setup, int hidden_robot) {
-  for (const VisualInfo& visual : setup.visuals()) {
+  for (int i = 0; i < setup.visuals().size(); ++i) {
+    const VisualInfo& visual = setup.visuals()[i];
     const ShapeInfo& info = visual.shape;
     if (info.robot == hidden_robot) continue;
     PlacedShape shape;
     shape.solid = solid_of(info.kind);
-    shape.half = half_of(shape.solid, vec3_at(info.size));
+    if (shape.solid == Solid::kMesh) {
+      shape.mesh = add_mesh(setup.visual_triangles(i), vec3_at(info.size));
+    } else {
+      shape.half = half_of(shape.solid, vec3_at(info.size));
+    }
     shape.position = vec3_at(info.position);
     shape.axes = to_mat3(quat_at(info.rotation));
     shape.instance = static_cast<std::uint16_t>(kFirstRobotInstance + info.robot);
@@ -104,17 +113,32 @@ void WorldShapes::add_visuals(const Setup& setup, int hidden_robot) {
 
 void WorldShapes::add_obstacles(const Setup& setup) {
   int instance = kFirstRobotInstance + setup.robots().size();
-  for (const obstacles::Obstacle& obstacle : obstacles::find(setup, "sensor `camera`")) {
-    const bool is_gate = obstacle.kind == SKYBODY_GATE, is_plane = obstacle.kind == SKYBODY_PLANE;
+  for (const obstacles::Obstacle& obstacle : obstacles::find(setup, "the sensor", true)) {
+    const bool is_gate = obstacle.kind == SKYBODY_GATE,
+               is_field = obstacle.kind == SKYBODY_HEIGHT_FIELD,
+               is_plane = obstacle.kind == SKYBODY_PLANE || is_field;
     PlacedShape shape;
     shape.solid = solid_of(obstacle.kind);
     shape.instance = static_cast<std::uint16_t>(instance++);
     shape.label = is_gate ? Label::kGate : is_plane ? Label::kGround : Label::kObstacle;
     shape.paint.color = color_of(obstacle.kind);
     if (is_plane) shape.paint = paint_of_ground();
+    if (is_field) {
+      shape.mesh = add_mesh(setup.obstacle_triangles(obstacle.index), {1.0, 1.0, 1.0});
+    }
     things_.push_back({obstacle, shape});
     most_ += is_gate ? obstacles::kBars : 1;
   }
+}
+
+const render::Mesh* WorldShapes::add_mesh(const Triangles& triangles, const Vec3<double>& scale) {
+  most_triangles_ += triangles.count;
+  if (most_triangles_ > kMostTriangles) {
+    refuse("the scenario has ", most_triangles_, " triangles to draw, or more; allowed: at most ",
+           kMostTriangles, "; use simpler meshes");
+  }
+  const std::span corners(triangles.corners, 9 * static_cast<std::size_t>(triangles.count));
+  return meshes_.emplace_back(std::make_unique<render::Mesh>(corners, scale)).get();
 }
 
 int WorldShapes::body_values() const { return kPoseValues + (has_motion_ ? kMotionValues : 0); }

@@ -3,11 +3,13 @@
 
 #include <skybody/plugin.h>
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "plugins/obstacles/placed.h"
-#include "render/scene.h"
+#include "render/mesh.h"
+#include "render/renderer.h"
 
 namespace skybody {
 
@@ -30,6 +32,8 @@ class WorldShapes {
 
   /// Most shapes of an environment.
   int most() const { return most_; }
+  /// The same, and their triangles.
+  render::Capacity capacity() const { return {most_, most_triangles_}; }
   /// Doubles of a moment.
   int moment_size() const;
   /// Reads the moment of an environment.
@@ -62,8 +66,12 @@ class WorldShapes {
   std::vector<int> bodies_;  ///< world body indices, the camera's first
   std::vector<Visual> visuals_;
   std::vector<Thing> things_;
+  /// Adds a mesh. @returns it, valid as long as this object
+  const render::Mesh* add_mesh(const Triangles& triangles, const Vec3<double>& scale);
+
+  std::vector<std::unique_ptr<const render::Mesh>> meshes_;
   bool has_ground_, has_motion_;
-  int most_ = 0;
+  int most_ = 0, most_triangles_ = 0;
 };
 
 }  // namespace skybody

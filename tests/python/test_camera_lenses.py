@@ -10,6 +10,7 @@ import skybody
 from numpy.typing import NDArray
 from reference import actions
 from scipy.spatial.transform import Rotation
+from skybody.camera import Camera
 from skybody.vector import SkybodyVectorEnv
 
 N = 3
@@ -118,6 +119,39 @@ def test_a_panorama_has_equal_angles_between_pixels() -> None:
     envs = envs_of("range, instance", projection="panorama", field_of_view=4.0)
     u, v = pixel_grid(WIDTH / 4.0)
     check_ground(envs, np.stack([np.cos(v) * np.sin(u), np.sin(v), np.cos(v) * np.cos(u)], -1))
+
+
+def check_projection(envs: SkybodyVectorEnv, rays: NDArray[np.float64]) -> None:
+    """Points along the rays of pixels are projected to the pixels' centres."""
+    envs.reset()
+    camera = Camera(envs.compiled, "eye")
+    positions, axes = camera.pose(envs)
+    column, row = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
+    for position, turn in zip(positions, axes, strict=True):
+        points = position + 7.0 * rays @ turn.T
+        pixels, depth = camera.project(points, position, turn)
+        np.testing.assert_allclose(pixels[..., 0], column, atol=1e-3)
+        np.testing.assert_allclose(pixels[..., 1], row, atol=1e-3)
+        np.testing.assert_allclose(depth, 7.0 * rays[..., 2], atol=1e-9)
+
+
+def test_projected_points_are_in_their_pixels() -> None:
+    u, v = pixel_grid(WIDTH / 2 / np.tan(0.6))
+    check_projection(envs_of(field_of_view=1.2), np.stack([u, v, np.ones_like(u)], axis=-1))
+    k = [-0.28, 0.07, 0.001, -0.0005, 0.002]
+    x, y = undistorted(u, v, k)
+    rays = np.stack([x, y, np.ones_like(x)], axis=-1)
+    check_projection(envs_of(field_of_view=1.2, distortion=k), rays)
+    u, v = pixel_grid(WIDTH / 3.6)
+    angle = np.hypot(u, v)
+    rays = np.stack([np.sin(angle) * u / angle, np.sin(angle) * v / angle, np.cos(angle)], axis=-1)
+    check_projection(envs_of(projection="fisheye", field_of_view=3.6), rays)
+
+
+def test_a_camera_that_is_none_is_named() -> None:
+    envs = envs_of()
+    with pytest.raises(ValueError, match="`nose` is no sensor; cameras of the scenario: .'eye'"):
+        Camera(envs.compiled, "nose")
 
 
 def test_depth_noise_has_its_standard_deviation() -> None:

@@ -41,7 +41,8 @@ std::string read_mesh_box(const std::string& file, const MeshFormat& format, Mes
   const std::string problem = read_regular_file(file, kLargestMesh, bytes);
   if (!problem.empty()) return problem;
   try {
-    const VertexBox found = format.read(bytes);
+    VertexBox found;
+    format.read(bytes, found);
     if (found.is_empty()) return "has no vertices";
     box = {found.low(), found.high()};
   } catch (const MeshError& error) {

@@ -40,15 +40,15 @@ struct DaeNode {
 
 class DaeScene {
  public:
-  explicit DaeScene(const DaeDocument& document) : document_(document), geometries_(document) {}
+  DaeScene(const DaeDocument& document, MeshSink& sink)
+      : document_(document), sink_(sink), geometries_(document, sink.wants_faces()) {}
 
-  VertexBox read() {
+  void read() {
     const XMLElement& use =
         dae_child(dae_child(document_.root(), "scene"), "instance_visual_scene");
     DaeTransform unit;
     unit.linear = unit.linear * unit_of(document_.root());
     place(document_.find(use, "url", {"visual_scene"}), unit, 0);
-    return box_;
   }
 
  private:
@@ -76,13 +76,24 @@ class DaeScene {
 
   void add(const XMLElement& node, const DaeGeometry& geometry, const DaeTransform& placed) {
     for (const DaePart& part : geometry) {
-      point_count_ += part.positions.size();
+      point_count_ += part.positions.size() + part.corners.size();
       if (point_count_ > kMostPoints) refuse_too_many(node, kMostPoints, "vertices");
       for (const std::uint32_t first : part.positions) {
         const Vec3<double> v = placed * part.position(first);
         if (!is_finite(v)) refuse_element(node, "a node moves a vertex beyond all numbers");
-        box_.add(v);
+        sink_.add_vertex(v);
       }
+      add_faces(part, placed);
+    }
+  }
+
+  void add_faces(const DaePart& part, const DaeTransform& placed) {
+    std::vector<Vec3<double>> face;
+    std::size_t at = 0;
+    for (const std::size_t end : part.face_ends) {
+      face.clear();
+      for (; at < end; ++at) face.push_back(placed * part.position(part.corners[at]));
+      if (face.size() >= 3) sink_.add_face(face);
     }
   }
 
@@ -119,18 +130,18 @@ class DaeScene {
   }
 
   const DaeDocument& document_;
+  MeshSink& sink_;
   DaeGeometries geometries_;
   std::unordered_map<const XMLElement*, DaeNode> nodes_;
   long node_count_ = 0;
   std::size_t point_count_ = 0;
-  VertexBox box_;
 };
 
 }  // namespace
 
-VertexBox read_dae(const std::string& bytes) {
+void read_dae(const std::string& bytes, MeshSink& sink) {
   const DaeDocument document(bytes);
-  return DaeScene(document).read();
+  DaeScene(document, sink).read();
 }
 
 }  // namespace skybody

@@ -59,6 +59,49 @@ void check_corners(const XMLElement& primitives, std::uint64_t corners) {
                                  std::to_string(corners));
 }
 
+void add_face(std::initializer_list<std::uint32_t> corners, DaePart& part) {
+  part.corners.insert(part.corners.end(), corners);
+  part.face_ends.push_back(part.corners.size());
+}
+
+/// Faces of <polylist>, as many corners each as <vcount> says.
+void add_polygons(const XMLElement& primitives, const std::vector<std::uint32_t>& used,
+                  DaePart& part) {
+  std::size_t at = 0;
+  for_each_child(primitives, "vcount", [&](const XMLElement& vcount) {
+    for_each_word(vcount, [&](std::string_view word, const MeshTokenizer&) {
+      const std::size_t count = parse_integer<std::uint32_t>(word).value_or(0);
+      if (count > used.size() - at) return;  // check_corners() refuses the file
+      const auto first = used.begin() + static_cast<std::ptrdiff_t>(at);
+      part.corners.insert(part.corners.end(), first, first + static_cast<std::ptrdiff_t>(count));
+      part.face_ends.push_back(part.corners.size());
+      at += count;
+    });
+  });
+}
+
+/// The faces of one <p>. @param used  its corners
+void add_faces(const XMLElement& primitives, const std::vector<std::uint32_t>& used,
+               DaePart& part) {
+  const std::string kind = primitives.Name();
+  const std::size_t count = used.size();
+  if (kind == "triangles") {
+    for (std::size_t k = 2; k < count; k += 3) add_face({used[k - 2], used[k - 1], used[k]}, part);
+  } else if (kind == "polylist") {
+    add_polygons(primitives, used, part);
+  } else if (kind == "polygons") {
+    part.corners.insert(part.corners.end(), used.begin(), used.end());
+    part.face_ends.push_back(part.corners.size());
+  } else if (kind == "trifans") {
+    for (std::size_t k = 2; k < count; ++k) add_face({used[0], used[k - 1], used[k]}, part);
+  } else if (kind == "tristrips") {
+    for (std::size_t k = 2; k < count; ++k) {
+      const bool is_odd = k % 2 != 0;
+      add_face({used[k - (is_odd ? 1 : 2)], used[k - (is_odd ? 2 : 1)], used[k]}, part);
+    }
+  }
+}
+
 }  // namespace
 
 const DaeGeometry& DaeGeometries::read(const XMLElement& geometry) {
@@ -89,7 +132,12 @@ DaePart DaeGeometries::read_part(const XMLElement& primitives) {
   part.z = from.z;
   ++parts_;
   std::uint64_t count = 0;
-  const auto take = [&](const XMLElement& p) { count += add_positions(p, corners, from, part); };
+  std::vector<std::uint32_t> used;
+  const auto take = [&](const XMLElement& p) {
+    count += add_positions(p, corners, from, part, used);
+    if (wants_faces_) add_faces(primitives, used, part);
+    used.clear();
+  };
   for_each_child(primitives, "p", take);
   for_each_child(primitives, "ph",
                  [&](const XMLElement& with_holes) { for_each_child(with_holes, "p", take); });
@@ -98,7 +146,8 @@ DaePart DaeGeometries::read_part(const XMLElement& primitives) {
 }
 
 std::uint64_t DaeGeometries::add_positions(const XMLElement& p, const Corners& corners,
-                                           const Accessor& from, DaePart& part) {
+                                           const Accessor& from, DaePart& part,
+                                           std::vector<std::uint32_t>& used) {
   std::uint64_t k = 0;
   for_each_word(p, [&](std::string_view word, const MeshTokenizer& words) {
     if (k++ % corners.width != corners.place) return;
@@ -108,6 +157,7 @@ std::uint64_t DaeGeometries::add_positions(const XMLElement& p, const Corners& c
                    std::to_string(from.count) + ", numbered from 0");
     }
     const std::uint32_t first = from.offset + *index * from.stride;
+    if (wants_faces_) used.push_back(first);
     if (from.array->user[first] == parts_) return;
     from.array->user[first] = parts_;
     part.positions.push_back(first);

@@ -10,6 +10,8 @@ struct DaePart {
   const std::vector<double>* values = nullptr;
   std::uint32_t x = 0, y = 0, z = 0;  ///< offsets of the coordinates from a position's first value
   std::vector<std::uint32_t> positions;  ///< index of the first value of each used position, once
+  std::vector<std::uint32_t> corners;    ///< of all faces, if wanted: the same indices
+  std::vector<std::size_t> face_ends;    ///< where the corners of each face end
 
   Vec3<double> position(std::uint32_t first) const {
     return {(*values)[first + x], (*values)[first + y], (*values)[first + z]};
@@ -21,7 +23,8 @@ using DaeGeometry = std::vector<DaePart>;
 /// Reads each geometry, array and accessor once, even if several elements reference it.
 class DaeGeometries {
  public:
-  explicit DaeGeometries(const DaeDocument& document) : document_(document) {}
+  DaeGeometries(const DaeDocument& document, bool wants_faces)
+      : document_(document), wants_faces_(wants_faces) {}
 
   /// @param geometry  <geometry>  @throws MeshError
   const DaeGeometry& read(const tinyxml2::XMLElement& geometry);
@@ -45,15 +48,19 @@ class DaeGeometries {
   };
 
   DaePart read_part(const tinyxml2::XMLElement& primitives);
-  /// Adds the positions in <p> that `part` does not have yet. @returns the number of corners
+  /// Adds the positions in <p> that `part` does not have yet.
+  /// @param used  the positions of all corners are added to it
+  /// @returns the number of corners
   std::uint64_t add_positions(const tinyxml2::XMLElement& p, const Corners& corners,
-                              const Accessor& from, DaePart& part);
+                              const Accessor& from, DaePart& part,
+                              std::vector<std::uint32_t>& used);
   const Accessor& positions_of(const tinyxml2::XMLElement& vertices);
   Accessor read_accessor(const tinyxml2::XMLElement& accessor);
   static std::uint32_t read_params(const tinyxml2::XMLElement& accessor, Accessor& result);
   Array& array_of(const tinyxml2::XMLElement& float_array);
 
   const DaeDocument& document_;
+  bool wants_faces_;
   std::uint32_t parts_ = 0;
   std::unordered_map<const tinyxml2::XMLElement*, DaeGeometry> geometries_;
   std::unordered_map<const tinyxml2::XMLElement*, Accessor> accessors_;  ///< by <vertices>

@@ -7,6 +7,7 @@
 // - rejects inconsistent files.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "core/base/math/math.h"
@@ -23,10 +24,22 @@ class MeshError : public Error {
       : Error("line " + std::to_string(line) + ": " + reason) {}
 };
 
-/// The axis-aligned bounding box of the added points.
-class VertexBox {
+/// Receives the content of a mesh file, in metres.
+class MeshSink {
  public:
-  void add(const Vec3<double>& v) {
+  virtual ~MeshSink() = default;
+  /// A vertex. Only those that faces, lines and points use; all if the format has no such reference
+  /// (PLY) or the file has no faces, lines and points.
+  virtual void add_vertex(const Vec3<double>& v) = 0;
+  virtual bool wants_faces() const { return false; }
+  /// The corners of a face in order, 3 or more. @throws MeshError if there are too many faces
+  virtual void add_face(std::span<const Vec3<double>>) {}
+};
+
+/// The axis-aligned bounding box of the vertices.
+class VertexBox : public MeshSink {
+ public:
+  void add_vertex(const Vec3<double>& v) override {
     low_ = {min(low_.x, v.x), min(low_.y, v.y), min(low_.z, v.z)};
     high_ = {max(high_.x, v.x), max(high_.y, v.y), max(high_.z, v.z)};
   }
@@ -39,16 +52,15 @@ class VertexBox {
   Vec3<double> low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
 };
 
-/// Each reader takes a file's bytes and returns the bounding box of its vertices in metres.
-/// @throws MeshError
-VertexBox read_stl(const std::string& bytes);
-VertexBox read_dae(const std::string& bytes);
-VertexBox read_obj(const std::string& bytes);
-VertexBox read_ply(const std::string& bytes);
+/// Each reader passes the content of a file's bytes to the sink. @throws MeshError
+void read_stl(const std::string& bytes, MeshSink& sink);
+void read_dae(const std::string& bytes, MeshSink& sink);
+void read_obj(const std::string& bytes, MeshSink& sink);
+void read_ply(const std::string& bytes, MeshSink& sink);
 
 struct MeshFormat {
   const char* extension;  ///< in lower case
-  VertexBox (*read)(const std::string& bytes);
+  void (*read)(const std::string& bytes, MeshSink& sink);
 };
 
 /// The format of a file name's extension, in any case; null: not supported.

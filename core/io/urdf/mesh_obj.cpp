@@ -14,19 +14,18 @@ constexpr std::size_t kShortestVertex = 8;
 
 class ObjReader {
  public:
-  explicit ObjReader(const std::string& text)
-      : words_(text), used_((text.size() + 1) / kShortestVertex + 1) {}
+  ObjReader(const std::string& text, MeshSink& sink)
+      : words_(text), sink_(sink), used_((text.size() + 1) / kShortestVertex + 1) {}
 
-  VertexBox read() {
+  void read() {
     do {
       take_line();
     } while (words_.next_line());
     if (largest_ > vertices_.size()) throw MeshError(line_of_largest_, no_such_vertex());
-    VertexBox box;
     for (std::size_t k = 0; k < vertices_.size(); ++k) {
-      if (used_[k] || largest_ == 0) box.add(vertices_[k]);
+      if (used_[k] || largest_ == 0) sink_.add_vertex(vertices_[k]);
     }
-    return box;
+    add_faces();
   }
 
  private:
@@ -36,7 +35,23 @@ class ObjReader {
     const std::string_view keyword = words_.next_in_line();
     if (keyword == "v") take_vertex();
     if (keyword != "f" && keyword != "l" && keyword != "p") return;
-    for (auto word = next(); !word.empty(); word = next()) use(word.substr(0, word.find('/')));
+    const std::size_t first = corners_.size();
+    for (auto word = next(); !word.empty(); word = next()) {
+      const std::size_t index = use(word.substr(0, word.find('/')));
+      if (keyword == "f" && sink_.wants_faces()) corners_.push_back(index);
+    }
+    if (corners_.size() > first) face_ends_.push_back(corners_.size());
+  }
+
+  /// Faces may name vertices that come later, hence at the end.
+  void add_faces() {
+    std::vector<Vec3<double>> face;
+    std::size_t at = 0;
+    for (const std::size_t end : face_ends_) {
+      face.clear();
+      for (; at < end; ++at) face.push_back(vertices_[corners_[at]]);
+      if (face.size() >= 3) sink_.add_face(face);
+    }
   }
 
   /// x y z, x y z w or x y z red green blue.
@@ -68,7 +83,8 @@ class ObjReader {
 
   double next_coordinate() { return words_.coordinate(next()); }
 
-  void use(std::string_view word) {
+  /// @returns the index of the vertex
+  std::size_t use(std::string_view word) {
     const std::optional<long> number = parse_integer<long>(word);
     if (!number || *number == 0) words_.refuse("the number of a vertex is none; allowed: 1, 2 ...");
     const auto count = static_cast<long>(vertices_.size());
@@ -76,13 +92,18 @@ class ObjReader {
     const auto index = static_cast<std::size_t>(*number > 0 ? *number : count + 1 + *number);
     if (index > used_.size()) words_.refuse(no_such_vertex());
     used_[index - 1] = true;
-    if (index <= largest_) return;
-    largest_ = index;
-    line_of_largest_ = words_.line();
+    if (index > largest_) {
+      largest_ = index;
+      line_of_largest_ = words_.line();
+    }
+    return index - 1;
   }
 
   MeshTokenizer words_;
+  MeshSink& sink_;
   std::vector<Vec3<double>> vertices_;
+  std::vector<std::size_t> corners_;    ///< of all faces: indices of vertices
+  std::vector<std::size_t> face_ends_;  ///< where the corners of each face end
   std::vector<bool> used_;
   std::size_t largest_ = 0;  ///< largest referenced vertex number; 0: none is referenced
   int line_of_largest_ = 0;
@@ -90,6 +111,6 @@ class ObjReader {
 
 }  // namespace
 
-VertexBox read_obj(const std::string& bytes) { return ObjReader(bytes).read(); }
+void read_obj(const std::string& bytes, MeshSink& sink) { ObjReader(bytes, sink).read(); }
 
 }  // namespace skybody

@@ -2,6 +2,7 @@
 // rows are read, to detect missing or invalid ones. The box includes all vertices of `vertex`.
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/io/urdf/mesh_bytes.h"
 #include "core/io/urdf/mesh_ply_header.h"
@@ -95,14 +96,14 @@ std::array<int, 3> find_coordinates(const PlyElement& vertex) {
 template <class Values>
 class PlyBody {
  public:
-  PlyBody(const std::string& bytes, const PlyHeader& header)
-      : header_(header), values_(bytes, header) {
+  PlyBody(const std::string& bytes, const PlyHeader& header, MeshSink& sink)
+      : header_(header), sink_(sink), values_(bytes, header) {
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") vertex_count_ = element.count;
     }
   }
 
-  VertexBox read() {
+  void read() {
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") {
         read_vertices(element);
@@ -111,7 +112,7 @@ class PlyBody {
       }
     }
     if (!values_.is_at_end()) values_.refuse("more follows than its header says");
-    return box_;
+    add_faces();
   }
 
  private:
@@ -131,7 +132,8 @@ class PlyBody {
           pass(property);
         }
       }
-      box_.add(v);
+      sink_.add_vertex(v);
+      if (sink_.wants_faces()) vertices_.push_back(v);
     }
   }
 
@@ -165,21 +167,41 @@ class PlyBody {
         values_.refuse("a face names vertex " + std::to_string(vertex) + "; the file has " +
                        std::to_string(vertex_count_) + ", numbered from 0");
       }
+      if (sink_.wants_faces()) corners_.push_back(static_cast<std::size_t>(vertex));
+    }
+    face_ends_.push_back(corners_.size());
+  }
+
+  /// Faces may precede the vertices in the file, hence at the end.
+  void add_faces() {
+    if (!sink_.wants_faces()) return;
+    std::vector<Vec3<double>> face;
+    std::size_t at = 0;
+    for (const std::size_t end : face_ends_) {
+      face.clear();
+      for (; at < end; ++at) face.push_back(vertices_[corners_[at]]);
+      if (face.size() >= 3) sink_.add_face(face);
     }
   }
 
   const PlyHeader& header_;
+  MeshSink& sink_;
   Values values_;
-  VertexBox box_;
+  std::vector<Vec3<double>> vertices_;
+  std::vector<std::size_t> corners_;    ///< of all faces: indices of vertices
+  std::vector<std::size_t> face_ends_;  ///< where the corners of each face end
   std::uint64_t vertex_count_ = 0;
 };
 
 }  // namespace
 
-VertexBox read_ply(const std::string& bytes) {
+void read_ply(const std::string& bytes, MeshSink& sink) {
   const PlyHeader header = read_ply_header(bytes);
-  return header.order == PlyOrder::kText ? PlyBody<TextValues>(bytes, header).read()
-                                         : PlyBody<BinaryValues>(bytes, header).read();
+  if (header.order == PlyOrder::kText) {
+    PlyBody<TextValues>(bytes, header, sink).read();
+  } else {
+    PlyBody<BinaryValues>(bytes, header, sink).read();
+  }
 }
 
 }  // namespace skybody

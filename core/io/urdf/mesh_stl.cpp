@@ -1,6 +1,8 @@
 // STL. Binary: 80 bytes of arbitrary text, the number of triangles, and 50 bytes for each. Text:
 // "solid NAME facet normal X Y Z outer loop (vertex X Y Z) x 3 endloop endfacet ... endsolid NAME".
 // Binary files may also begin with "solid": size and NUL bytes distinguish the two.
+#include <array>
+
 #include "core/io/urdf/mesh_bytes.h"
 #include "core/io/urdf/mesh_tokenizer.h"
 
@@ -19,14 +21,14 @@ bool is_binary(const std::string& bytes) {
          (bytes.size() == binary_size(bytes) || bytes.find('\0') != bytes.npos);
 }
 
-VertexBox read_binary(const std::string& bytes) {
+void read_binary(const std::string& bytes, MeshSink& sink) {
   const std::size_t size = binary_size(bytes);
   if (bytes.size() != size) {
     throw MeshError("its header says " + std::to_string((size - kHeader) / kTriangle) +
                     " triangles, which make " + std::to_string(size) + " bytes, and it has " +
                     std::to_string(bytes.size()));
   }
-  VertexBox box;
+  std::array<Vec3<double>, 3> face;
   for (std::size_t at = kHeader; at < size; at += kTriangle) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const char* const vertex = bytes.data() + at + kNormal + corner * kVertex;
@@ -36,22 +38,22 @@ VertexBox read_binary(const std::string& bytes) {
         throw MeshError("triangle " + std::to_string((at - kHeader) / kTriangle + 1) +
                         " has a coordinate that is not finite");
       }
-      box.add(v);
+      sink.add_vertex(v);
+      face[corner] = v;
     }
+    if (sink.wants_faces()) sink.add_face(face);
   }
-  return box;
 }
 
 class StlText {
  public:
-  explicit StlText(const std::string& text) : words_(text) {}
+  StlText(const std::string& text, MeshSink& sink) : words_(text), sink_(sink) {}
 
-  VertexBox read() {
+  void read() {
     for (std::string_view word = words_.next(); !word.empty(); word = words_.next()) {
       if (!is_word(word, "solid")) refuse("solid");
       read_solid();
     }
-    return box_;
   }
 
  private:
@@ -76,23 +78,30 @@ class StlText {
       words_.next();  // ignored: exporters write arbitrary numbers or none
     expect("outer");
     expect("loop");
-    for (int corner = 0; corner < 3; ++corner) {
+    std::array<Vec3<double>, 3> face;
+    for (Vec3<double>& corner : face) {
       expect("vertex");
       const double x = words_.coordinate(), y = words_.coordinate(), z = words_.coordinate();
-      box_.add({x, y, z});
+      corner = {x, y, z};
+      sink_.add_vertex(corner);
     }
+    if (sink_.wants_faces()) sink_.add_face(face);
     expect("endloop");
     expect("endfacet");
   }
 
   MeshTokenizer words_;
-  VertexBox box_;
+  MeshSink& sink_;
 };
 
 }  // namespace
 
-VertexBox read_stl(const std::string& bytes) {
-  return is_binary(bytes) ? read_binary(bytes) : StlText(bytes).read();
+void read_stl(const std::string& bytes, MeshSink& sink) {
+  if (is_binary(bytes)) {
+    read_binary(bytes, sink);
+  } else {
+    StlText(bytes, sink).read();
+  }
 }
 
 }  // namespace skybody

@@ -175,6 +175,7 @@ class DocumentBuilder {
                            subject + problem.text + "; it is left out, primitive shapes remain");
       return false;
     }
+    shape.mesh_file = file.path;
     return !collision || take_box(file.path, subject, mark, shape);
   }
 

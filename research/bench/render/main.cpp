@@ -1,9 +1,10 @@
 // Frames per second of the renderer on one core, on a fixed scene of 42 shapes and the ground: ten
 // trees, balls and boxes, three gates of four bars, four robots of five boxes.
 //
-//   bench_render [--size N] [--frames N] [--rounds N] [--images depth|normal|rgb|lidar]
+//   bench_render [--size N] [--frames N] [--rounds N] [--images depth|normal|rgb|lidar|mesh]
 //
-// lidar: 16 rings of 360 rays in a forest of 30 trees.
+// lidar: 16 rings of 360 rays in a forest of 30 trees. mesh: depth of four robots of a mesh of
+// 2,000 triangles each, all in view, above the ground.
 //
 // Prints one line of JSON: processor time, which other load affects little, and a hash of depths
 // and instances.
@@ -17,6 +18,7 @@
 
 #include "core/base/math/hash.h"
 #include "core/base/math/quat.h"
+#include "render/mesh.h"
 #include "render/renderer.h"
 
 namespace skybody {
@@ -60,6 +62,17 @@ class Scene {
       const double radius = scene.between(0.1, 0.3);
       scene.add(Solid::kCapsule, {distance * turn.cos, distance * turn.sin, 3.0}, 0.0,
                 {radius, radius, 3.0});
+    }
+    return scene;
+  }
+  /// Robots of one mesh, 1.5 to 3 m ahead.
+  static Scene robots(const render::Mesh& mesh, int count) {
+    Scene scene;
+    scene.shapes.resize(1);
+    for (int i = 0; i < count; ++i) {
+      scene.add(Solid::kMesh, {1.5 + 0.5 * i, 0.5 * i - 0.7, scene.between(1.1, 1.7)},
+                scene.between(0.0, 6.0), {});
+      scene.shapes.back().mesh = &mesh;
     }
     return scene;
   }
@@ -144,17 +157,43 @@ render::RayImage scan() {
   return image;
 }
 
-render::Renderer renderer_of(const Options& options, int most_shapes) {
+/// A vehicle of 0.5 x 0.5 x 0.2 m: an ellipsoid of 2,000 triangles.
+std::vector<float> vehicle_corners() {
+  constexpr int kRings = 26, kColumns = 40;
+  const auto point = [](int ring, int column, int axis) {
+    const SinCos<double> fall = sincos(kPi * ring / kRings);
+    const SinCos<double> turn = sincos(kTwoPi * column / kColumns);
+    const double at[3] = {0.25 * fall.sin * turn.cos, 0.25 * fall.sin * turn.sin, 0.1 * fall.cos};
+    return static_cast<float>(at[axis]);
+  };
+  std::vector<float> corners;
+  const auto add = [&](int ring, int column) {
+    for (int axis = 0; axis < 3; ++axis) corners.push_back(point(ring, column, axis));
+  };
+  for (int r = 0; r < kRings; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      if (r > 0) (add(r, c), add(r + 1, c), add(r, c + 1));
+      if (r + 1 < kRings) (add(r, c + 1), add(r + 1, c), add(r + 1, c + 1));
+    }
+  }
+  return corners;
+}
+
+render::Renderer renderer_of(const Options& options, const render::Capacity& most) {
   const render::KernelTable& kernels = render::kernels_of(best_isa());
-  if (options.images == "lidar") return {scan(), most_shapes, 1000.0, kernels};
+  if (options.images == "lidar") return {scan(), most, 1000.0, kernels};
   const double half = 0.5 * options.size;
   const render::Pinhole pinhole{options.size, options.size, half, half, half, half};
-  return {pinhole, most_shapes, 1000.0, kernels};
+  return {pinhole, most, 1000.0, kernels};
 }
 
 int run(const Options& options) {
-  const Scene scene = options.images == "lidar" ? Scene::forest(30) : Scene();
-  const render::Renderer renderer = renderer_of(options, static_cast<int>(scene.shapes.size()));
+  const render::Mesh mesh(vehicle_corners(), {1.0, 1.0, 1.0});
+  const Scene scene = options.images == "lidar"  ? Scene::forest(30)
+                      : options.images == "mesh" ? Scene::robots(mesh, 4)
+                                                 : Scene();
+  const render::Renderer renderer =
+      renderer_of(options, {static_cast<int>(scene.shapes.size()), 4 * mesh.count()});
   const auto pixels =
       static_cast<std::size_t>(renderer.width()) * static_cast<std::size_t>(renderer.height());
   std::vector<double> scratch(renderer.scratch_size());

@@ -14,7 +14,8 @@ using ::testing::HasSubstr;
 /// The box in whole micrometres: rotated corners are off by the last bits of a sine.
 std::string read(const std::string& text) {
   try {
-    const VertexBox box = read_dae(text);
+    VertexBox box;
+    read_dae(text, box);
     std::vector<double> values;
     for (const Vec3<double>& v : {box.low(), box.high()}) {
       for (const double x : {v.x, v.y, v.z}) values.push_back(round_half_even(x * 1e6) / 1e6);

@@ -64,8 +64,10 @@ inline double range_along(const PlacedShape& shape, const Eye& eye, const Vec3<d
     }
     case Solid::kPlane:
       return obstacles::until_plane(ray);
+    case Solid::kMesh:
+      break;  // see mesh_test.cpp
   }
-  return 0.0;
+  return HUGE_VAL;
 }
 
 /// Distance along the optical axis to a shape in the direction (x, y, 1) of camera axes; infinite
@@ -139,16 +141,16 @@ struct Camera {
   std::vector<std::uint16_t> instance;
   std::vector<std::uint8_t> label, rgb;
 
-  explicit Camera(const Pinhole& grid, int most = 64, double farthest = 100.0,
+  explicit Camera(const Pinhole& grid, const Capacity& most = 64, double farthest = 100.0,
                   const KernelTable& kernels = kernels_of(best_isa()))
       : Camera(grid, Renderer(grid, most, farthest, kernels), most) {}
-  explicit Camera(const RayImage& rays, int most = 64, double farthest = 100.0,
+  explicit Camera(const RayImage& rays, const Capacity& most = 64, double farthest = 100.0,
                   const KernelTable& kernels = kernels_of(best_isa()))
       : Camera(Pinhole{}, Renderer(rays, most, farthest, kernels), most) {}
-  Camera(const Pinhole& grid, const Renderer& drawn_by, int most)
+  Camera(const Pinhole& grid, const Renderer& drawn_by, const Capacity& most)
       : pinhole(grid),
         renderer(drawn_by),
-        most_shapes(most),
+        most_shapes(most.shapes),
         scratch(renderer.scratch_size()),
         depth(pixels()),
         range(pixels()),
