@@ -127,7 +127,11 @@ void set_sides(Light& light) {
 
 void cast(const PlacedShape& placed, int shape, const Eye& eye, Light& light, Caster* casters) {
   if (placed.solid == Solid::kPlane) return;
-  if (placed.solid == Solid::kMesh) return cast(box_about(placed), shape, eye, light, casters);
+  if (placed.solid == Solid::kMesh) {
+    // All of a height field would lie in the shadow of the box about it.
+    if (placed.label == Label::kGround) return;
+    return cast(box_about(placed), shape, eye, light, casters);
+  }
   const Lit lit(placed, eye, light);
   if (placed.solid == Solid::kBox) return cast_box(placed, shape, lit, light, casters);
   if (placed.solid == Solid::kSphere) return cast_sphere(placed, shape, 0.0, lit, light, casters);

@@ -15,7 +15,7 @@ class Mesh {
   /// @param scale    factors of x, y, z
   Mesh(std::span<const float> corners, const Vec3<double>& scale);
 
-  int count() const { return count_; }  ///< of triangles
+  int count() const { return count_; }  ///< number of triangles
   /// Coordinate k (0 ... 8: x, y, z of each corner) of all triangles, up to whole packs; triangles
   /// beyond the last one have no extent.
   const float* coordinate(int k) const {

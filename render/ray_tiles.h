@@ -1,8 +1,7 @@
 // Rays of any directions in tiles, for the kernels: views of fisheye cameras, panoramas, lidars.
 //
 // The kernels cast rays (x, y, 1). A view in all directions is therefore cut into the faces of a
-// cube about the eye: each face is a camera of its own axes, whose rays lie within its square, or a
-// little beyond.
+// cube about the eye: each face is a camera of its own axes, whose rays lie within its square.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +32,7 @@ struct RayFace {
 /// @returns the faces that have rays
 std::vector<RayFace> faces_of(const RayImage& rays);
 
-/// Tangent of the widest angle between neighbouring pixels of a row.
+/// The widest distance between the unit vectors of neighbouring pixels of a row.
 double widest_pixel(const RayImage& rays);
 
 }  // namespace skybody::render

@@ -36,9 +36,12 @@ Span tiles_between(float low, float high, const std::vector<float>& centers, int
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(std::max(first, last))};
 }
 
-/// Where the pixels' centres of an axis are.
+/// Where the pixels' centres of an axis are. From the first to the last one: the difference of two
+/// neighbours has the rounding error of both.
 GridAxis axis_of(const std::vector<float>& centers, int pixels) {
-  return {centers[0], 1.0f / (centers[1] - centers[0]), static_cast<float>(pixels)};
+  const double length = static_cast<double>(centers.back()) - static_cast<double>(centers.front());
+  const double inverse_step = static_cast<double>(centers.size() - 1) / length;
+  return {centers.front(), static_cast<float>(inverse_step), static_cast<float>(pixels)};
 }
 
 bool meets(const Cover& a, const Cover& b) {
@@ -83,7 +86,7 @@ struct Renderer::Scratch {
   TileRange* tiles = nullptr;       ///< of each part, in a grid
   Cover* covers = nullptr;          ///< of each part, for scattered rays
   std::uint16_t* counts = nullptr;  ///< of the lists of a band
-  std::uint16_t* lists = nullptr;   ///< most_parts_ per tile of a band, and one more
+  std::uint16_t* lists = nullptr;   ///< most_parts_ per tile of a band
   Caster* casters = nullptr;
   CasterBounds bounds{};
   std::uint16_t* shadows = nullptr;  ///< casters of a tile
@@ -100,11 +103,11 @@ struct Renderer::Scratch {
     take(parts, most);
     take(tiles, most);
     take(counts, tiles_of_band);
-    take(lists, most * tiles_of_band + 1);
+    take(lists, most * tiles_of_band);
     take(casters, most);
     for (float** bound :
          {&bounds.low[0], &bounds.low[1], &bounds.high[0], &bounds.high[1], &bounds.top}) {
-      take(*bound, most + kTileWidth);
+      take(*bound, most + kMostLanes);
     }
     take(shadows, most);
     take(covers, most);
@@ -113,7 +116,7 @@ struct Renderer::Scratch {
     take(triangles, of_meshes);
     take(triangle_tiles, of_meshes);
     take(triangle_counts, tiles_of_band);
-    take(triangle_lists, of_meshes * tiles_of_band + 1);
+    take(triangle_lists, of_meshes * tiles_of_band);
   }
 
  private:
@@ -188,11 +191,11 @@ void Renderer::draw_grid(const Eye& eye, std::span<const PlacedShape> shapes, co
     if (shapes[i].solid != Solid::kMesh || seen.parts == part) continue;
     scratch.tiles[part] = {};  // the mesh's triangles are listed instead
     const int first = seen.triangles;
-    seen.triangles += see_triangles(shapes[i], eye, part, scratch, first);
+    seen.triangles += list_triangles(shapes[i], eye, part, scratch, first);
     for (int k = first; k < seen.triangles; ++k) {
-      const float* const bounds = scratch.triangles[k].bounds;
-      const Span x = tiles_between(bounds[0], bounds[1], x_, kTileWidth);
-      const Span y = tiles_between(bounds[2], bounds[3], y_, kTileHeight);
+      const Cover& cover = scratch.triangles[k].cover;
+      const Span x = tiles_between(cover.left, cover.right, x_, kTileWidth);
+      const Span y = tiles_between(cover.top, cover.bottom, y_, kTileHeight);
       scratch.triangle_tiles[k] = {x.first, x.last, y.first, y.last};
     }
   }
@@ -210,19 +213,18 @@ void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const Pl
     for (int k = part; k < seen.parts; ++k) scratch.parts[k].shape = static_cast<int>(i);
     if (shapes[i].solid != Solid::kMesh || seen.parts == part) continue;
     scratch.covers[part] = kNowhere;  // the mesh's triangles are listed instead
-    seen.triangles += see_triangles(shapes[i], eye, part, scratch, seen.triangles);
+    seen.triangles += list_triangles(shapes[i], eye, part, scratch, seen.triangles);
   }
   const Light lit = light(eye, shapes, sky, scratch, frame);
   for (const RayTile& tile : face.tiles) {
     int shapes_listed = 0, triangles_listed = 0;
     for (int k = 0; k < seen.parts; ++k) {
-      scratch.lists[shapes_listed] = static_cast<std::uint16_t>(k);
-      shapes_listed += meets(scratch.covers[k], tile.bounds) ? 1 : 0;
+      if (!meets(scratch.covers[k], tile.bounds)) continue;
+      scratch.lists[shapes_listed++] = static_cast<std::uint16_t>(k);
     }
     for (int k = 0; k < seen.triangles; ++k) {
-      const float* const b = scratch.triangles[k].bounds;
-      scratch.triangle_lists[triangles_listed] = static_cast<std::uint16_t>(k);
-      triangles_listed += meets({b[0], b[1], b[2], b[3]}, tile.bounds) ? 1 : 0;
+      if (!meets(scratch.triangles[k].cover, tile.bounds)) continue;
+      scratch.triangle_lists[triangles_listed++] = static_cast<std::uint16_t>(k);
     }
     TileCall call{};
     call.list = scratch.lists;
@@ -237,15 +239,17 @@ void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const Pl
 }
 
 /// Writes the triangles of a mesh that may be seen, from `first` on. @returns their number
-int Renderer::see_triangles(const PlacedShape& shape, const Eye& eye, int part,
-                            const Scratch& scratch, int first) const {
+int Renderer::list_triangles(const PlacedShape& shape, const Eye& eye, int part,
+                             const Scratch& scratch, int first) const {
   MeshCall call{};
   for (int k = 0; k < 9; ++k) call.coordinates[k] = shape.mesh->coordinate(k);
   call.count = shape.mesh->count();
   const Vec3<double> from = transpose_times(shape.axes, eye.position - shape.position);
-  call.eye[0] = static_cast<float>(from.x);
-  call.eye[1] = static_cast<float>(from.y);
-  call.eye[2] = static_cast<float>(from.z);
+  const double place[3] = {from.x, from.y, from.z};
+  for (int k = 0; k < 3; ++k) {
+    call.eye[k] = static_cast<float>(place[k]);
+    call.eye_rest[k] = static_cast<float>(place[k] - static_cast<double>(call.eye[k]));
+  }
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       call.axes[row][column] =
@@ -260,7 +264,7 @@ int Renderer::see_triangles(const PlacedShape& shape, const Eye& eye, int part,
   call.id = scratch.parts[part].id;
   call.part = part;
   call.seen = scratch.triangles + first;
-  return kernels_->see_mesh(call);
+  return kernels_->see_triangles(call);
 }
 
 /// Adds the parts of a shape that meet a grid's image, from `first` on. @returns their number

@@ -6,8 +6,7 @@
 //
 // 1. see(): constants of each shape, in double, and a rectangle around its picture.
 // 2. Shapes are listed by tile (kernel_table.h); each pixel tests the shapes of its tile only. Rays
-// of
-//    any directions have up to six faces with tiles of their own (ray_tiles.h).
+//    of any directions have up to six faces with tiles of their own (ray_tiles.h).
 // 3. The kernels find the nearest surface of each pixel and shade it.
 #pragma once
 
@@ -35,7 +34,7 @@ struct Frame {
   bool is_shaded() const { return normal != nullptr || rgb != nullptr; }
 };
 
-/// The most that a scene has.
+/// Limits of a scene.
 struct Capacity {
   int shapes;     ///< with meshes
   int triangles;  ///< of all meshes
@@ -72,8 +71,8 @@ class Renderer {
   struct TileRange;
   struct Seen;
 
-  int see_triangles(const PlacedShape& shape, const Eye& eye, int part, const Scratch& scratch,
-                    int first) const;
+  int list_triangles(const PlacedShape& shape, const Eye& eye, int part, const Scratch& scratch,
+                     int first) const;
   void list_band(int band, const TileRange* ranges, int count, int most, std::uint16_t* counts,
                  std::uint16_t* lists) const;
   int list_parts(const PlacedShape& shape, int number, const Eye& eye, const Scratch& scratch,

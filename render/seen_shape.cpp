@@ -186,7 +186,7 @@ int see_capsule(const PlacedShape& shape, Placed& placed, SeenShape* parts, Cove
 }
 
 /// The box about a mesh, as a cover of it.
-bool see_mesh(const PlacedShape& shape, Placed& placed, SeenShape& part, Cover& cover) {
+bool cover_mesh(const PlacedShape& shape, Placed& placed, SeenShape& part, Cover& cover) {
   const Vec3<double>&middle = shape.mesh->center(), &half = shape.mesh->half();
   CoverSum corners;
   for (int corner = 0; corner < 8; ++corner) {
@@ -259,7 +259,7 @@ int see(const PlacedShape& shape, const Eye& eye, SeenShape* parts, Cover* cover
       see_plane(shape, placed, parts[0], covers[0]);
       return 1;
     case Solid::kMesh:
-      return see_mesh(shape, placed, parts[0], covers[0]) ? 1 : 0;
+      return cover_mesh(shape, placed, parts[0], covers[0]) ? 1 : 0;
   }
   return 0;
 }

@@ -7,11 +7,6 @@
 
 namespace skybody::render {
 
-/// A rectangle of directions x, y (camera axes, at depth 1) that contains a shape's picture.
-struct Cover {
-  float left, right, top, bottom;
-};
-
 /// The cover of nothing.
 inline constexpr Cover kNowhere{__builtin_huge_valf(), -__builtin_huge_valf(),
                                 __builtin_huge_valf(), -__builtin_huge_valf()};

@@ -105,13 +105,13 @@ void write_depths(const Pixels& pixels, const DrawnTile& tile, const Frame& fram
   }
 }
 
-/// @param parts, triangles  that the surfaces of the tile number
+/// @param parts, triangles  indexed by the tile's codes of surfaces
 template <class Pixels>
 void write_shapes(const Pixels& pixels, const DrawnTile& tile, const SeenShape* parts,
                   const SeenTriangle* triangles, const Frame& frame) {
   pixels.each([&](std::size_t to, int at) {
     const std::int32_t surface = tile.surface[at];
-    const std::int32_t part = surface < -1  ? triangles[-2 - surface].part
+    const std::int32_t part = surface < -1  ? triangles[triangle_of_code(surface)].part
                               : surface < 0 ? -1
                                             : surface >> 2;
     frame.shape[to] = part < 0 ? -1 : parts[part].shape;

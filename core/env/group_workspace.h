@@ -76,7 +76,7 @@ class GroupWorkspace {
   std::vector<Requests> requests;  ///< for the next reset, one per lane: set and cleared by callers
   SkybodyChecks checks{};          ///< limits in checked mode
   PhysicsScratch physics;
-  AlignedArray<double> scratch;  ///< for one call of a plugin, in lanes
+  AlignedArray<double> scratch;  ///< for one call of a plugin: in lanes, or one block
   ControlScratch control;
   TaskOutcome outcome;
   DrawScratch draws;

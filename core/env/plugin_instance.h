@@ -95,7 +95,8 @@ struct PluginMemory {
   int state = 0, state_words = 0;    ///< within the block plugin_state
   int buffer = 0, buffer_words = 0;  ///< as above
   int first_memo = 0, memo = 0;      ///< doubles within StateGroup::memo(): not part of the state
-  int scratch = 0;                   ///< doubles for a call
+  int scratch = 0;                   ///< doubles for a call, of each lane
+  int scratch_block = 0;             ///< doubles for a call
   /// First among those of all plugins.
   int first_contact_pair = 0, first_joint_reaction = 0, first_offered = 0;
 };

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/io/urdf/triangle_mesh_reader.h"
+#include "core/io/urdf/mesh_format.h"
 #include "core/physics/bodies/default_state.h"
 
 namespace skybody {
@@ -240,6 +240,9 @@ void declare_common(SkybodyDeclare& d) {
   };
   d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
   d.scratch = [](void* host, int32_t values) { instance_of(host).memory.scratch = values; };
+  d.scratch_block = [](void* host, int32_t values) {
+    instance_of(host).memory.scratch_block = values;
+  };
   d.memo = [](void* host, int32_t values) { instance_of(host).memory.memo = values; };
   d.report = [](void* host, const SkybodyChannel* c, int32_t word) {
     instance_of(host).reports.push_back({to_channel(*c), word});
@@ -272,28 +275,6 @@ BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
                       static_cast<std::uint32_t>(is_text ? texts.size() : value.numbers.size()), -1,
                       value.is_given ? 1u : 0u});
   }
-}
-
-template <class Read>
-const SkybodyTriangles* MeshTables::table(const std::string& key, Read&& read) {
-  const auto [found, is_new] = tables_.try_emplace(key);
-  Table& table = found->second;
-  if (is_new) {
-    table.problem = read(table.mesh);
-    table.triangles = {table.mesh.corners.data(), table.mesh.count(), table.problem.c_str()};
-  }
-  return &table.triangles;
-}
-
-const SkybodyTriangles* MeshTables::of_file(const std::string& file) {
-  return table(file, [&](TriangleMesh& mesh) { return read_triangle_mesh(file, mesh); });
-}
-
-const SkybodyTriangles* MeshTables::of_field(const Shape& shape) {
-  const std::string key = "field " + std::to_string(reinterpret_cast<std::uintptr_t>(&shape));
-  return table(key, [&](TriangleMesh& mesh) {
-    return triangulate(*shape.heights, shape.size.x, shape.size.y, mesh);
-  });
 }
 
 SetupTables::SetupTables(const Topology& topology, const StateLayout& layout)
@@ -347,7 +328,7 @@ void SetupTables::add_shapes(const Topology& topology) {
 /// of its first visual.
 void SetupTables::add_visuals(const Topology& topology) {
   const auto is_unreadable = [](const Shape& shape) {
-    return shape.type == ShapeType::kMesh && !is_readable_mesh(shape.mesh);
+    return shape.type == ShapeType::kMesh && find_mesh_format(shape.mesh) == nullptr;
   };
   for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
     const Body& body = *topology.bodies[static_cast<std::size_t>(i)].model;
@@ -397,7 +378,7 @@ SkybodySetup SetupTables::setup(const std::string& instance, const std::vector<i
   s.tables = const_cast<SetupTables*>(this);
   s.visual_triangles = [](void* tables, int32_t visual) {
     const auto& own = *static_cast<const SetupTables*>(tables);
-    return own.meshes_.of_file(own.visual_shapes_[static_cast<std::size_t>(visual)]->mesh_file);
+    return own.meshes_.of_file(*own.visual_shapes_[static_cast<std::size_t>(visual)]);
   };
   s.obstacle_triangles = [](void* tables, int32_t obstacle) {
     const auto& own = *static_cast<const SetupTables*>(tables);

@@ -1,13 +1,12 @@
 // Topology and parameters of a world in the C structures that plugins receive in configure().
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
 #include "core/env/controller_chains.h"
+#include "core/env/mesh_tables.h"
 #include "core/env/plugin_instance.h"
-#include "core/model/triangle_mesh.h"
 #include "core/physics/world/world.h"
 #include "core/plugin_abi/abi.h"
 
@@ -24,25 +23,6 @@ class BoundValues {
  private:
   std::vector<std::vector<const char*>> texts_;
   std::vector<SkybodyValue> table_;
-};
-
-/// Triangles that plugins have asked for, each mesh once.
-class MeshTables {
- public:
-  const SkybodyTriangles* of_file(const std::string& file);
-  const SkybodyTriangles* of_field(const Shape& shape);
-
- private:
-  struct Table {
-    TriangleMesh mesh;
-    std::string problem;
-    SkybodyTriangles triangles{};
-  };
-  /// @param read  fills the mesh, and returns the problem
-  template <class Read>
-  const SkybodyTriangles* table(const std::string& key, Read&& read);
-
-  std::map<std::string, Table> tables_;
 };
 
 /// Tables behind SkybodySetup. They point into topology and layout and are valid as long as these

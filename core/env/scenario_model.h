@@ -57,7 +57,8 @@ struct ScenarioModel {
   std::size_t image_words = 0;   ///< for all sensors' images of one environment
   int commanded = 0;             ///< command values set by the action or the task
   int signal_size = 0;           ///< size of the largest controller output
-  int scratch_size = 0;          ///< largest scratch requested by a plugin
+  int scratch_size = 0;          ///< largest scratch requested by a plugin, of each lane
+  int scratch_block_size = 0;    ///< largest scratch block
   bool is_checked = false;
   bool needs_bodies_before = false;
   bool needs_contacts = false;

@@ -136,6 +136,7 @@ struct Builder {
       append(made.contact_pairs, model.contact_pairs);
       append(made.joint_reactions, model.joint_reactions);
       model.scratch_size = std::max(model.scratch_size, made.memory.scratch);
+      model.scratch_block_size = std::max(model.scratch_block_size, made.memory.scratch_block);
       model.signal_size = std::max(model.signal_size, made.controller.output_count());
       if (kind == SKYBODY_SENSOR) {
         made.sensor.output = plan.layout.sensors.size;

@@ -107,7 +107,7 @@ struct Shape {
   Vec3<double> box_center{0.0, 0.0, 0.0};  ///< centre of that box in the shape's frame [m]
   std::shared_ptr<const HeightField> heights;      ///< height field
   std::string mesh;                                ///< mesh: file name from the URDF
-  std::string mesh_file = {};                      ///< mesh: its path
+  std::string mesh_file;                           ///< mesh: its path
   std::array<double, 4> rgba{0.5, 0.5, 0.5, 1.0};  ///< visual colour, each in [0, 1]
 };
 

@@ -214,8 +214,8 @@ typedef struct SkybodyVisualInfo {
 /* Triangles to draw. */
 typedef struct SkybodyTriangles {
   const float* corners; /* nine numbers per triangle: x, y, z of each corner, unscaled [m] */
-  int32_t count;
-  const char* problem; /* why there are none, such as "is not found"; "" if there are */
+  int32_t count;        /* 0 with a problem */
+  const char* problem;  /* such as "has no faces"; "" if there is none */
 } SkybodyTriangles;
 
 /* A randomizable value. */
@@ -349,6 +349,8 @@ typedef struct SkybodyDeclare {
   void (*buffer)(void* host, int32_t words);
   /* Any kind: doubles for use during a call, SkybodyLanes::scratch. Their content is not kept. */
   void (*scratch)(void* host, int32_t values);
+  /* Sensors for plain double: doubles in a row for a call, in the place of scratch. */
+  void (*scratch_block)(void* host, int32_t values);
   /* Any kind: doubles that are kept from call to call but are not state, SkybodyLanes::memo. */
   void (*memo)(void* host, int32_t values);
   /* Effects: an input that apply() fills, SkybodyHeldInput. */

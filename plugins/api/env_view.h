@@ -141,7 +141,7 @@ class EnvView {
     return values(raw_.scratch, first_, mask_, "scratch",
                   [](const SkybodyChecks& c) { return c.scratch; });
   }
-  /// The same memory as one block of Setup::scratch() doubles in a row, in place of scratch().
+  /// Scratch memory of this call: Setup::scratch_block() doubles in a row, with undefined content.
   /// Methods written for plain double only: lanes are served one after another.
   double* scratch_block() const {
     static_assert(std::is_same_v<Real, double>, "one block for each lane: write for plain double");

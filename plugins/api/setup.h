@@ -94,7 +94,7 @@ class Setup {
   /// on.
   View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
   /// Shapes to draw, in body order: the visuals of each body, or the collision shapes of a body
-  /// that has none.
+  /// that has none, or a mesh of a format that is not read.
   View<VisualInfo> visuals() const { return {raw_.visuals, raw_.visual_count}; }
   /// Triangles of a visual of the kind SKYBODY_MESH. The file is read at the first call.
   /// @param visual  index in visuals()
@@ -201,6 +201,9 @@ class Setup {
   void buffer(int words) const { declare_.buffer(declare_.host, words); }
   /// `count` values of scratch memory for a call (EnvView::scratch); not state.
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
+  /// Sensors written for plain double: `count` doubles in a row for a call, in the place of
+  /// scratch() (EnvView::scratch_block).
+  void scratch_block(int count) const { declare_.scratch_block(declare_.host, count); }
   /// `count` values of lasting memory (EnvView::memo); not state.
   void memo(int count) const { declare_.memo(declare_.host, count); }
   /// Effects: the output of apply() depends only on parameters: the scenario's and

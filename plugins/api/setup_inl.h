@@ -130,7 +130,11 @@ inline const Triangles& Setup::visual_triangles(int visual) const {
 inline const Triangles& Setup::obstacle_triangles(int obstacle) const {
   const Triangles& found = *raw_.obstacle_triangles(raw_.tables, obstacle);
   if (*found.problem == '\0') return found;
-  refuse("the height field ", obstacle, " of the obstacles ", found.problem, ": use a coarser one");
+  std::string name;
+  for (const ShapeInfo& shape : shapes()) {
+    if (shape.obstacle == obstacle) name = shape.name;
+  }
+  refuse("the height field of the obstacle `", name, "` ", found.problem, ": use a coarser one");
 }
 
 template <class T>

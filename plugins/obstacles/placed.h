@@ -16,25 +16,36 @@ struct Obstacle {
   int index = 0;              ///< among the obstacles
 };
 
-/// All obstacles, in the scenario's order.
+/// All obstacles, in the scenario's order, height fields included.
 /// @param reader  the caller, for messages, such as "task `obstacles`"
-/// @param takes_fields  the caller knows height fields
-/// @throws std::runtime_error with the name of an obstacle whose surface has no closed form
-inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader,
-                                  bool takes_fields = false) {
+/// @throws std::runtime_error with the name of an obstacle that is a mesh
+inline std::vector<Obstacle> find_with_fields(const Setup& setup, const std::string& reader) {
   std::vector<Obstacle> found;
   for (const ShapeInfo& shape : setup.shapes()) {
     if (shape.obstacle < 0) continue;
-    const bool is_field = shape.kind == SKYBODY_HEIGHT_FIELD;
-    if ((is_field && !takes_fields) || shape.kind == SKYBODY_MESH) {
+    if (shape.kind == SKYBODY_MESH) {
+      refuse("obstacle `", shape.name, "` is a mesh, and ", reader,
+             " knows boxes, spheres, cylinders, capsules, gates, planes and height fields: replace "
+             "it by one of these, or take it out");
+    }
+    found.push_back({shape.kind, shape.first_param, shape.obstacle});
+  }
+  return found;
+}
+
+/// All obstacles, in the scenario's order.
+/// @throws std::runtime_error with the name of an obstacle whose surface has no closed form
+inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader) {
+  for (const ShapeInfo& shape : setup.shapes()) {
+    if (shape.obstacle < 0) continue;
+    if (shape.kind == SKYBODY_HEIGHT_FIELD || shape.kind == SKYBODY_MESH) {
       refuse("obstacle `", shape.name, "` is a ",
              (shape.kind == SKYBODY_MESH ? "mesh" : "height field"), ", and ", reader,
              " knows boxes, spheres, cylinders, capsules, gates and planes: replace it by one of "
              "these, or take it out");
     }
-    found.push_back({shape.kind, shape.first_param, shape.obstacle});
   }
-  return found;
+  return find_with_fields(setup, reader);
 }
 
 /// Pose and size of an obstacle in an environment.

@@ -72,8 +72,8 @@ class Camera:
         plugin = compiled.sensors.get(name)
         if plugin != "camera":
             cameras = [sensor for sensor, kind in compiled.sensors.items() if kind == "camera"]
-            what = f"is a {plugin}" if plugin else "is no sensor"
-            raise ValueError(f"`{name}` {what}; cameras of the scenario: {cameras}")
+            kind = f"is a {plugin}" if plugin else "is no sensor"
+            raise ValueError(f"`{name}` {kind}; cameras of the scenario: {cameras}")
         given: dict[str, Any] = compiled.sensor_parameters(name)
         self.width, self.height = int(given["width"][0]), int(given["height"][0])
         self.field_of_view = float(given["field_of_view"][0])
@@ -90,7 +90,13 @@ class Camera:
 
     @property
     def intrinsics(self) -> Reals:
-        """The matrix K (3, 3): pixel coordinates are K (x / z, y / z, 1), without distortion."""
+        """The matrix K (3, 3) of a pinhole: pixels are K (x / z, y / z, 1), without distortion.
+
+        Raises:
+            ValueError: the camera is a fisheye or a panorama.
+        """
+        if self.projection != "pinhole":
+            raise ValueError(f"a {self.projection} has no matrix of intrinsics: use project()")
         center = 0.5 * self.width, 0.5 * self.height
         return np.array([[self.focal, 0.0, center[0]], [0.0, self.focal, center[1]], [0, 0, 1.0]])
 
@@ -107,7 +113,8 @@ class Camera:
     def project(self, points: ArrayLike, position: Reals, axes: Reals) -> tuple[Reals, Reals]:
         """Pixel coordinates (..., 2) of points (..., 3) in W [m], and their depths (...) [m].
 
-        Points behind a pinhole (depth 0 or less) have the coordinates NaN.
+        Points that no pixel can see have the coordinates NaN: behind a pinhole (depth 0 or less),
+        beyond the fold of a distorted one, and exactly behind a fisheye.
 
         Args:
             points: of one camera.
@@ -119,7 +126,8 @@ class Camera:
         with np.errstate(divide="ignore", invalid="ignore"):
             if self.projection == "pinhole":
                 u, v = self._distorted(x / z, y / z)
-                u, v = np.where(z > 0, u, np.nan), np.where(z > 0, v, np.nan)
+                is_seen = (z > 0) & (self._radial_slope((x * x + y * y) / (z * z)) > 0)
+                u, v = np.where(is_seen, u, np.nan), np.where(is_seen, v, np.nan)
             elif self.projection == "fisheye":
                 u, v = self._fisheye(x, y, z)
             else:
@@ -137,6 +145,11 @@ class Camera:
             y * radial + p1 * (s + 2 * y * y) + 2 * p2 * x * y,
         )
 
+    def _radial_slope(self, s: Reals) -> Reals:
+        """The slope of a distorted radius, at its square s: above 0 up to the fold."""
+        k1, k2, _, _, k3 = [*self.distortion, 0.0, 0.0, 0.0, 0.0, 0.0][:5]
+        return np.asarray(1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3)))
+
     def _fisheye(self, x: Reals, y: Reals, z: Reals) -> tuple[Reals, Reals]:
         """Kannala and Brandt's model."""
         k = [*self.distortion, 0.0, 0.0, 0.0, 0.0][:4]
@@ -144,5 +157,6 @@ class Camera:
         angle = np.arctan2(aside, z)
         s = angle * angle
         radius = angle * (1 + s * (k[0] + s * (k[1] + s * (k[2] + s * k[3]))))
-        share = np.where(aside > 0, radius / np.where(aside > 0, aside, 1.0), 1.0)
+        middle = np.where(z > 0, 0.0, np.nan)
+        share = np.where(aside > 0, radius / np.where(aside > 0, aside, 1.0), middle)
         return x * share, y * share

@@ -35,6 +35,11 @@ struct Linear {
   float c, x, y;
 };
 
+/// A rectangle of directions x, y (camera axes, at depth 1) that contains a shape's image.
+struct Cover {
+  float left, right, top, bottom;
+};
+
 /// A shape with constants of one eye and camera orientation, made by see().
 ///
 /// form             functions                                       numbers
@@ -64,10 +69,10 @@ inline constexpr int kMostLanes = 16;
 
 /// A triangle of a mesh as seen from an eye.
 struct SeenTriangle {
-  Linear f[4];      ///< w of its plane; three edges, at least 0 inside
-  float bounds[4];  ///< of its picture: left, right, top, bottom
-  uint32_t id;      ///< as SeenShape::id
-  int32_t part;     ///< index of the SeenShape that has its mesh's paint
+  Linear f[4];  ///< w of its plane; three edges, at least 0 inside
+  Cover cover;
+  uint32_t id;   ///< as SeenShape::id
+  int32_t part;  ///< index of the SeenShape that has its mesh's paint
 };
 
 /// Pixel centres of a grid along an axis: first, first + step, ...
@@ -79,14 +84,19 @@ struct GridAxis {
 struct MeshCall {
   const float* coordinates[9];  ///< x, y, z of each corner, `count` each, padded
   int count;
-  float eye[3];      ///< in the mesh's frame [m]
-  float axes[3][3];  ///< rows: axes of the camera, in the mesh's frame
-  bool has_grid;     ///< triangles without a pixel centre are left out
+  float eye[3];       ///< in the mesh's frame [m]
+  float eye_rest[3];  ///< the rounding error of `eye`
+  float axes[3][3];   ///< rows: axes of the camera, in the mesh's frame
+  bool has_grid;      ///< triangles without a pixel centre are left out
   GridAxis columns, rows;
   uint32_t id;
   int32_t part;
   SeenTriangle* seen;  ///< room for `count`
 };
+
+/// Codes of surfaces: -1 nothing, 4 * index of a shape + its face, or below -1 a triangle.
+constexpr int32_t code_of_triangle(int32_t index) { return -2 - index; }
+constexpr int32_t triangle_of_code(int32_t code) { return -2 - code; }
 
 /// A tile of an image.
 struct TileCall {
@@ -102,8 +112,7 @@ struct TileCall {
   float farthest;     ///< [m]
   float* depth;       ///< kTilePixels, along the optical axis [m]; `farthest` for id 0
   uint32_t* id;       ///< kTilePixels; 0: nothing
-  int32_t* surface;   ///< kTilePixels: 4 * index of the shape + its face, -2 - index of the
-                     ///< triangle, -1: nothing; null: not wanted
+  int32_t* surface;   ///< kTilePixels: codes of surfaces; null: not wanted
 };
 
 /// Forms of bodies that cast shadows.
@@ -124,7 +133,7 @@ struct Caster {
 };
 
 /// Bounds of casters along three axes: across the way to the sun, and towards it. Arrays of one
-/// value per caster, with room for kTileWidth more.
+/// value per caster, with room for kMostLanes more.
 struct CasterBounds {
   float *low[2], *high[2];
   float* top;
@@ -139,7 +148,7 @@ struct Light {
   float ambient;     ///< brightness of a white surface in shadow
   float zenith[3];   ///< colours of the sky: red, green, blue, linear, in [0, 1]
   float horizon[3];
-  float pixel;  ///< tangent of the angle between neighbouring pixels at the centre
+  float pixel;  ///< tangent of the widest angle between neighbouring pixels
 
   const Caster* casters;
   CasterBounds bounds;
@@ -158,7 +167,7 @@ struct ShadeCall {
 /// The functions for one instruction set.
 struct KernelTable {
   /// Writes the triangles that may be seen. @returns their number
-  int (*see_mesh)(const MeshCall&);
+  int (*see_triangles)(const MeshCall&);
   /// Depth and id of each pixel, and the surface if wanted.
   void (*draw)(const TileCall&);
   void (*shade)(const ShadeCall&);

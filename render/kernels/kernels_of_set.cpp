@@ -5,8 +5,6 @@
 namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
 namespace {
 
-int see_triangles(const MeshCall& call) { return see_mesh(call); }
-
 template <class Rays>
 void draw_rays(const TileCall& call) {
   if (call.surface != nullptr) {
@@ -35,6 +33,6 @@ void shade(const ShadeCall& call) {
 }  // namespace
 
 extern const KernelTable kTable;  // also of sets that kernel_table.h does not list
-const KernelTable kTable = {.see_mesh = see_triangles, .draw = draw, .shade = shade};
+const KernelTable kTable = {.see_triangles = see_triangles, .draw = draw, .shade = shade};
 
 }  // namespace skybody::render::kernels::SKYBODY_KERNEL_SET

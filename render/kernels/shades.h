@@ -73,9 +73,10 @@ struct Directions {
 
 /// Normals and paints of the lanes that see triangles. Both sides of a triangle are seen: its
 /// normal is towards the eye.
+template <bool kPaints>
 SKYBODY_RENDER void add_triangles(const TileCall& tile, const Ints& surface, Surfaces& seen) {
   for (int k = 0; k < tile.triangle_count; ++k) {
-    const Mask is_seen = equal(surface, ints(-2 - tile.triangle_list[k]));
+    const Mask is_seen = equal(surface, ints(code_of_triangle(tile.triangle_list[k])));
     if (!any(is_seen)) continue;
     const SeenTriangle& s = tile.triangles[tile.triangle_list[k]];
     const Linear& f = s.f[0];
@@ -84,7 +85,7 @@ SKYBODY_RENDER void add_triangles(const TileCall& tile, const Ints& surface, Sur
     const SeenShape& part = tile.shapes[s.part];
     seen.normal = select(is_seen, normal, seen.normal);
     seen.shape = select(is_seen, ints(part.shape), seen.shape);
-    seen.paint = select(is_seen, triple(part.color), seen.paint);
+    if constexpr (kPaints) seen.paint = select(is_seen, triple(part.color), seen.paint);
   }
 }
 
@@ -110,7 +111,7 @@ SKYBODY_RENDER Surfaces surfaces_of(const TileCall& tile, float pixel, int row, 
           select(is_seen, paint_at(s, seen.point, depth * length, facing, pixel), seen.paint);
     }
   }
-  add_triangles(tile, surface, seen);
+  add_triangles<kPaints>(tile, surface, seen);
   return seen;
 }
 

@@ -30,7 +30,7 @@ SKYBODY_RENDER void draw_tile(const TileCall& call) {
     }
     for (int k = 0; k < call.triangle_count; ++k) {
       const int32_t index = call.triangle_list[k];
-      meet_triangle(call.triangles[index], -2 - index, rays, nearest);
+      meet_triangle(call.triangles[index], code_of_triangle(index), rays, nearest);
     }
     for (int r = 0; r < kTileHeight; ++r) {
       const int at = r * kTileWidth + column;

@@ -3,8 +3,9 @@
 // With a, b, c the corners from the eye, a ray along d passes through the triangle if d . (a x b),
 // d . (b x c) and d . (c x a) all have the sign of a . (b x c); then
 //   w = 1 / t = (d . n) / (a . n),   n = (b - a) x (c - a)
-// All are linear in d. The edge that two triangles share has the same function but for its sign,
-// bit by bit: no ray passes between them.
+// All are linear in d. a x b is computed as (a + b) x (b - a) / 2, without cancellation for corners
+// close to each other, as Embree does. The edge that two triangles share has the same function but
+// for its sign, bit by bit: no ray passes through the edge between them.
 #pragma once
 
 #include "render/kernels/hits.h"
@@ -14,6 +15,9 @@ namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
 
 SKYBODY_RENDER Triple cross(const Triple& a, const Triple& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+SKYBODY_RENDER Triple plus(const Triple& a, const Triple& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 SKYBODY_RENDER Triple minus(const Triple& a, const Triple& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
@@ -62,7 +66,8 @@ struct Block {
 SKYBODY_RENDER Block block_of(const MeshCall& call, int first) {
   const auto corner = [&](int k) {
     const auto from_eye = [&](int axis) {
-      return load<Floats>(call.coordinates[3 * k + axis] + first) - call.eye[axis];
+      const Floats coordinate = load<Floats>(call.coordinates[3 * k + axis] + first);
+      return (coordinate - call.eye[axis]) - call.eye_rest[axis];
     };
     return Triple{from_eye(0), from_eye(1), from_eye(2)};
   };
@@ -72,9 +77,12 @@ SKYBODY_RENDER Block block_of(const MeshCall& call, int first) {
   const Floats sign = select(greater(floats(0.0f), height), floats(-1.0f), floats(1.0f));
   Block block;
   block.f[0] = turned(call.axes, times(n, 1.0f / height));
-  block.f[1] = turned(call.axes, times(cross(a, b), sign));
-  block.f[2] = turned(call.axes, times(cross(b, c), sign));
-  block.f[3] = turned(call.axes, times(cross(c, a), sign));
+  const auto edge = [&](const Triple& from, const Triple& to) {
+    return turned(call.axes, times(cross(plus(from, to), minus(to, from)), sign));
+  };
+  block.f[1] = edge(a, b);
+  block.f[2] = edge(b, c);
+  block.f[3] = edge(c, a);
   const Triple corners[3] = {turned(call.axes, a), turned(call.axes, b), turned(call.axes, c)};
   Floats nearest = corners[0].z, farthest = corners[0].z;
   for (const Triple& at : corners) {
@@ -101,8 +109,11 @@ SKYBODY_RENDER void store_triple(const Triple& v, float (*out)[kLanes]) {
   store(v.z, out[2]);
 }
 
+/// A little less, above the rounding of directions.
+SKYBODY_RENDER float below(float v) { return v - 1e-5f * (1.0f + (v < 0.0f ? -v : v)); }
+
 /// Writes the triangles that may be seen. @returns their number
-inline int see_mesh(const MeshCall& call) {
+inline int see_triangles(const MeshCall& call) {
   int count = 0;
   for (int first = 0; first < call.count; first += kLanes) {
     const Block block = block_of(call, first);
@@ -121,10 +132,11 @@ inline int see_mesh(const MeshCall& call) {
       for (int k = 0; k < 4; ++k) {
         seen.f[k] = {values[3 * k + 2][i], values[3 * k][i], values[3 * k + 1][i]};
       }
-      const bool is_everywhere = (block.crosses >> i & 1u) != 0;
-      for (int k = 0; k < 4; ++k) {
-        const float wide = k % 2 == 0 ? -3e38f : 3e38f;
-        seen.bounds[k] = is_everywhere ? wide : values[12 + k][i];
+      if ((block.crosses >> i & 1u) != 0) {
+        seen.cover = {-3e38f, 3e38f, -3e38f, 3e38f};
+      } else {
+        seen.cover = {below(values[12][i]), -below(-values[13][i]), below(values[14][i]),
+                      -below(-values[15][i])};
       }
       seen.id = call.id;
       seen.part = call.part;

@@ -6,29 +6,33 @@
 #include <string>
 #include <vector>
 
-#include "sensors/camera/image_noise.h"
 #include "sensors/camera/optical_flow.h"
 #include "sensors/camera/projection.h"
+#include "sensors/imaging/image_noise.h"
 #include "sensors/imaging/image_sensor.h"
 
 namespace skybody {
 namespace {
 
-using camera::DepthNoise;
-using camera::EdgeHoles;
 using camera::Lens;
+using sensor::DepthNoise;
+using sensor::EdgeHoles;
 
 /// Greatest field of view of a pinhole [rad].
 constexpr double kWidestPinhole = 3.0;
 
 class Camera : public sensor::ImageSensor {
  public:
-  Camera() : ImageSensor(100.0, "depth and range of nothing; farther surfaces are not seen") {}
+  Camera()
+      : ImageSensor("depth and range of nothing; farther surfaces are not seen", "depth",
+                    "depth, range, instance, class, normal, rgb, flow",
+                    "images: depth, range, instance, class, normal, rgb, flow; see Outputs") {}
 
   void configure(const Setup& setup) override {
     check_outputs();
+    check_combinations();
     // Bytes of holes, and shapes and depths of flow: one after another.
-    const std::size_t room = pixels() / 8 + 1 + (has("flow") ? pixels() + 1 : 0);
+    const std::size_t room = hole_room() + (has("flow") ? pixels() + 1 : 0);
     const Lens lens = checked_lens();
     if (projection_.value() == "fisheye") {
       configure_exposures(setup, camera::fisheye(lens), room);
@@ -40,11 +44,10 @@ class Camera : public sensor::ImageSensor {
       lens_ = camera::pinhole(lens);
       configure_exposures(setup, lens_, room, has("flow"));
     }
-    for (const std::string& name : outputs_.values()) declare(setup, name);
+    for (const std::string& name : outputs()) declare(setup, name);
   }
 
  private:
-  static constexpr const char* kOutputs = "depth, range, instance, class, normal, rgb, flow";
   static constexpr std::uint64_t kDepthDraws = 1, kRangeDraws = 2, kHoleDraws = 3, kRgbDraws = 4;
 
   int width() const { return static_cast<int>(width_.value()); }
@@ -52,12 +55,8 @@ class Camera : public sensor::ImageSensor {
   std::size_t pixels() const {
     return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
   }
+  std::size_t hole_room() const { return edge_holes_.is_given() ? pixels() / 8 + 1 : 0; }
   bool is_panorama() const { return projection_.value() == "panorama"; }
-  bool has(const std::string& output) const {
-    const std::vector<std::string>& names = outputs_.values();
-    return std::find(names.begin(), names.end(), output) != names.end();
-  }
-
   Lens checked_lens() const {
     Lens lens{width(), height(), field_of_view_.value(), {}};
     for (int k = 0; k < distortion_.count(); ++k) lens.distortion.push_back(distortion_.value(k));
@@ -79,14 +78,7 @@ class Camera : public sensor::ImageSensor {
     return lens;
   }
 
-  void check_outputs() const {
-    const std::vector<std::string>& names = outputs_.values();
-    if (names.empty()) refuse("`outputs` is empty: name one or more of ", kOutputs);
-    for (const std::string& name : names) {
-      if (std::count(names.begin(), names.end(), name) > 1) {
-        refuse("`outputs` names ", name, " twice: name each image once");
-      }
-    }
+  void check_combinations() const {
     if (is_panorama() && has("depth")) {
       refuse("`outputs` names depth, and a panorama has no optical axis: name range");
     }
@@ -118,7 +110,7 @@ class Camera : public sensor::ImageSensor {
     } else if (name == "flow") {
       flow_ = setup.image<float>(name, {h, w, 2}, of);
     } else {
-      refuse("`outputs` has an unknown image ", name, ": choose from ", kOutputs);
+      refuse_output(name);
     }
   }
   /// Whether pixels look behind the camera, where depths are negative.
@@ -128,11 +120,9 @@ class Camera : public sensor::ImageSensor {
     render::Frame frame = frame_of(env);
     double* const room = exposure.memory + renderer().scratch_size();
     auto* const is_hole = reinterpret_cast<std::uint8_t*>(room);
-    auto* const shapes = reinterpret_cast<std::int32_t*>(room + pixels() / 8 + 1);
-    float* const own_depth = reinterpret_cast<float*>(shapes + pixels());
     if (flow_.count > 0) {
-      frame.shape = shapes;
-      if (frame.depth == nullptr) frame.depth = own_depth;
+      frame.shape = reinterpret_cast<std::int32_t*>(room + hole_room());
+      if (frame.depth == nullptr) frame.depth = reinterpret_cast<float*>(frame.shape + pixels());
     }
     renderer().draw(exposure.eye, exposure.shapes, sky_of(env), exposure.memory, frame);
     if (flow_.count > 0) write_flow(exposure, frame, env.pixels(flow_));
@@ -147,7 +137,7 @@ class Camera : public sensor::ImageSensor {
     add_errors(env, frame.range, kRangeDraws, holes > 0.0 ? is_hole : nullptr);
     const double of_colors = frame.rgb != nullptr ? rgb_noise_(env) : 0.0;
     if (of_colors > 0.0) {
-      camera::add_noise(of_colors, random(env, kRgbDraws), 3 * pixels(), frame.rgb);
+      sensor::add_noise(of_colors, random(env, kRgbDraws), 3 * pixels(), frame.rgb);
     }
   }
 
@@ -177,10 +167,10 @@ class Camera : public sensor::ImageSensor {
     if (image == nullptr) return;
     const Vec3<double> deviation = depth_noise_.vec3(env);
     const DepthNoise noise{deviation.x, deviation.y, deviation.z, depth_resolution_(env),
-                           max_range()};
-    if (noise.is_on()) camera::add_noise(noise, random(env, draws), pixels(), image);
+                           nothing()};
+    if (noise.is_on()) sensor::add_noise(noise, random(env, draws), pixels(), image);
     if (is_hole != nullptr) {
-      EdgeHoles(width(), height()).fill(is_hole, static_cast<float>(max_range()), image);
+      EdgeHoles(width(), height()).fill(is_hole, nothing(), image);
     }
   }
 
@@ -214,11 +204,6 @@ class Camera : public sensor::ImageSensor {
   RealsParameter distortion_{this,
                              list("distortion", "", {}, between(-100.0, 100.0),
                                   "pinhole: k1, k2, p1, p2, k3; fisheye: k1 to k4; see Equations")};
-  TextsParameter outputs_{
-      this,
-      {.name = "outputs",
-       .values = {"depth"},
-       .doc = "images: depth, range, instance, class, normal, rgb, flow; see Outputs"}};
   RealsParameter sun_{this,
                       randomizable(reals("sun", "", {-0.48, -0.36, 0.8}, kAny,
                                          "direction towards the sun, W axes, of any length"))};
@@ -254,4 +239,4 @@ class Camera : public sensor::ImageSensor {
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Camera, "camera", "1.1.0",
-               "Camera: depth, range, ids, classes, normals and colours.");
+               "Camera: depth, range, ids, classes, normals, colours and flow.");

@@ -1,4 +1,4 @@
-// Velocities of pictures of points, from the exact motion of camera and bodies.
+// Image velocities of points, from the exact motion of camera and bodies.
 #pragma once
 
 #include "render/scene.h"
@@ -15,7 +15,7 @@ struct ImageVelocity {
 /// the camera has the image velocity (v_x - x v_z, v_y - y v_z) / z.
 class FlowOfBodies {
  public:
-  using Motion = WorldShapes::Motion;
+  using Motion = sensor::WorldShapes::Motion;
 
   /// @param carrier  the body that carries the camera
   FlowOfBodies(const render::Eye& eye, const Motion& carrier)

@@ -10,7 +10,18 @@ namespace {
 
 using render::RayImage;
 
-constexpr int kMostIterations = 200;
+/// Focal length of a pinhole [pixels].
+double pinhole_focal(const Lens& lens) {
+  const SinCos<double> half = sincos(0.5 * lens.field_of_view);
+  return 0.5 * lens.width * half.cos / half.sin;
+}
+
+/// Focal length of a fisheye and of a panorama [pixels per rad].
+double angular_focal(const Lens& lens) { return lens.width / lens.field_of_view; }
+
+constexpr int kMostIterations = 50;
+/// Steps from the centre of the image to a pixel: an inverse found at one begins at the next.
+constexpr int kSteps = 16;
 /// Error of an inverse that counts as found, in focal lengths: far below a pixel.
 constexpr double kFound = 1e-10;
 
@@ -23,6 +34,8 @@ constexpr double kFound = 1e-10;
 template <class Direction>
 RayImage rays_of(const Lens& lens, double focal, Direction&& direction) {
   RayImage image{lens.width, lens.height, {}};
+  image.directions.reserve(static_cast<std::size_t>(lens.width) *
+                           static_cast<std::size_t>(lens.height));
   for (int row = 0; row < lens.height; ++row) {
     for (int column = 0; column < lens.width; ++column) {
       const double u = (column + 0.5 - 0.5 * lens.width) / focal;
@@ -58,23 +71,35 @@ struct Brown {
     return {2.0 * p1 * p.x * p.y + p2 * (square + 2.0 * p.x * p.x),
             p1 * (square + 2.0 * p.y * p.y) + 2.0 * p2 * p.x * p.y};
   }
-  /// By fixed-point iteration; @returns the last iterate and whether it is found.
+  /// By Newton's method from the centre outwards.
+  /// @returns false: not found, or the image is folded on the way to p
   bool invert(const Point& image, Point& p) const {
-    p = image;
+    p = {0.0, 0.0};
+    for (int step = 1; step <= kSteps; ++step) {
+      const double share = static_cast<double>(step) / kSteps;
+      if (!refine({image.x * share, image.y * share}, p)) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool refine(const Point& image, Point& p) const {
     for (int i = 0; i < kMostIterations; ++i) {
-      const double square = p.x * p.x + p.y * p.y;
-      const Point aside = tangential(p, square);
-      const Point error{p.x * radial(square) + aside.x - image.x,
-                        p.y * radial(square) + aside.y - image.y};
-      if (std::abs(error.x) + std::abs(error.y) < kFound) return radial_slope(square) > 0.0;
-      if (!(radial(square) > 0.0)) return false;
-      p = {(image.x - aside.x) / radial(square), (image.y - aside.y) / radial(square)};
+      const double s = p.x * p.x + p.y * p.y, r = radial(s);
+      const Point aside = tangential(p, s);
+      const Point error{p.x * r + aside.x - image.x, p.y * r + aside.y - image.y};
+      // The Jacobian, which is symmetric.
+      const double slope = 2.0 * (k1 + s * (2.0 * k2 + s * 3.0 * k3));
+      const double xx = r + p.x * p.x * slope + 2.0 * p1 * p.y + 6.0 * p2 * p.x;
+      const double yy = r + p.y * p.y * slope + 6.0 * p1 * p.y + 2.0 * p2 * p.x;
+      const double xy = p.x * p.y * slope + 2.0 * p1 * p.x + 2.0 * p2 * p.y;
+      const double determinant = xx * yy - xy * xy;
+      if (!(determinant > 0.0 && xx > 0.0)) return false;
+      if (std::abs(error.x) + std::abs(error.y) < kFound) return true;
+      p.x -= (yy * error.x - xy * error.y) / determinant;
+      p.y -= (xx * error.y - xy * error.x) / determinant;
     }
     return false;
-  }
-  /// d(r radial) / dr: positive where radii do not fold.
-  double radial_slope(double square) const {
-    return 1.0 + square * (3.0 * k1 + square * (5.0 * k2 + square * 7.0 * k3));
   }
 };
 
@@ -93,13 +118,21 @@ struct Kannala {
     const double s = angle * angle;
     return 1.0 + s * (3.0 * k[0] + s * (5.0 * k[1] + s * (7.0 * k[2] + s * 9.0 * k[3])));
   }
-  /// By Newton's method. Corners beyond the whole sphere look backwards.
+  /// By Newton's method from the centre outwards. Corners beyond the whole sphere look backwards.
   bool invert(double image, double& angle) const {
-    angle = image;
+    angle = 0.0;
+    for (int step = 1; step <= kSteps; ++step) {
+      if (!refine(image * step / kSteps, angle)) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool refine(double image, double& angle) const {
     for (int i = 0; i < kMostIterations; ++i) {
       const double error = radius(angle) - image;
-      if (std::abs(error) < kFound) return slope(angle) > 0.0;
       if (!(slope(angle) > 0.0)) return false;
+      if (std::abs(error) < kFound) return true;
       angle -= error / slope(angle);
     }
     return false;
@@ -107,13 +140,6 @@ struct Kannala {
 };
 
 }  // namespace
-
-double pinhole_focal(const Lens& lens) {
-  const SinCos<double> half = sincos(0.5 * lens.field_of_view);
-  return 0.5 * lens.width * half.cos / half.sin;
-}
-
-double angular_focal(const Lens& lens) { return lens.width / lens.field_of_view; }
 
 render::Pinhole pinhole(const Lens& lens) {
   render::Pinhole camera;

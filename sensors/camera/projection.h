@@ -15,11 +15,6 @@ struct Lens {
   std::vector<double> distortion;  ///< coefficients, or none
 };
 
-/// Focal length of a pinhole [pixels].
-double pinhole_focal(const Lens& lens);
-/// Focal length of a fisheye and of a panorama [pixels per rad].
-double angular_focal(const Lens& lens);
-
 /// A pinhole without distortion.
 render::Pinhole pinhole(const Lens& lens);
 

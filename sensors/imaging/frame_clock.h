@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace skybody {
+namespace skybody::sensor {
 
 /// Exposures at physics steps phase, phase + period, ...; each becomes the image `latency` steps
 /// later. Before the first one the image shows the start of the episode.
@@ -25,4 +25,4 @@ struct FrameClock {
   bool is_regular() const { return phase == 0 && latency % period == 0; }
 };
 
-}  // namespace skybody
+}  // namespace skybody::sensor

@@ -3,10 +3,12 @@
 
 #include <skybody/plugin.h>
 
-#include <memory>
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include "render/renderer.h"
 #include "sensors/common/mount.h"
@@ -43,8 +45,12 @@ class ImageSensor : public Sensor {
   };
 
   /// @param range_doc  meaning of `max_range`
-  ImageSensor(double max_range, const char* range_doc)
-      : max_range_(this, real("max_range", "m", max_range, between(1e-3, 1e6), range_doc)) {}
+  /// @param kinds      names of all images, for messages
+  ImageSensor(const char* range_doc, const char* standard, const char* kinds,
+              const char* outputs_doc)
+      : kinds_(kinds),
+        outputs_(this, {.name = "outputs", .values = {standard}, .doc = outputs_doc}),
+        max_range_(this, real("max_range", "m", 100.0, between(1e-3, 1e6), range_doc)) {}
 
   /// Call in configure(), before the images are declared.
   /// @param view  render::Pinhole or render::RayImage
@@ -61,13 +67,34 @@ class ImageSensor : public Sensor {
     renderer_.emplace(view, shapes_->capacity(), max_range_.value(),
                       render::kernels_of(best_isa()));
     const auto of_shapes = static_cast<std::size_t>(shapes_->most()) * kShapeSize;
-    setup.scratch(shapes_->moment_size() +
-                  static_cast<int>(of_shapes + renderer_->scratch_size() + room));
+    setup.scratch_block(shapes_->moment_size() +
+                        static_cast<int>(of_shapes + renderer_->scratch_size() + room));
     if (clock_.latency > 0) setup.buffer(clock_.most_kept() * shapes_->moment_size());
+  }
+
+  /// Whether the scenario asks for an image.
+  bool has(const std::string& output) const {
+    const std::vector<std::string>& names = outputs_.values();
+    return std::find(names.begin(), names.end(), output) != names.end();
+  }
+  const std::vector<std::string>& outputs() const { return outputs_.values(); }
+  /// @throws std::runtime_error if an image is named twice or none is named
+  void check_outputs() const {
+    const std::vector<std::string>& names = outputs_.values();
+    if (names.empty()) refuse("`outputs` is empty: name one or more of ", kinds_);
+    for (const std::string& name : names) {
+      if (std::count(names.begin(), names.end(), name) > 1) {
+        refuse("`outputs` names ", name, " twice: name each image once");
+      }
+    }
+  }
+  [[noreturn]] void refuse_output(const std::string& name) const {
+    refuse("`outputs` has an unknown image ", name, ": choose from ", kinds_);
   }
 
   int robot() const { return mount_.robot(); }
   double max_range() const { return max_range_.value(); }
+  float nothing() const { return static_cast<float>(max_range_.value()); }  ///< its pixels
   const render::Renderer& renderer() const { return *renderer_; }
   const WorldShapes& world_shapes() const { return *shapes_; }
 
@@ -132,7 +159,9 @@ class ImageSensor : public Sensor {
     return axes;
   }
 
+  const char* kinds_;
   Mount mount_{this};
+  TextsParameter outputs_;
   RealParameter max_range_;
   BooleanParameter ground_{this, boolean("ground", true, "the plane z = 0 of W is seen")};
   BooleanParameter sees_own_robot_{

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace skybody {
+namespace skybody::sensor {
 namespace {
 
 using render::Color;
@@ -15,7 +15,7 @@ constexpr int kMotionValues = 6;     ///< velocity, angular velocity, W axes
 constexpr int kObstacleValues = 11;  ///< presence, position, quaternion, size
 /// Limit of shapes; the renderer numbers parts of shapes by 16 bits.
 constexpr int kMostShapes = 20000;
-constexpr int kMostTriangles = 60000;  // of all meshes; the same limit
+constexpr int kMostTriangles = 60000;  // of all meshes, likewise
 
 constexpr std::uint16_t kGroundInstance = 1;
 constexpr std::uint16_t kFirstRobotInstance = 2;
@@ -113,20 +113,20 @@ void WorldShapes::add_visuals(const Setup& setup, int hidden_robot) {
 
 void WorldShapes::add_obstacles(const Setup& setup) {
   int instance = kFirstRobotInstance + setup.robots().size();
-  for (const obstacles::Obstacle& obstacle : obstacles::find(setup, "the sensor", true)) {
+  for (const obstacles::Obstacle& obstacle : obstacles::find_with_fields(setup, "the sensor")) {
     const bool is_gate = obstacle.kind == SKYBODY_GATE,
                is_field = obstacle.kind == SKYBODY_HEIGHT_FIELD,
-               is_plane = obstacle.kind == SKYBODY_PLANE || is_field;
+               is_ground = obstacle.kind == SKYBODY_PLANE || is_field;
     PlacedShape shape;
     shape.solid = solid_of(obstacle.kind);
     shape.instance = static_cast<std::uint16_t>(instance++);
-    shape.label = is_gate ? Label::kGate : is_plane ? Label::kGround : Label::kObstacle;
+    shape.label = is_gate ? Label::kGate : is_ground ? Label::kGround : Label::kObstacle;
     shape.paint.color = color_of(obstacle.kind);
-    if (is_plane) shape.paint = paint_of_ground();
+    if (is_ground) shape.paint = paint_of_ground();
     if (is_field) {
       shape.mesh = add_mesh(setup.obstacle_triangles(obstacle.index), {1.0, 1.0, 1.0});
     }
-    things_.push_back({obstacle, shape});
+    drawn_obstacles_.push_back({obstacle, shape});
     most_ += is_gate ? obstacles::kBars : 1;
   }
 }
@@ -145,7 +145,7 @@ int WorldShapes::body_values() const { return kPoseValues + (has_motion_ ? kMoti
 
 int WorldShapes::moment_size() const {
   return body_values() * static_cast<int>(bodies_.size()) +
-         kObstacleValues * static_cast<int>(things_.size());
+         kObstacleValues * static_cast<int>(drawn_obstacles_.size());
 }
 
 void WorldShapes::capture(const EnvView<double>& env, double* moment) const {
@@ -160,8 +160,8 @@ void WorldShapes::capture(const EnvView<double>& env, double* moment) const {
     const Vec3<double> v = body.velocity, w = rotate(body.rotation, body.angular_velocity);
     put(v.x, v.y, v.z, w.x, w.y, w.z);
   }
-  for (const Thing& thing : things_) {
-    const obstacles::PlacedObstacle<double> placed = obstacles::place(env, thing.obstacle);
+  for (const DrawnObstacle& drawn : drawn_obstacles_) {
+    const obstacles::PlacedObstacle<double> placed = obstacles::place(env, drawn.obstacle);
     put(placed.present ? 1.0 : 0.0);
     put_pose(placed.position, placed.rotation);
     put(placed.size.x, placed.size.y, placed.size.z);
@@ -199,14 +199,14 @@ std::span<const PlacedShape> WorldShapes::place(const double* moment, PlacedShap
     ++next;
   }
   const double* values = moment + static_cast<std::size_t>(body_values()) * bodies_.size();
-  for (const Thing& thing : things_) {
+  for (const DrawnObstacle& drawn : drawn_obstacles_) {
     const double* const v = values;
     values += kObstacleValues;
     if (v[0] == 0.0) continue;
     const Vec3<double> position = vec3_at(v + 1), size = vec3_at(v + 8);
-    PlacedShape shape = thing.shape;
+    PlacedShape shape = drawn.shape;
     shape.axes = to_mat3(normalized(quat_at(v + 4)));
-    if (thing.obstacle.kind == SKYBODY_GATE) {
+    if (drawn.obstacle.kind == SKYBODY_GATE) {
       for (int k = 0; k < obstacles::kBars; ++k) {
         const obstacles::Bar<double> bar = obstacles::bar_of_gate(size, k);
         shape.position = position + shape.axes * bar.position;
@@ -222,4 +222,4 @@ std::span<const PlacedShape> WorldShapes::place(const double* moment, PlacedShap
   return {shapes, next};
 }
 
-}  // namespace skybody
+}  // namespace skybody::sensor

@@ -11,7 +11,7 @@
 #include "render/mesh.h"
 #include "render/renderer.h"
 
-namespace skybody {
+namespace skybody::sensor {
 
 /// Shapes of robots and obstacles, and the ground. Immutable.
 ///
@@ -27,7 +27,7 @@ class WorldShapes {
   /// @param mount         world body that carries the camera
   /// @param hidden_robot  robot that is not drawn; -1: none
   /// @param has_motion    moments hold velocities
-  /// @throws std::runtime_error for obstacles without a closed form, and too many shapes
+  /// @throws std::runtime_error for meshes that cannot be drawn, and for too many shapes
   WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground, bool has_motion);
 
   /// Most shapes of an environment.
@@ -53,7 +53,7 @@ class WorldShapes {
     render::PlacedShape shape;
   };
   /// An obstacle with the properties of its shapes.
-  struct Thing {
+  struct DrawnObstacle {
     obstacles::Obstacle obstacle;
     render::PlacedShape shape;
   };
@@ -62,16 +62,15 @@ class WorldShapes {
   int body_values() const;
   void add_visuals(const Setup& setup, int hidden_robot);
   void add_obstacles(const Setup& setup);
-
-  std::vector<int> bodies_;  ///< world body indices, the camera's first
-  std::vector<Visual> visuals_;
-  std::vector<Thing> things_;
   /// Adds a mesh. @returns it, valid as long as this object
   const render::Mesh* add_mesh(const Triangles& triangles, const Vec3<double>& scale);
 
+  std::vector<int> bodies_;  ///< world body indices, the camera's first
+  std::vector<Visual> visuals_;
+  std::vector<DrawnObstacle> drawn_obstacles_;
   std::vector<std::unique_ptr<const render::Mesh>> meshes_;
   bool has_ground_, has_motion_;
   int most_ = 0, most_triangles_ = 0;
 };
 
-}  // namespace skybody
+}  // namespace skybody::sensor

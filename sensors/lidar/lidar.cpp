@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sensors/imaging/image_noise.h"
 #include "sensors/imaging/image_sensor.h"
 
 namespace skybody {
@@ -16,7 +17,10 @@ constexpr int kMostRays = 1 << 20;
 
 class Lidar : public sensor::ImageSensor {
  public:
-  Lidar() : ImageSensor(100.0, "range of a ray without a return; farther surfaces are not seen") {}
+  Lidar()
+      : ImageSensor("range of a ray without a return; farther surfaces are not seen", "range",
+                    "range, points, intensity, instance, class",
+                    "images: range, points, intensity, instance, class; see Outputs") {}
 
   void configure(const Setup& setup) override {
     check_outputs();
@@ -25,28 +29,13 @@ class Lidar : public sensor::ImageSensor {
     render::RayImage view{columns_of_scan_, rings_of_scan_, {}};
     for (const Vec3<double>& d : rays_) view.directions.push_back({-d.y, -d.z, d.x});
     configure_exposures(setup, view, room);
-    for (const std::string& name : outputs_.values()) declare(setup, name);
+    for (const std::string& name : outputs()) declare(setup, name);
   }
 
  private:
-  static constexpr const char* kOutputs = "range, points, intensity, instance, class";
   static constexpr std::uint64_t kNoiseDraws = 1, kDropoutDraws = 2;
 
-  bool has(const std::string& output) const {
-    const std::vector<std::string>& names = outputs_.values();
-    return std::find(names.begin(), names.end(), output) != names.end();
-  }
   std::size_t count() const { return rays_.size(); }
-
-  void check_outputs() const {
-    const std::vector<std::string>& names = outputs_.values();
-    if (names.empty()) refuse("`outputs` is empty: name one or more of ", kOutputs);
-    for (const std::string& name : names) {
-      if (std::count(names.begin(), names.end(), name) > 1) {
-        refuse("`outputs` names ", name, " twice: name each image once");
-      }
-    }
-  }
 
   void list_rays() {
     rays_.clear();
@@ -65,9 +54,7 @@ class Lidar : public sensor::ImageSensor {
     if (elevations_.count() == 0) {
       refuse("`elevations` is empty: give one or more, such as [0], or `angles`");
     }
-    if (around * elevations_.count() > kMostRays) {
-      refuse("the scan has ", around * elevations_.count(), " rays; allowed: at most ", kMostRays);
-    }
+    check_count(std::int64_t{around} * elevations_.count());
     const double first = is_ring || around == 1 ? 0.0 : -0.5 * field;
     for (int e = 0; e < elevations_.count(); ++e) {
       for (int i = 0; i < around; ++i) {
@@ -82,9 +69,14 @@ class Lidar : public sensor::ImageSensor {
       refuse("`angles` has ", angles_.count(),
              " values; needed: pairs of azimuth and elevation, one after another");
     }
+    check_count(angles_.count() / 2);
     for (int i = 0; i < angles_.count(); i += 2) add_ray(angles_.value(i), angles_.value(i + 1));
     columns_of_scan_ = static_cast<int>(rays_.size());
     rings_of_scan_ = 1;
+  }
+  static void check_count(std::int64_t rays) {
+    if (rays <= kMostRays) return;
+    refuse("the scan has ", rays, " rays; allowed: at most ", kMostRays);
   }
   void add_ray(double azimuth, double elevation) {
     const SinCos<double> turn = sincos(azimuth), rise = sincos(elevation);
@@ -105,7 +97,7 @@ class Lidar : public sensor::ImageSensor {
     } else if (name == "class") {
       class_ = setup.image<std::uint8_t>(name, {h, w}, robot());
     } else {
-      refuse("`outputs` has an unknown image ", name, ": choose from ", kOutputs);
+      refuse_output(name);
     }
   }
 
@@ -166,19 +158,8 @@ class Lidar : public sensor::ImageSensor {
 
   /// Noise of returns; a ray without one reads exactly max_range.
   void add_noise(const EnvView<double>& env, float* range) const {
-    const double deviation = noise_(env), share = noise_share_(env);
-    if (!(deviation > 0.0 || share > 0.0)) return;
-    Random<double> draw = random(env, kNoiseDraws);
-    for (std::size_t i = 0; i < count(); i += 2) {
-      double errors[2];
-      draw.normal_pair(errors[0], errors[1]);
-      for (std::size_t k = 0; k < 2 && i + k < count(); ++k) {
-        const auto true_range = static_cast<double>(range[i + k]);
-        if (true_range >= max_range()) continue;
-        const double noisy = true_range + errors[k] * (deviation + share * true_range);
-        range[i + k] = static_cast<float>(std::min(std::max(noisy, 0.0), max_range()));
-      }
-    }
+    const sensor::DepthNoise noise{noise_(env), noise_share_(env), 0.0, 0.0, nothing()};
+    if (noise.is_on()) sensor::add_noise(noise, random(env, kNoiseDraws), count(), range);
   }
   /// Loses returns.
   void lose(const EnvView<double>& env, const render::Frame& frame) const {
@@ -187,7 +168,7 @@ class Lidar : public sensor::ImageSensor {
     Random<double> draw = random(env, kDropoutDraws);
     for (std::size_t i = 0; i < count(); ++i) {
       if (!(draw.uniform() < probability)) continue;
-      frame.range[i] = static_cast<float>(max_range());
+      frame.range[i] = nothing();
       if (frame.instance != nullptr) frame.instance[i] = 0;
       if (frame.label != nullptr) frame.label[i] = 0;
       if (intensity_.count > 0) env.pixels(intensity_)[i] = 0.0f;
@@ -218,11 +199,6 @@ class Lidar : public sensor::ImageSensor {
       this, list("angles", "rad", {}, between(-kTwoPi, kTwoPi),
                  "azimuth and elevation of each ray, in turn, in place of rings: solid-state "
                  "patterns")};
-  TextsParameter outputs_{
-      this,
-      {.name = "outputs",
-       .values = {"range"},
-       .doc = "images: range, points, intensity, instance, class; see Outputs"}};
   TextParameter axes_{this, choice("axes", "sensor", {"sensor", "world"}, "axes of `points`")};
   RealParameter noise_{this, when_given(real("noise", "m", 0.0, at_least(0.0),
                                              "standard deviation of a range, at any range"))};

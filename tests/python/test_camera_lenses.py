@@ -150,7 +150,7 @@ def test_projected_points_are_in_their_pixels() -> None:
 
 def test_a_camera_that_is_none_is_named() -> None:
     envs = envs_of()
-    with pytest.raises(ValueError, match="`nose` is no sensor; cameras of the scenario: .'eye'"):
+    with pytest.raises(ValueError, match=r"`nose` is no sensor; cameras .*: \['eye'\]"):
         Camera(envs.compiled, "nose")
 
 
@@ -168,6 +168,26 @@ def test_depth_noise_has_its_standard_deviation() -> None:
     assert sample.size > 2000
     assert abs(np.std(sample) - 1.0) < 0.07  # four standard errors of 2,000 draws
     assert abs(np.mean(sample)) < 0.09
+
+
+def test_depths_behind_a_fisheye_keep_their_sign_with_noise() -> None:
+    lens = {"projection": "fisheye", "field_of_view": 6.0}
+    noisy = envs_of("depth", depth_noise=[0.001, 0.0, 0.0], **lens).reset()[0]["eye_depth"]
+    clean = envs_of("depth", **lens).reset()[0]["eye_depth"]
+    behind = clean < -0.1
+    assert np.sum(behind) > 50
+    np.testing.assert_allclose(noisy[behind], clean[behind], atol=0.006)
+    assert np.any(noisy[behind] != clean[behind])
+
+
+def test_a_lens_that_spreads_strongly_is_not_folded() -> None:
+    k = [5.0, 0.0]
+    envs = envs_of("range, instance", distortion=k, field_of_view=1.8)
+    u, v = pixel_grid(WIDTH / 2 / np.tan(0.9))
+    radius = np.hypot(u, v)
+    radii = np.linspace(0.0, 2.0, 400001)
+    inner = np.interp(radius, radii * (1 + 5.0 * radii**2), radii)
+    check_ground(envs, np.stack([u * inner / radius, v * inner / radius, np.ones_like(u)], -1))
 
 
 def test_depth_has_its_resolution_if_asked_for() -> None:
@@ -207,13 +227,13 @@ def test_noise_of_colours_has_its_standard_deviation() -> None:
         ({"distortion": [-2.0, 0.0]}, "folds the image: no direction has pixel"),
         ({"projection": "panorama", "field_of_view": 6.28}, "a panorama ends at the zenith"),
         (
-            {"projection": "panorama", "outputs": "[depth]", "field_of_view": 2.0},
+            {"projection": "panorama", "outputs": "depth", "field_of_view": 2.0},
             "a panorama has no optical axis: name range",
         ),
-        ({"edge_holes": 0.5, "outputs": "[rgb]"}, "`edge_holes` needs depth or range"),
+        ({"edge_holes": 0.5, "outputs": "rgb"}, "`edge_holes` needs depth or range"),
     ],
 )
 def test_a_camera_that_cannot_be_is_refused(parameters: dict[str, Any], message: str) -> None:
-    outputs = parameters.pop("outputs", "[range]").strip("[]")
+    given = {"outputs": "range", **parameters}
     with pytest.raises(skybody.InputError, match=message):
-        envs_of(outputs, **parameters)
+        envs_of(**given)

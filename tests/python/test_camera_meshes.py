@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 import skybody
 from numpy.typing import NDArray
 
@@ -33,7 +32,8 @@ observe: [eye.depth, eye.instance, eye.normal]
 """
 MODEL = """\
 <robot name="model"><link name="base">
-<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+<inertial><mass value="1"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
 <visual><origin xyz="0.1 0 0" rpy="0.1 0.2 0.3"/><geometry>{}</geometry></visual>
 <collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>
 """
@@ -119,10 +119,16 @@ def test_a_height_field_is_seen_at_its_heights(tmp_path: Path) -> None:
     np.testing.assert_allclose(seen["eye_depth"], depth, rtol=2e-5)
 
 
-@pytest.mark.parametrize("triangles", [60001])
-def test_too_many_triangles_are_refused(triangles: int, tmp_path: Path) -> None:
+def test_a_mesh_behind_a_link_without_an_extension_is_read(tmp_path: Path) -> None:
+    scenario = write(tmp_path, '<mesh filename="box.stl"/>')
+    (tmp_path / "stored").write_bytes(box_stl(HALF))
+    (tmp_path / "box.stl").symlink_to("stored")
+    assert np.sum(image(scenario)["eye_instance"] == 2) > 100
+
+
+def test_too_many_triangles_are_refused(tmp_path: Path) -> None:
     scenario = write(tmp_path, '<mesh filename="many.obj"/>')
-    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * triangles
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 60001
     (tmp_path / "many.obj").write_text(text)
     done = subprocess.run([PROGRAM, "check", scenario], capture_output=True, text=True, check=False)
     assert done.returncode == 2

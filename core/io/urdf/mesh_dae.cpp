@@ -76,24 +76,14 @@ class DaeScene {
 
   void add(const XMLElement& node, const DaeGeometry& geometry, const DaeTransform& placed) {
     for (const DaePart& part : geometry) {
-      point_count_ += part.positions.size() + part.corners.size();
+      point_count_ += part.positions.size() + part.faces.corner_count();
       if (point_count_ > kMostPoints) refuse_too_many(node, kMostPoints, "vertices");
       for (const std::uint32_t first : part.positions) {
         const Vec3<double> v = placed * part.position(first);
         if (!is_finite(v)) refuse_element(node, "a node moves a vertex beyond all numbers");
         sink_.add_vertex(v);
       }
-      add_faces(part, placed);
-    }
-  }
-
-  void add_faces(const DaePart& part, const DaeTransform& placed) {
-    std::vector<Vec3<double>> face;
-    std::size_t at = 0;
-    for (const std::size_t end : part.face_ends) {
-      face.clear();
-      for (; at < end; ++at) face.push_back(placed * part.position(part.corners[at]));
-      if (face.size() >= 3) sink_.add_face(face);
+      part.faces.pass_to(sink_, [&](std::uint32_t k) { return placed * part.position(k); });
     }
   }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace skybody {
 namespace {
@@ -59,9 +60,14 @@ void check_corners(const XMLElement& primitives, std::uint64_t corners) {
                                  std::to_string(corners));
 }
 
-void add_face(std::initializer_list<std::uint32_t> corners, DaePart& part) {
-  part.corners.insert(part.corners.end(), corners);
-  part.face_ends.push_back(part.corners.size());
+template <class Iterator>
+void add_face(Iterator first, Iterator last, DaePart& part) {
+  for (; first != last; ++first) part.faces.add_corner(*first);
+  part.faces.end_face();
+}
+void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, DaePart& part) {
+  const std::uint32_t corners[] = {a, b, c};
+  add_face(std::begin(corners), std::end(corners), part);
 }
 
 /// Faces of <polylist>, as many corners each as <vcount> says.
@@ -73,8 +79,7 @@ void add_polygons(const XMLElement& primitives, const std::vector<std::uint32_t>
       const std::size_t count = parse_integer<std::uint32_t>(word).value_or(0);
       if (count > used.size() - at) return;  // check_corners() refuses the file
       const auto first = used.begin() + static_cast<std::ptrdiff_t>(at);
-      part.corners.insert(part.corners.end(), first, first + static_cast<std::ptrdiff_t>(count));
-      part.face_ends.push_back(part.corners.size());
+      add_face(first, first + static_cast<std::ptrdiff_t>(count), part);
       at += count;
     });
   });
@@ -86,18 +91,18 @@ void add_faces(const XMLElement& primitives, const std::vector<std::uint32_t>& u
   const std::string kind = primitives.Name();
   const std::size_t count = used.size();
   if (kind == "triangles") {
-    for (std::size_t k = 2; k < count; k += 3) add_face({used[k - 2], used[k - 1], used[k]}, part);
+    for (std::size_t k = 2; k < count; k += 3)
+      add_triangle(used[k - 2], used[k - 1], used[k], part);
   } else if (kind == "polylist") {
     add_polygons(primitives, used, part);
   } else if (kind == "polygons") {
-    part.corners.insert(part.corners.end(), used.begin(), used.end());
-    part.face_ends.push_back(part.corners.size());
+    add_face(used.begin(), used.end(), part);
   } else if (kind == "trifans") {
-    for (std::size_t k = 2; k < count; ++k) add_face({used[0], used[k - 1], used[k]}, part);
+    for (std::size_t k = 2; k < count; ++k) add_triangle(used[0], used[k - 1], used[k], part);
   } else if (kind == "tristrips") {
     for (std::size_t k = 2; k < count; ++k) {
       const bool is_odd = k % 2 != 0;
-      add_face({used[k - (is_odd ? 1 : 2)], used[k - (is_odd ? 2 : 1)], used[k]}, part);
+      add_triangle(used[k - (is_odd ? 1 : 2)], used[k - (is_odd ? 2 : 1)], used[k], part);
     }
   }
 }

@@ -10,8 +10,7 @@ struct DaePart {
   const std::vector<double>* values = nullptr;
   std::uint32_t x = 0, y = 0, z = 0;  ///< offsets of the coordinates from a position's first value
   std::vector<std::uint32_t> positions;  ///< index of the first value of each used position, once
-  std::vector<std::uint32_t> corners;    ///< of all faces, if wanted: the same indices
-  std::vector<std::size_t> face_ends;    ///< where the corners of each face end
+  FaceList<std::uint32_t> faces;         ///< if wanted, by the same indices
 
   Vec3<double> position(std::uint32_t first) const {
     return {(*values)[first + x], (*values)[first + y], (*values)[first + z]};

@@ -9,6 +9,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/math/math.h"
 #include "core/base/math/vec3.h"
@@ -34,6 +35,31 @@ class MeshSink {
   virtual bool wants_faces() const { return false; }
   /// The corners of a face in order, 3 or more. @throws MeshError if there are too many faces
   virtual void add_face(std::span<const Vec3<double>>) {}
+};
+
+/// Faces as lists of corners, kept until all vertices are known.
+template <class Index>
+class FaceList {
+ public:
+  void add_corner(Index vertex) { corners_.push_back(vertex); }
+  void end_face() { ends_.push_back(corners_.size()); }
+  std::size_t corner_count() const { return corners_.size(); }
+
+  /// Passes the faces of 3 and more corners on. @param position  of a vertex
+  template <class Position>
+  void pass_to(MeshSink& sink, Position&& position) const {
+    std::vector<Vec3<double>> face;
+    std::size_t at = 0;
+    for (const std::size_t end : ends_) {
+      face.clear();
+      for (; at < end; ++at) face.push_back(position(corners_[at]));
+      if (face.size() >= 3) sink.add_face(face);
+    }
+  }
+
+ private:
+  std::vector<Index> corners_;      ///< of all faces
+  std::vector<std::size_t> ends_;   ///< where the corners of each face end
 };
 
 /// The axis-aligned bounding box of the vertices.

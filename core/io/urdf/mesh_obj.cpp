@@ -25,7 +25,8 @@ class ObjReader {
     for (std::size_t k = 0; k < vertices_.size(); ++k) {
       if (used_[k] || largest_ == 0) sink_.add_vertex(vertices_[k]);
     }
-    add_faces();
+    // Faces may name vertices that come later.
+    faces_.pass_to(sink_, [this](std::size_t k) { return vertices_[k]; });
   }
 
  private:
@@ -35,23 +36,12 @@ class ObjReader {
     const std::string_view keyword = words_.next_in_line();
     if (keyword == "v") take_vertex();
     if (keyword != "f" && keyword != "l" && keyword != "p") return;
-    const std::size_t first = corners_.size();
+    const bool is_face = keyword == "f" && sink_.wants_faces();
     for (auto word = next(); !word.empty(); word = next()) {
       const std::size_t index = use(word.substr(0, word.find('/')));
-      if (keyword == "f" && sink_.wants_faces()) corners_.push_back(index);
+      if (is_face) faces_.add_corner(index);
     }
-    if (corners_.size() > first) face_ends_.push_back(corners_.size());
-  }
-
-  /// Faces may name vertices that come later, hence at the end.
-  void add_faces() {
-    std::vector<Vec3<double>> face;
-    std::size_t at = 0;
-    for (const std::size_t end : face_ends_) {
-      face.clear();
-      for (; at < end; ++at) face.push_back(vertices_[corners_[at]]);
-      if (face.size() >= 3) sink_.add_face(face);
-    }
+    if (is_face) faces_.end_face();
   }
 
   /// x y z, x y z w or x y z red green blue.
@@ -102,8 +92,7 @@ class ObjReader {
   MeshTokenizer words_;
   MeshSink& sink_;
   std::vector<Vec3<double>> vertices_;
-  std::vector<std::size_t> corners_;    ///< of all faces: indices of vertices
-  std::vector<std::size_t> face_ends_;  ///< where the corners of each face end
+  FaceList<std::size_t> faces_;
   std::vector<bool> used_;
   std::size_t largest_ = 0;  ///< largest referenced vertex number; 0: none is referenced
   int line_of_largest_ = 0;

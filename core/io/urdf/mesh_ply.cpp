@@ -112,7 +112,8 @@ class PlyBody {
       }
     }
     if (!values_.is_at_end()) values_.refuse("more follows than its header says");
-    add_faces();
+    // Faces may precede the vertices in the file.
+    faces_.pass_to(sink_, [this](std::size_t k) { return vertices_[k]; });
   }
 
  private:
@@ -167,29 +168,16 @@ class PlyBody {
         values_.refuse("a face names vertex " + std::to_string(vertex) + "; the file has " +
                        std::to_string(vertex_count_) + ", numbered from 0");
       }
-      if (sink_.wants_faces()) corners_.push_back(static_cast<std::size_t>(vertex));
+      if (sink_.wants_faces()) faces_.add_corner(static_cast<std::size_t>(vertex));
     }
-    face_ends_.push_back(corners_.size());
-  }
-
-  /// Faces may precede the vertices in the file, hence at the end.
-  void add_faces() {
-    if (!sink_.wants_faces()) return;
-    std::vector<Vec3<double>> face;
-    std::size_t at = 0;
-    for (const std::size_t end : face_ends_) {
-      face.clear();
-      for (; at < end; ++at) face.push_back(vertices_[corners_[at]]);
-      if (face.size() >= 3) sink_.add_face(face);
-    }
+    if (sink_.wants_faces()) faces_.end_face();
   }
 
   const PlyHeader& header_;
   MeshSink& sink_;
   Values values_;
   std::vector<Vec3<double>> vertices_;
-  std::vector<std::size_t> corners_;    ///< of all faces: indices of vertices
-  std::vector<std::size_t> face_ends_;  ///< where the corners of each face end
+  FaceList<std::size_t> faces_;
   std::uint64_t vertex_count_ = 0;
 };
 

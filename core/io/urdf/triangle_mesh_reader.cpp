@@ -10,7 +10,7 @@ namespace skybody {
 namespace {
 
 std::string too_many() {
-  return "has more than " + std::to_string(kMostTriangles) +
+  return "has more than " + std::to_string(kMostMeshTriangles) +
          " triangles, which is the most that is drawn";
 }
 
@@ -23,7 +23,7 @@ class TriangleSink : public MeshSink {
   bool wants_faces() const override { return true; }
   void add_face(std::span<const Vec3<double>> corners) override {
     for (std::size_t k = 2; k < corners.size(); ++k) {
-      if (mesh_.count() >= kMostTriangles) throw MeshError(too_many());
+      if (mesh_.count() >= kMostMeshTriangles) throw MeshError(too_many());
       add_corner(corners[0]);
       add_corner(corners[k - 1]);
       add_corner(corners[k]);
@@ -40,16 +40,16 @@ class TriangleSink : public MeshSink {
 
 }  // namespace
 
-bool is_readable_mesh(const std::string& name) { return find_mesh_format(name) != nullptr; }
-
-std::string read_triangle_mesh(const std::string& file, TriangleMesh& mesh) {
+std::string read_triangle_mesh(const std::string& file, const MeshFormat& format,
+                               TriangleMesh& mesh) {
   std::string bytes;
   const std::string problem = read_regular_file(file, kLargestMesh, bytes);
   if (!problem.empty()) return problem;
   TriangleSink sink(mesh);
   try {
-    find_mesh_format(file)->read(bytes, sink);
+    format.read(bytes, sink);
   } catch (const MeshError& error) {
+    mesh.corners.clear();
     return std::string("cannot be drawn: ") + error.what();
   }
   return mesh.count() > 0 ? "" : "has no faces";
@@ -57,7 +57,7 @@ std::string read_triangle_mesh(const std::string& file, TriangleMesh& mesh) {
 
 std::string triangulate(const HeightField& field, double length, double width, TriangleMesh& mesh) {
   const int columns = field.columns(), rows = field.rows();
-  if (2L * (columns - 1) * (rows - 1) > kMostTriangles) return too_many();
+  if (2L * (columns - 1) * (rows - 1) > kMostMeshTriangles) return too_many();
   TriangleSink sink(mesh);
   const auto corner = [&](int i, int j) {
     return Vec3<double>{length * (static_cast<double>(i) / (columns - 1) - 0.5),

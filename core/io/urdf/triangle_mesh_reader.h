@@ -3,20 +3,20 @@
 
 #include <string>
 
+#include "core/io/urdf/mesh_format.h"
 #include "core/model/height_field.h"
 #include "core/model/triangle_mesh.h"
 
 namespace skybody {
 
 /// Most triangles of a mesh.
-inline constexpr int kMostTriangles = 60'000;
-
-/// Whether a file of that name is of a format that read_triangle_mesh() reads.
-bool is_readable_mesh(const std::string& name);
+inline constexpr int kMostMeshTriangles = 60'000;
 
 /// Reads the faces of a mesh file, as mesh_box.h does; faces of more corners become fans.
+/// @param format  by the name in the URDF: the file may have another one, behind a link
 /// @returns the reason if there are no triangles ("is a folder"), or an empty text
-std::string read_triangle_mesh(const std::string& file, TriangleMesh& mesh);
+std::string read_triangle_mesh(const std::string& file, const MeshFormat& format,
+                               TriangleMesh& mesh);
 
 /// The surface of a height field, in its frame.
 /// @param length, width  extents along x and y [m]

@@ -1,7 +1,8 @@
 // Locations of the meshes of a URDF. Internal to core/io's URDF reader.
 //
-// Meshes of visuals are only referenced by name, for pictures; of collision meshes the bounding box
-// is read (mesh_box.h). A name is valid if it is a regular file in one of these folders:
+// Meshes of visuals are read when a camera draws them (triangle_mesh_reader.h); of collision meshes
+// the bounding box is read (mesh_box.h). A name is valid if it is a regular file in one of these
+// folders:
 // - the URDF's own folder
 // - the folder above it (a package with the folders `urdf` and `meshes`)
 // - any folder above that contains a package.xml

@@ -172,8 +172,11 @@ std::vector<float> vehicle_corners() {
   };
   for (int r = 0; r < kRings; ++r) {
     for (int c = 0; c < kColumns; ++c) {
-      if (r > 0) (add(r, c), add(r + 1, c), add(r, c + 1));
-      if (r + 1 < kRings) (add(r, c + 1), add(r + 1, c), add(r + 1, c + 1));
+      const int triangles[2][3][2] = {{{r, c}, {r + 1, c}, {r, c + 1}},
+                                      {{r, c + 1}, {r + 1, c}, {r + 1, c + 1}}};
+      for (int k = r > 0 ? 0 : 1; k < (r + 1 < kRings ? 2 : 1); ++k) {
+        for (const auto& [ring, column] : triangles[k]) add(ring, column);
+      }
     }
   }
   return corners;

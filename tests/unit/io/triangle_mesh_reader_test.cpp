@@ -33,7 +33,8 @@ class TriangleMeshes : public ::testing::Test {
   /// Number of triangles and z of the area, or the problem.
   std::string read(const std::string& name, const std::string& bytes) {
     TriangleMesh mesh;
-    const std::string problem = read_triangle_mesh(folder_.write(name, bytes), mesh);
+    const std::string problem =
+        read_triangle_mesh(folder_.write(name, bytes), *find_mesh_format(name), mesh);
     if (!problem.empty()) return problem;
     char text[64];
     std::snprintf(text, sizeof text, "%d triangles, area %.6g", mesh.count(), area(mesh).z);
@@ -103,7 +104,7 @@ TEST_F(TriangleMeshes, DamagedFilesHaveAReason) {
 
 TEST_F(TriangleMeshes, TooManyTrianglesAreRefused) {
   std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  for (int k = 0; k <= kMostTriangles; ++k) text += "f 1 2 3\n";
+  for (int k = 0; k <= kMostMeshTriangles; ++k) text += "f 1 2 3\n";
   EXPECT_EQ(read("a.obj", text),
             "cannot be drawn: has more than 60000 triangles, which is the most that is drawn");
 }

@@ -4,9 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <memory>
-
 #include "core/base/math/hash.h"
 #include "tests/unit/render/scenes.h"
 
@@ -18,6 +15,7 @@ namespace skybody::testing {
 namespace {
 
 using ::testing::Each;
+using ::testing::Lt;
 
 /// Hash of the images of AllKernelsGiveTheSameBits. It changes with the renderer's arithmetic only.
 constexpr std::uint64_t kPinned = 0;
@@ -99,7 +97,7 @@ TEST(MeshTest, DepthsAreThoseOfTrianglesInDouble) {
   const Mesh mesh(corners, {1.0, 1.0, 1.0});
   Camera camera(square_of(32), Capacity(4, mesh.count()));
   RandomScenes scenes(31);
-  int compared = 0;
+  int compared = 0, hits_of_nothing = 0;
   for (int k = 0; k < 60; ++k) {
     const Vec3<double> turn = scenes.angles();
     const PlacedShape shape = mesh_at(mesh, scenes.point(1.0), turned(turn.x, turn.y, turn.z));
@@ -109,7 +107,8 @@ TEST(MeshTest, DepthsAreThoseOfTrianglesInDouble) {
       double edge = 1.0;
       const double depth = depth_of(corners, shape, eye, x, y, edge);
       if (depth == HUGE_VAL) {
-        // A pixel at the silhouette may see the mesh in float.
+        // At the silhouette float may see the mesh.
+        hits_of_nothing += camera.instance[i] != 0 ? 1 : 0;
         return;
       }
       if (edge < 1e-3) return;
@@ -120,6 +119,7 @@ TEST(MeshTest, DepthsAreThoseOfTrianglesInDouble) {
     });
   }
   EXPECT_GT(compared, 3000);
+  EXPECT_LT(hits_of_nothing, 3);
 }
 
 TEST(MeshTest, ABoxOfTrianglesLooksLikeABox) {
@@ -160,6 +160,44 @@ TEST(MeshTest, AClosedMeshHasNoHoles) {
     camera.draw({{1.05 * turn.cos, 1.05 * turn.sin, 0.0}, looking(0.0, 0.0, 0.1 * k + kPi)},
                 {mesh_at(mesh, {0.0, 0.0, 0.0}, turned(0.2 * k, 0.1 * k, 0.0))});
     EXPECT_THAT(camera.instance, Each(1)) << "step " << k;
+    EXPECT_THAT(camera.depth, Each(Lt(0.4f))) << "step " << k;  // not the far side
+  }
+}
+
+TEST(MeshTest, ADenseMeshFarOffHasNoHoles) {
+  const Mesh mesh(sphere(120, 180), {0.25, 0.25, 0.25});
+  for (const double distance : {20.0, 60.0, 150.0}) {
+    // A telephoto lens: 64 pixels of a much wider image, 10 pixels per triangle or fewer.
+    const double focal = 40.0 * distance;
+    Camera camera({64, 64, focal, focal, 32.0, 32.0}, Capacity(4, mesh.count()), 1000.0);
+    camera.draw({{-distance, 0.0, 0.0}, looking(0.0, 0.0, 0.0)},
+                {mesh_at(mesh, {0.0, 0.0, 0.0}, turned(0.3, 0.2, 0.1))});
+    int seen = 0;
+    camera.each_pixel([&](std::size_t i, double x, double y) {
+      if (std::sqrt(x * x + y * y) * distance > 0.24) return;
+      ++seen;
+      EXPECT_EQ(camera.instance[i], 1) << "distance " << distance << ", pixel " << i;
+      EXPECT_LT(camera.depth[i], distance) << "distance " << distance << ", pixel " << i;
+    });
+    EXPECT_GT(seen, 250);
+  }
+}
+
+TEST(MeshTest, NoPixelOfAWideImageIsLeftOut) {
+  // Triangles of a wall, smaller than a pixel, each of which holds the centre of one pixel.
+  constexpr int kWidth = 1280;
+  const Pinhole pinhole{kWidth, 4, 500.0, 500.0, 640.0, 2.0};
+  Corners corners;
+  for (int column = 0; column < kWidth; ++column) {
+    const double x = (column + 0.5 - 640.0) / 500.0, y = -0.5 / 500.0, r = 0.3 / 500.0;
+    add(corners, {x - r, y - r, 1.0}, {x + r, y - r, 1.0}, {x, y + r, 1.0});
+  }
+  const Mesh mesh(corners, {1.0, 1.0, 1.0});
+  Camera camera(pinhole, Capacity(4, mesh.count()));
+  camera.draw({{0.0, 0.0, 0.0}, Mat3<double>{{1, 0, 0, 0, 1, 0, 0, 0, 1}}},
+              {mesh_at(mesh, {0.0, 0.0, 0.0}, Mat3<double>{{1, 0, 0, 0, 1, 0, 0, 0, 1}})});
+  for (std::size_t column = 0; column < kWidth; ++column) {
+    EXPECT_EQ(camera.instance[kWidth + column], 1) << "column " << column;
   }
 }
 

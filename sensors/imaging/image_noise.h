@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace skybody::camera {
+namespace skybody::sensor {
 
 /// Calls add(i, standard normal) for i = 0 ... count - 1.
 template <class Add>
@@ -20,33 +20,34 @@ void each_normal(Random<double> draw, std::size_t count, Add&& add) {
   }
 }
 
-/// Error of a depth d: a normal one with the standard deviation base + linear d + square d^2,
-/// rounded to a multiple of `resolution`.
+/// Error of a depth or range d: a normal one with the standard deviation base + linear |d| + square
+/// d^2, rounded to a multiple of `resolution`. Depths behind a fisheye are negative and stay so.
 struct DepthNoise {
   double base = 0.0, linear = 0.0, square = 0.0;  ///< [m], [1], [1/m]
   double resolution = 0.0;                        ///< [m]; 0: none
-  double farthest = 0.0;                          ///< of the image [m]: what is as far has no error
+  float farthest = 0.0f;                          ///< of the image [m]: nothing, without an error
 
   bool is_on() const { return base > 0.0 || linear > 0.0 || square > 0.0 || resolution > 0.0; }
 
-  float of(double depth, double normal) const {
-    if (depth >= farthest) return static_cast<float>(farthest);
-    double noisy = depth + normal * (base + depth * (linear + depth * square));
+  float of(float depth, double normal) const {
+    if (depth >= farthest) return farthest;
+    const double size = std::abs(static_cast<double>(depth));
+    double noisy = size + normal * (base + size * (linear + size * square));
     if (resolution > 0.0) noisy = round_half_even(noisy / resolution) * resolution;
-    return static_cast<float>(std::min(std::max(noisy, 0.0), farthest));
+    const float held = std::min(static_cast<float>(std::max(noisy, 0.0)), farthest);
+    return depth < 0.0f ? -held : held;
   }
 };
 
 /// Adds noise to an image of depths or ranges.
 inline void add_noise(const DepthNoise& noise, const Random<double>& draw, std::size_t pixels,
                       float* depth) {
-  each_normal(draw, pixels, [&](std::size_t i, double normal) {
-    depth[i] = noise.of(static_cast<double>(depth[i]), normal);
-  });
+  each_normal(draw, pixels,
+              [&](std::size_t i, double normal) { depth[i] = noise.of(depth[i], normal); });
 }
 
 /// Marks pixels beside a jump of depth, each with a probability: stereo and time-of-flight cameras
-/// measure nothing there. A jump is a difference above `kJump` of the nearer depth.
+/// measure nothing there. A jump is a difference above `kJump` of the smaller depth.
 class EdgeHoles {
  public:
   static constexpr float kJump = 0.05f;
@@ -73,7 +74,7 @@ class EdgeHoles {
     const auto jumps = [&](int r, int c) {
       if (r < 0 || r >= height_ || c < 0 || c >= width_) return false;
       const float other = depth[r * width_ + c];
-      return std::abs(other - own) > kJump * std::min(own, other);
+      return std::abs(other - own) > kJump * std::min(std::abs(own), std::abs(other));
     };
     return jumps(row - 1, column) || jumps(row + 1, column) || jumps(row, column - 1) ||
            jumps(row, column + 1);
@@ -91,4 +92,4 @@ inline void add_noise(double deviation, const Random<double>& draw, std::size_t 
   });
 }
 
-}  // namespace skybody::camera
+}  // namespace skybody::sensor
