@@ -40,14 +40,19 @@ def write_versions(versions: dict[str, Any]) -> None:
     VERSIONS.write_text(json.dumps(versions, indent=1) + "\n", encoding="utf-8")
 
 
+def _git(*words: str) -> str:
+    done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
 def commit() -> str:
-    """Commit of the sources, with `-dirty` if they differ from it."""
-    command = ["git", "describe", "--always", "--dirty", "--abbrev=8", "--exclude=*"]
+    """Commit of the sources, with `-dirty` if they differ from it; other results may."""
     try:
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        name = _git("describe", "--always", "--abbrev=8", "--exclude=*")
+        changed = _git("status", "--porcelain", "--untracked-files=no", ".", ":!docs/results")
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
-    return done.stdout.strip()
+    return f"{name}-dirty" if changed else name
 
 
 def stamp() -> dict[str, Any]:
