@@ -208,6 +208,7 @@ COURSES = (
     Course("landing", (Share(0.9),)),
     Course("obstacles", (Share(0.9),)),
     Course("obstacles_rays", (Share(0.9),)),
+    Course("obstacles_vision", (Share(0.9),), minutes=30.0),
     Course("chase", (Share(0.9),)),
     Course("chase_agents", (Share(0.9),)),
 )

