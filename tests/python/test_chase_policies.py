@@ -28,7 +28,13 @@ def successes(scenario: str, folder: Path) -> float:
 # Of 100 episodes 98, 97 and 100 succeed; 50 episodes may fall short by 3 binomial deviations.
 @pytest.mark.parametrize(
     ("scenario", "least"),
-    [("obstacles", 0.92), ("obstacles_rays", 0.88), ("chase", 0.98), ("chase_agents", 0.86)],
+    [
+        ("obstacles", 0.92),
+        ("obstacles_rays", 0.88),
+        ("obstacles_vision", 0.94),
+        ("chase", 0.98),
+        ("chase_agents", 0.86),
+    ],
 )
 def test_a_shipped_policy_succeeds(scenario: str, least: float, tmp_path: Path) -> None:
     assert successes(scenario, tmp_path / "log") >= least
