@@ -1,7 +1,5 @@
 #include "core/env/mesh_tables.h"
 
-#include "core/io/urdf/triangle_mesh_reader.h"
-
 namespace skybody {
 
 const SkybodyTriangles* MeshTables::point_to(Table& table) {
@@ -10,10 +8,10 @@ const SkybodyTriangles* MeshTables::point_to(Table& table) {
 }
 
 const SkybodyTriangles* MeshTables::of_file(const Shape& shape) {
-  const MeshFormat& format = *find_mesh_format(shape.mesh);
-  const auto [found, is_new] = files_.try_emplace(shape.mesh_file + format.extension);
+  // The name in the URDF gives the format.
+  const auto [found, is_new] = files_.try_emplace(shape.mesh_file + '\n' + shape.mesh);
   Table& table = found->second;
-  if (is_new) table.problem = read_triangle_mesh(shape.mesh_file, format, table.mesh);
+  if (is_new) table.problem = shape.read_triangles(table.mesh);
   return point_to(table);
 }
 

@@ -13,7 +13,7 @@ namespace skybody {
 /// Reads each mesh file and each height field once. The results are valid as long as this object.
 class MeshTables {
  public:
-  /// @param shape  a mesh of a format that is read
+  /// @param shape  a mesh with read_triangles
   const SkybodyTriangles* of_file(const Shape& shape);
   /// @param shape  a height field, which must outlive this object
   const SkybodyTriangles* of_field(const Shape& shape);
@@ -26,7 +26,7 @@ class MeshTables {
   };
   static const SkybodyTriangles* point_to(Table& table);
 
-  std::map<std::string, Table> files_;  ///< by file and format
+  std::map<std::string, Table> files_;  ///< by file and name in the URDF
   std::map<const Shape*, Table> fields_;
 };
 

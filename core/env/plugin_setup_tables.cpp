@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/io/urdf/mesh_format.h"
 #include "core/physics/bodies/default_state.h"
 
 namespace skybody {
@@ -328,7 +327,7 @@ void SetupTables::add_shapes(const Topology& topology) {
 /// of its first visual.
 void SetupTables::add_visuals(const Topology& topology) {
   const auto is_unreadable = [](const Shape& shape) {
-    return shape.type == ShapeType::kMesh && find_mesh_format(shape.mesh) == nullptr;
+    return shape.type == ShapeType::kMesh && !shape.read_triangles;
   };
   for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
     const Body& body = *topology.bodies[static_cast<std::size_t>(i)].model;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "core/base/math/vec3.h"
 #include "core/model/constants.h"
 #include "core/model/height_field.h"
+#include "core/model/triangle_mesh.h"
 
 namespace skybody {
 
@@ -105,9 +107,11 @@ struct Shape {
   Vec3<double> box_size{0.0, 0.0, 0.0};    ///< collision mesh: edge lengths of its scaled bounding
                                            ///< box, along the shape's axes [m]
   Vec3<double> box_center{0.0, 0.0, 0.0};  ///< centre of that box in the shape's frame [m]
-  std::shared_ptr<const HeightField> heights;      ///< height field
-  std::string mesh;                                ///< mesh: file name from the URDF
-  std::string mesh_file;                           ///< mesh: its path
+  std::shared_ptr<const HeightField> heights;  ///< height field
+  std::string mesh;                            ///< mesh: file name from the URDF
+  std::string mesh_file;                       ///< mesh: its path
+  /// Mesh of a format that is read: reads its triangles. @returns the problem, or ""
+  std::function<std::string(TriangleMesh&)> read_triangles;
   std::array<double, 4> rgba{0.5, 0.5, 0.5, 1.0};  ///< visual colour, each in [0, 1]
 };
 

@@ -1,9 +1,15 @@
-// Triangles of a mesh, to draw.
+// Triangles of a mesh, to draw. C++17.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "core/model/height_field.h"
+
 namespace skybody {
+
+/// Most triangles of a mesh.
+inline constexpr int kMostMeshTriangles = 60'000;
 
 /// The corners of triangles: nine numbers each (x, y, z of three corners), in the mesh's frame [m].
 struct TriangleMesh {
@@ -11,5 +17,13 @@ struct TriangleMesh {
 
   int count() const { return static_cast<int>(corners.size() / 9); }
 };
+
+/// "has more than ... triangles, ...".
+std::string too_many_triangles();
+
+/// The surface of a height field, in its frame.
+/// @param length, width  extents along x and y [m]
+/// @returns the reason if there are too many triangles, or an empty text
+std::string triangulate(const HeightField& field, double length, double width, TriangleMesh& mesh);
 
 }  // namespace skybody

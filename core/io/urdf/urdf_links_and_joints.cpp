@@ -10,6 +10,7 @@
 
 #include "core/io/files/text.h"
 #include "core/io/urdf/mesh_box.h"
+#include "core/io/urdf/triangle_mesh_reader.h"
 #include "core/io/urdf/urdf_meshes.h"
 #include "core/io/urdf/urdf_urdfdom.h"
 #include "core/io/urdf/urdf_xml.h"
@@ -176,6 +177,11 @@ class DocumentBuilder {
       return false;
     }
     shape.mesh_file = file.path;
+    if (const MeshFormat* const format = find_mesh_format(shape.mesh)) {
+      shape.read_triangles = [path = file.path, format](TriangleMesh& mesh) {
+        return read_triangle_mesh(path, *format, mesh);
+      };
+    }
     return !collision || take_box(file.path, subject, mark, shape);
   }
 

@@ -1,4 +1,4 @@
-// Images of rays in any directions: fisheyes, panoramas, lidars.
+// Images of rays in any directions, drawn by the tiles of a cube's faces.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ Around around(const std::vector<PlacedShape>& shapes, const Eye& eye, const Vec3
   return middle;
 }
 
-TEST(RayImageTest, RangesInAllDirectionsAreThoseOfRaysInDouble) {
+TEST(RayTilesTest, RangesInAllDirectionsAreThoseOfRaysInDouble) {
   RandomScenes scenes(11);
   const RayImage rays = all_around(72, 37);
   Camera camera(rays);
@@ -102,7 +102,7 @@ TEST(RayImageTest, RangesInAllDirectionsAreThoseOfRaysInDouble) {
   EXPECT_GT(compared, 30000);
 }
 
-TEST(RayImageTest, RaysOfAGridGiveThePinholesImage) {
+TEST(RayTilesTest, RaysOfAGridGiveThePinholesImage) {
   RandomScenes scenes(12);
   const Pinhole pinhole = square_of(40);
   Camera grid(pinhole), rays(rays_of(pinhole));
@@ -133,7 +133,7 @@ TEST(RayImageTest, RaysOfAGridGiveThePinholesImage) {
   EXPECT_GT(compared, 20000);
 }
 
-TEST(RayImageTest, NormalsAreInCameraAxesOnEveryFaceOfTheCube) {
+TEST(RayTilesTest, NormalsAreInCameraAxesOnEveryFaceOfTheCube) {
   const RayImage rays = all_around(40, 20);
   Camera camera(rays);
   const std::vector<PlacedShape> room{shape_at(Solid::kSphere, {0.0, 0.0, 0.0}, {0.5, 0.0, 0.0})};
@@ -155,7 +155,7 @@ TEST(RayImageTest, NormalsAreInCameraAxesOnEveryFaceOfTheCube) {
   }
 }
 
-TEST(RayImageTest, SurfacesBeyondTheFarthestRangeAreNotSeen) {
+TEST(RayTilesTest, SurfacesBeyondTheFarthestRangeAreNotSeen) {
   Camera camera(all_around(36, 18), 8, 5.0);
   const std::vector<PlacedShape> shapes{shape_at(Solid::kPlane, {0.0, 0.0, 0.0}, {})};
   camera.draw({{0.0, 0.0, 3.0}, looking(0.0, 0.0, 0.0)}, shapes);
@@ -166,7 +166,7 @@ TEST(RayImageTest, SurfacesBeyondTheFarthestRangeAreNotSeen) {
   EXPECT_GT(std::count(camera.instance.begin(), camera.instance.end(), 1), 50);
 }
 
-TEST(RayImageTest, AllKernelsGiveTheSameBits) {
+TEST(RayTilesTest, AllKernelsGiveTheSameBits) {
   std::vector<const KernelTable*> tables{&render::kernels::scalar::kTable};
   for (const Isa isa : kIsas) {
     if (machine_has(isa)) tables.push_back(&kernels_of(isa));
