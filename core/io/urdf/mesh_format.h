@@ -58,8 +58,8 @@ class FaceList {
   }
 
  private:
-  std::vector<Index> corners_;      ///< of all faces
-  std::vector<std::size_t> ends_;   ///< where the corners of each face end
+  std::vector<Index> corners_;     ///< of all faces
+  std::vector<std::size_t> ends_;  ///< where the corners of each face end
 };
 
 /// The axis-aligned bounding box of the vertices.
