@@ -6,12 +6,7 @@
 
 #include <algorithm>
 
-#include "core/base/math/hash.h"
 #include "tests/unit/render/scenes.h"
-
-namespace skybody::render::kernels::scalar {
-extern const KernelTable kTable;  // compiled for this test
-}
 
 namespace skybody::testing {
 namespace {
@@ -153,27 +148,15 @@ TEST(RendererTest, NormalsAreOrthogonalToTheSurface) {
 }
 
 TEST(RendererTest, AllKernelsGiveTheSameBits) {
-  std::vector<const KernelTable*> tables{&render::kernels::scalar::kTable};
-  for (const Isa isa : kIsas) {
-    if (machine_has(isa)) tables.push_back(&kernels_of(isa));
-  }
   std::vector<std::uint64_t> hashes;
-  for (const KernelTable* table : tables) {
+  for (const KernelTable* table : all_kernels()) {
     RandomScenes scenes(4);
     Camera camera({75, 50, 40.0, 41.0, 37.0, 24.0}, 64, 30.0, *table);
     HashChain chain(1);
     for (int k = 0; k < 60; ++k) {
       const std::vector<PlacedShape> shapes = scenes.scene(k + 1);
       camera.draw(scenes.eye(k % 2 == 0 ? 5.0 : 1000.0 * k), shapes);
-      for (std::size_t i = 0; i < camera.pixels(); ++i) {
-        chain.update(static_cast<double>(camera.depth[i]));
-        chain.update(static_cast<double>(camera.range[i]));
-        chain.update(std::uint64_t{camera.instance[i]} << 8 | camera.label[i]);
-        for (std::size_t c = 0; c < 3; ++c) {
-          chain.update(static_cast<double>(camera.normal[3 * i + c]));
-          chain.update(std::uint64_t{camera.rgb[3 * i + c]});
-        }
-      }
+      camera.add_to(chain);
     }
     hashes.push_back(chain.value());
   }

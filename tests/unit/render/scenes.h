@@ -7,14 +7,28 @@
 #include <random>
 #include <vector>
 
+#include "core/base/math/hash.h"
 #include "core/base/math/quat.h"
 #include "plugins/obstacles/ray.h"
 #include "render/renderer.h"
 #include "render/seen_shape.h"
 
+namespace skybody::render::kernels::scalar {
+extern const KernelTable kTable;  // compiled for these tests
+}
+
 namespace skybody::testing {
 
 using namespace render;
+
+/// The kernels of one lane, and those of every instruction set that the machine has.
+inline std::vector<const KernelTable*> all_kernels() {
+  std::vector<const KernelTable*> tables{&render::kernels::scalar::kTable};
+  for (const Isa isa : kIsas) {
+    if (machine_has(isa)) tables.push_back(&kernels_of(isa));
+  }
+  return tables;
+}
 
 inline Mat3<double> turned(double roll, double pitch, double yaw) {
   return to_mat3(from_rpy(roll, pitch, yaw));
@@ -166,6 +180,18 @@ struct Camera {
     renderer.draw(
         eye, shapes, sky, scratch.data(),
         {depth.data(), range.data(), instance.data(), label.data(), normal.data(), rgb.data()});
+  }
+  /// Adds all images to a hash.
+  void add_to(HashChain& chain) const {
+    for (std::size_t i = 0; i < pixels(); ++i) {
+      chain.update(static_cast<double>(depth[i]));
+      chain.update(static_cast<double>(range[i]));
+      chain.update(std::uint64_t{instance[i]} << 8 | label[i]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        chain.update(static_cast<double>(normal[3 * i + c]));
+        chain.update(std::uint64_t{rgb[3 * i + c]});
+      }
+    }
   }
   /// Calls function(index, x, y) for each pixel with its direction.
   template <class Function>
