@@ -21,7 +21,7 @@
 
 /* Sets with kernels of their own; the other sets run the kernels of the next lower one, with the
  * same bits. All by default; SKYBODY_KERNELS (CMake) reduces them. */
-#define SKYBODY_BUILDS_portable 1  // NOLINT(readability-identifier-naming): named by the set
+#define SKYBODY_BUILDS_portable 1 /* NOLINT(readability-identifier-naming): as the set */
 #define SKYBODY_BUILDS_v2 1
 #ifndef SKYBODY_BUILDS_v3
 #define SKYBODY_BUILDS_v3 1
