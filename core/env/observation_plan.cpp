@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "core/base/system/suggestion.h"
 #include "core/model/located_error.h"
@@ -30,6 +31,9 @@ std::string range_text(double low, double high) {
   return text;
 }
 
+/// Start of the name of a task's own column in `observe`.
+constexpr std::string_view kOfTask = "task.";
+
 class Planner {
  public:
   Planner(const PluginInstance& task, const std::vector<PluginInstance>& sensors)
@@ -40,6 +44,10 @@ class Planner {
   }
 
   void add(const ObservedChannel& observed) {
+    if (observed.channel.starts_with(kOfTask)) {
+      change(observed);
+      return;
+    }
     const ColumnSource source = find(observed);
     ObservationColumn column = to_column(channel_of(source), source);
     column.name = observed.name;
@@ -48,6 +56,16 @@ class Planner {
     column.high = observed.high.value_or(column.high);
     check(observed, column);
     plan.columns.push_back(std::move(column));
+  }
+
+  /// @throws LocatedError if the policy has nothing to observe
+  void check_observation(const std::vector<ObservedChannel>& observe) const {
+    for (const ObservationColumn& column : plan.columns) {
+      if (!column.privileged) return;
+    }
+    throw LocatedError(observe.back().mark,
+                       "`observe` makes every column privileged, so that a policy observes nothing;"
+                       " leave one to it");
   }
 
   /// Places every column, the policy's before the privileged ones.
@@ -95,6 +113,35 @@ class Planner {
   ObservationPlan plan;
 
  private:
+  /// Gives a column of the task to the critic alone, with bounds or a name of its own.
+  void change(const ObservedChannel& observed) {
+    ObservationColumn& column = column_of_task(observed);
+    if (!observed.privileged) {
+      throw LocatedError(observed.mark, "`" + observed.channel +
+                                            "` is a column of the task and observed already; give "
+                                            "it to the critic alone with `privileged: true`, or "
+                                            "remove the entry");
+    }
+    if (observed.name != observed.channel) column.name = observed.name;
+    column.privileged = true;
+    column.low = observed.low.value_or(column.low);
+    column.high = observed.high.value_or(column.high);
+    check(observed, column);
+  }
+
+  /// @throws LocatedError if the task has no such column
+  ObservationColumn& column_of_task(const ObservedChannel& observed) {
+    std::vector<std::string> known;
+    for (ObservationColumn& column : plan.columns) {
+      if (column.source.sensor >= 0) continue;
+      known.push_back(std::string(kOfTask) +
+                      task_.channels[static_cast<std::size_t>(column.source.channel)].name);
+      if (known.back() == observed.channel) return column;
+    }
+    throw LocatedError(observed.mark, "the task has no column `" + observed.channel + "`" +
+                                          suggestion(observed.channel, known, "there are"));
+  }
+
   /// Merges consecutive copies into one.
   void add_copy(const ValueCopy& copy) {
     if (!plan.row.copies.empty()) {
@@ -130,7 +177,7 @@ class Planner {
 
   void check(const ObservedChannel& observed, const ObservationColumn& column) const {
     for (const ObservationColumn& other : plan.columns) {
-      if (other.name != column.name) continue;
+      if (&other == &column || other.name != column.name) continue;
       throw LocatedError(observed.mark, "the observation has a column `" + column.name +
                                             "` already; give this one another `name`");
     }
@@ -141,10 +188,10 @@ class Planner {
     }
     if (column.low <= column.high) return;
     const Channel& own = channel_of(column.source);
-    throw LocatedError(observed.mark, "the bounds of `" + column.name + "` are " +
-                                          range_text(column.low, column.high) +
-                                          "; give `low` and `high` that fit (the sensor declares " +
-                                          range_text(own.low, own.high) + ")");
+    throw LocatedError(
+        observed.mark,
+        "the bounds of `" + column.name + "` are " + range_text(column.low, column.high) +
+            "; give `low` and `high` that fit (declared: " + range_text(own.low, own.high) + ")");
   }
 
   void place_image(ObservationColumn& column) {
@@ -200,6 +247,7 @@ ObservationPlan plan_observation(const PluginInstance& task,
                                  const std::vector<ObservedChannel>& observe) {
   Planner planner(task, sensors);
   for (const ObservedChannel& observed : observe) planner.add(observed);
+  planner.check_observation(observe);
   planner.place();
   planner.place_repeats();
   return std::move(planner.plan);

@@ -25,7 +25,8 @@ struct ObservedImage {
   int bytes = 0;
 };
 
-/// The columns of an observation: the task's channels in order, then those added by `observe`.
+/// The columns of an observation: the task's channels in order, then those added by `observe`,
+/// which also gives columns of the task to the critic alone.
 ///
 /// The values of an environment are the row of observations, which the policy sees, followed by the
 /// privileged row. If the task's values are one run of the observation, the task writes them
@@ -46,8 +47,9 @@ struct ObservationPlan {
   int size() const { return observation_size + privileged_size; }
 };
 
-/// @throws LocatedError at the entry of `observe` if it names no channel of a sensor, reuses a
-///   column's name, has a lower bound above the upper bound, or makes an image privileged
+/// @throws LocatedError at the entry of `observe` if it names no channel of a sensor and no column
+///   of the task, reuses a column's name, has a lower bound above the upper bound, makes an image
+///   privileged, or leaves nothing to a policy
 ObservationPlan plan_observation(const PluginInstance& task,
                                  const std::vector<PluginInstance>& sensors,
                                  const std::vector<ObservedChannel>& observe);

@@ -118,9 +118,10 @@ constexpr int coupling_constant_count(CouplingKind kind) {
   return kind == CouplingKind::kSpring ? kCouplingParamCount : 2;
 }
 
-/// A sensor's channel that the scenario adds to the task's observation.
+/// A sensor's channel that the scenario adds to the task's observation, or a column of the task
+/// that it gives to the critic alone.
 struct ObservedChannel {
-  std::string channel;         ///< `sensor.channel`
+  std::string channel;         ///< `sensor.channel`, or `task.column`
   std::string name;            ///< of its column; never empty
   bool privileged = false;     ///< for a critic only
   std::optional<double> low;   ///< least value; replaces the sensor's declared one

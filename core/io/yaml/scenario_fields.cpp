@@ -279,10 +279,12 @@ const MapSpec& coupling_fields() {
 const MapSpec& observed_fields() {
   static const MapSpec spec{
       "observed",
-      "A sensor channel that is added to the task's observation.",
+      "A sensor channel that is added to the task's observation, or a column of the task that only "
+      "the critic observes.",
       {
-          required(text_field("channel", "", "the sensor and its channel: SENSOR.CHANNEL")),
-          name_field("name of the column; default: SENSOR.CHANNEL"),
+          required(text_field("channel", "",
+                              "the sensor and its channel: SENSOR.CHANNEL; or task.COLUMN")),
+          name_field("name of the column; default: SENSOR.CHANNEL, or COLUMN"),
           boolean_field("privileged", false, "for a critic only: not in the policy's observation"),
           no_default(real_field(
               "low", "", 0, -kMostObservedValue, kMostObservedValue,

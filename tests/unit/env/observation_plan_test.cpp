@@ -186,9 +186,34 @@ TEST(Observation, TakesATasksPrivilegedValuesOutOfItsRow) {
   EXPECT_GT(flight.privileged[0], 0.1f);
 }
 
-TEST(Observation, HasTheSameBitsInLanesAsAlone) {
+TEST(Observation, ColumnsOfTheTaskCanBeForTheCriticAlone) {
   const auto env =
-      make({.task = "critic", .observe = {observed("gauge.velocity"), privileged("gauge.height")}});
+      make({.task = "critic", .observe = {privileged("task.height"), observed("gauge.velocity")}});
+  EXPECT_THAT(observation_names(*env),
+              ElementsAre("one", "gauge.velocity[0]", "gauge.velocity[1]", "gauge.velocity[2]"));
+  EXPECT_THAT(privileged_names(*env), ElementsAre("height", "vertical_speed"));
+  CriticFlight flight(*env, 1);
+  flight.reset();
+  EXPECT_EQ(flight.privileged[0], 1.0f);  // the initial height
+  EXPECT_EQ(flight.observation[0], 1.0f);
+  for (int k = 0; k < 5; ++k) flight.step(1.0f);
+  EXPECT_GT(flight.privileged[0], 1.0f);
+  EXPECT_EQ(flight.observation[3], flight.privileged[1]);  // vertical speed, by sensor and task
+}
+
+TEST(Observation, AColumnOfTheTaskForTheCriticCanHaveANameAndBounds) {
+  ObservedChannel height = privileged("task.height");
+  height.name = "z";
+  height.low = 0.0;
+  const auto env = make({.observe = {height}});
+  EXPECT_THAT(privileged_names(*env), ElementsAre("z"));
+  EXPECT_EQ(env->columns()[0].low, 0.0);
+}
+
+TEST(Observation, HasTheSameBitsInLanesAsAlone) {
+  const auto env = make({.task = "critic",
+                         .observe = {observed("gauge.velocity"), privileged("gauge.height"),
+                                     privileged("task.one")}});
   CriticFlight alone(*env, 1), group(*env, kGroupLanes);
   alone.reset();
   group.reset();
@@ -257,6 +282,22 @@ TEST(ObservationErrors, AnUnknownChannelNamesTheClosest) {
             "gauge.velocity, gauge.step");
 }
 
+TEST(ObservationErrors, ColumnsOfTheTaskAreNamedAndPrivileged) {
+  EXPECT_EQ(message_of({.observe = {privileged("task.hieght")}}),
+            "test.yaml:7: the task has no column `task.hieght`; did you mean `task.height`?");
+  EXPECT_THAT(message_of({.observe = {observed("task.height")}}),
+              HasSubstr("test.yaml:7: `task.height` is a column of the task and observed already"));
+  ObservedChannel renamed = privileged("task.height");
+  renamed.name = "drawn";
+  EXPECT_THAT(message_of({.observe = {renamed}}), HasSubstr("has a column `drawn` already"));
+}
+
+TEST(ObservationErrors, APolicyObservesSomething) {
+  EXPECT_THAT(message_of({.observe = {privileged("task.height"), privileged("task.vertical_speed"),
+                                      privileged("task.physics_step"), privileged("task.drawn")}}),
+              HasSubstr("test.yaml:7: `observe` makes every column privileged"));
+}
+
 TEST(ObservationErrors, AColumnMustNotTakeTheTasksName) {
   EXPECT_THAT(message_of({.observe = {observed("gauge.height", "height")}}),
               HasSubstr("already; give this one another `name`"));
@@ -267,7 +308,7 @@ TEST(ObservationErrors, BoundsMustNotCrossTheSensors) {
   crossed.low = 200.0;
   EXPECT_EQ(message_of({.observe = {crossed}}),
             "test.yaml:7: the bounds of `gauge.height` are 200 to 100; give `low` and `high` that "
-            "fit (the sensor declares 0 to 100)");
+            "fit (declared: 0 to 100)");
 }
 
 /// Tests rows and the state's last observation for a task that declares repeated values.
