@@ -5,135 +5,22 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 import skybody
-from numpy.typing import NDArray
-from reference import actions
-from scipy.spatial.transform import Rotation
-from skybody.vector import SkybodyVectorEnv
-
-N = 6
-K = 10  # physics steps per action
-SIZE = 24
-BALL = np.array([9.0, 0.5, 1.5])
-RADIUS = 0.6
-EYE = np.array([0.1, 0.0, 0.05])  # in the base
-BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-GROUND, QUAD, BALL_ID = 1, 2, 3  # instances
-
-SCENE = (
-    f"stepping={{dt: 0.001, action_repeat: {K}, horizon: 12}}",
-    f"obstacles=[{{name: ball, sphere: {RADIUS}, position: {BALL.tolist()}}}]",
+from camera_scene import (
+    BALL_ID,
+    BALL_OBSTACLE,
+    SINGLE_STEPS,
+    N,
+    camera,
+    copied,
+    envs_of,
+    overrides,
 )
-
-
-def camera(name: str = "eye", images: str = "depth, instance", **parameters: Any) -> str:
-    given = {"width": SIZE, "height": SIZE, "position": EYE.tolist(), **parameters}
-    words = ", ".join(f"{key}: {value}" for key, value in given.items())
-    return f"{{plugin: camera, name: {name}, parameters: {{outputs: [{images}], {words}}}}}"
-
-
-def overrides(cameras: Sequence[str], observe: str, scene: Sequence[str] = SCENE) -> list[str]:
-    return [*scene, f"sensors=[{', '.join(cameras)}]", f"observe=[{observe}]"]
-
-
-def envs_of(
-    cameras: Sequence[str] = (camera(),),
-    observe: str = "eye.depth, eye.instance",
-    num_envs: int = N,
-    scene: Sequence[str] = SCENE,
-    scenario: str = "hover",
-    **options: Any,
-) -> SkybodyVectorEnv:
-    return skybody.make_vec(
-        scenario, num_envs, seed=3, overrides=overrides(cameras, observe, scene), **options
-    )
-
-
-def copied(observation: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    return {key: values.copy() for key, values in observation.items()}
-
-
-def rays(position: NDArray[np.float64], rotation: NDArray[np.float64]) -> Any:
-    """Eyes (n, 3) and directions (n, rows, columns, 3) in W, 1 along the optical axis."""
-    across = (np.arange(SIZE) + 0.5 - SIZE / 2) / (SIZE / 2)
-    x, y = np.meshgrid(across, across)
-    local = np.stack([x, y, np.ones_like(x)], axis=-1) @ BODY_FROM_CAMERA.T
-    turn = Rotation.from_quat(rotation[:, [1, 2, 3, 0]]).as_matrix()
-    eyes = position + np.einsum("nij,j->ni", turn, EYE)
-    return eyes, np.einsum("nij,rcj->nrci", turn, local)
-
-
-def expected_depths(envs: SkybodyVectorEnv, ball: NDArray[np.float64] = BALL) -> Any:
-    """Depths (n, rows, columns) of ground and ball, and which pixels see the ball."""
-    eyes, along = rays(
-        envs.state("robots.quad.base.position"), envs.state("robots.quad.base.rotation")
-    )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ground = -eyes[:, None, None, 2] / along[..., 2]
-        to_ball = eyes - ball
-        a = np.sum(along**2, axis=-1)
-        b = np.einsum("nrci,ni->nrc", along, to_ball)
-        c = np.sum(to_ball**2, axis=-1)[:, None, None] - RADIUS**2
-        near = (-b - np.sqrt(b * b - a * c)) / a
-    ground = np.where(ground > 0, ground, np.inf)
-    near = np.where(near > 0, near, np.inf)
-    return np.minimum(np.minimum(ground, near), 100.0), near < ground
-
-
-def check_frame(
-    observation: dict[str, NDArray[Any]],
-    envs: SkybodyVectorEnv,
-    ball: NDArray[np.float64] = BALL,
-) -> None:
-    depth, sees_ball = expected_depths(envs, ball)
-    # All but pixels at the edge of the ball, where float and double may differ.
-    agree = np.isclose(observation["eye_depth"], depth, rtol=2e-5)
-    assert np.mean(agree) > 0.995
-    assert np.mean((observation["eye_instance"] == BALL_ID) == sees_ball) > 0.995
-
-
-def test_the_picture_belongs_to_the_pose_of_its_step() -> None:
-    envs = envs_of()
-    observation, _ = envs.reset()
-    check_frame(observation, envs)
-    for step in range(8):
-        observation = envs.step(actions(step, N))[0]
-        assert observation in envs.observation_space
-        check_frame(observation, envs)
-        assert not observation["eye_depth"].flags.owndata, "the batch's own memory"
-
-
-@pytest.mark.parametrize("autoreset", ["next_step", "same_step", "disabled"])
-def test_the_first_frame_after_a_reset_is_the_new_episodes(autoreset: str) -> None:
-    envs = envs_of(autoreset=autoreset)
-    envs.reset()
-    began = np.zeros(N, dtype=bool)
-    episode = envs.state("episode").copy()
-    for step in range(30):
-        observation, _, terminated, truncated, _ = envs.step(actions(step, N))
-        if autoreset == "disabled" and np.any(terminated | truncated):
-            observation, _ = envs.reset(options={"reset_mask": terminated | truncated})
-        now = envs.state("episode").copy()
-        fresh = (now != episode) & (envs.state("steps") == 0)
-        began |= fresh
-        episode = now
-        check_frame(observation, envs)
-    assert np.all(began)
-
-
-def test_moving_obstacles_are_seen() -> None:
-    envs = envs_of()
-    envs.reset()
-    moved = BALL + np.array([-2.0, 1.0, 0.3])
-    for axis in range(3):
-        envs.request(None, {f"obstacles.ball.position[{axis}]": float(moved[axis])})
-    observation = envs.step(actions(0, N))[0]
-    check_frame(observation, envs, moved)
+from reference import actions
 
 
 def test_an_absent_obstacle_is_not_seen() -> None:
@@ -180,8 +67,7 @@ def test_other_robots_are_seen_and_the_own_one_if_wanted() -> None:
 def test_a_late_frame_shows_the_world_at_its_exposure(latency: int, period: int) -> None:
     """With one physics step per action, a late image is the image of `latency` steps before."""
     cameras = [camera(period=period), camera("late", period=period, latency=latency)]
-    scene = ["stepping={dt: 0.005, action_repeat: 1, horizon: 1000}", SCENE[1]]
-    envs = envs_of(cameras, "eye.depth, late.depth", 2, scene)
+    envs = envs_of(cameras, "eye.depth, late.depth", 2, SINGLE_STEPS)
     frames = [copied(envs.reset()[0])]
     for step in range(40):
         frames.append(copied(envs.step(actions(step, 2))[0]))
@@ -193,8 +79,7 @@ def test_a_late_frame_shows_the_world_at_its_exposure(latency: int, period: int)
 
 def test_period_and_phase_choose_the_exposures() -> None:
     cameras = [camera(period=1), camera("slow", period=7, phase=3)]
-    scene = ["stepping={dt: 0.005, action_repeat: 1, horizon: 1000}", SCENE[1]]
-    envs = envs_of(cameras, "eye.depth, slow.depth", 2, scene)
+    envs = envs_of(cameras, "eye.depth, slow.depth", 2, SINGLE_STEPS)
     frames = [copied(envs.reset()[0])]
     for step in range(30):
         frames.append(copied(envs.step(actions(step, 2))[0]))
@@ -211,10 +96,14 @@ def test_frames_between_actions_are_those_of_single_steps(
 ) -> None:
     """Left-out frames change nothing: actions of ten physics steps, and ten actions of one."""
     cameras = [camera(period=period, phase=phase, latency=latency)]
-    coarse = envs_of(
-        cameras, num_envs=2, scene=["stepping={dt: 0.002, action_repeat: 10}", SCENE[1]]
+    coarse, fine = (
+        envs_of(
+            cameras,
+            num_envs=2,
+            scene=[f"stepping={{dt: 0.002, action_repeat: {repeat}}}", BALL_OBSTACLE],
+        )
+        for repeat in (10, 1)
     )
-    fine = envs_of(cameras, num_envs=2, scene=["stepping={dt: 0.002, action_repeat: 1}", SCENE[1]])
     coarse.reset()
     fine.reset()
     for step in range(12):

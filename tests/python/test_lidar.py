@@ -103,30 +103,6 @@ def test_a_lidar_and_a_range_finder_agree_ray_by_ray() -> None:
         observation = envs.step(actions(step, N))[0]
 
 
-def test_lidar_and_depth_agree_ray_by_ray() -> None:
-    """A list of angles that are those of a camera's pixels."""
-    size = 16
-    across = (np.arange(size) + 0.5 - size / 2) / (size / 2)
-    right, down = np.meshgrid(across, across)
-    azimuth, elevation = np.arctan2(-right, 1.0), np.arctan2(-down, np.hypot(1.0, right))
-    angles = np.stack([azimuth, elevation], axis=-1).ravel().tolist()
-    camera = sensor("camera", "eye", width=size, height=size, outputs="[range, instance]")
-    envs = envs_of(
-        [lidar("range, instance", angles=angles), camera],
-        "scan.range, scan.instance, eye.range, eye.instance",
-        THINGS,
-    )
-    observation, _ = envs.reset()
-    for step in range(5):
-        scan, eye = observation["scan_range"].reshape(N, size, size), observation["eye_range"]
-        assert np.mean(np.isclose(scan, eye, rtol=2e-5)) > 0.99, "all but pixels at edges"
-        ids = observation["scan_instance"].reshape(N, size, size)
-        # A camera's farthest value is a depth, a lidar's a range.
-        agree = (ids == observation["eye_instance"]) | (eye > 0.99 * FARTHEST)
-        assert np.mean(agree) > 0.99
-        observation = envs.step(actions(step, N))[0]
-
-
 @pytest.mark.parametrize("axes", ["sensor", "world"])
 def test_points_are_along_their_rays(axes: str) -> None:
     envs = envs_of([lidar("range, points", axes=axes)], "scan.range, scan.points")
