@@ -20,6 +20,7 @@ from ._native import CompiledScenario
 
 Reals = NDArray[np.float64]
 
+_CAMERAS = ("camera", "stereo")  # plugins
 _BODY_FROM_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -53,7 +54,7 @@ def _of_rpy(roll: float, pitch: float, yaw: float) -> Reals:
 class Camera:
     """A camera of a scenario, with the mount and lens that the scenario gives it.
 
-    A mount that is drawn per episode is not known here.
+    Of a stereo camera it is the left eye. A mount that is drawn per episode is not known here.
 
     Attributes:
         width, height: of the image [pixels].
@@ -70,15 +71,15 @@ class Camera:
             ValueError: no sensor is called so, or it is no camera.
         """
         plugin = compiled.sensors.get(name)
-        if plugin != "camera":
-            cameras = [sensor for sensor, kind in compiled.sensors.items() if kind == "camera"]
+        if plugin not in _CAMERAS:
+            cameras = [sensor for sensor, kind in compiled.sensors.items() if kind in _CAMERAS]
             kind = f"is a {plugin}" if plugin else "is no sensor"
             raise ValueError(f"`{name}` {kind}; cameras of the scenario: {cameras}")
         given: dict[str, Any] = compiled.sensor_parameters(name)
         self.width, self.height = int(given["width"][0]), int(given["height"][0])
         self.field_of_view = float(given["field_of_view"][0])
-        self.projection = str(given["projection"][0])
-        self.distortion = [float(k) for k in given["distortion"]]
+        self.projection = str(given.get("projection", ["pinhole"])[0])
+        self.distortion = [float(k) for k in given.get("distortion", [])]
         robot = str(given["robot"][0]) or compiled.robots[0]
         link = str(given["link"][0])
         self._link = f"robots.{robot}." + (f"links.{link}" if link else "base")

@@ -8,8 +8,11 @@
 
 #include "sensors/camera/optical_flow.h"
 #include "sensors/camera/projection.h"
+#include "sensors/imaging/color_errors.h"
+#include "sensors/imaging/daylight.h"
 #include "sensors/imaging/image_noise.h"
 #include "sensors/imaging/image_sensor.h"
+#include "sensors/imaging/pinhole.h"
 
 namespace skybody {
 namespace {
@@ -17,9 +20,6 @@ namespace {
 using camera::Lens;
 using sensor::DepthNoise;
 using sensor::EdgeHoles;
-
-/// Greatest field of view of a pinhole [rad].
-constexpr double kWidestPinhole = 3.0;
 
 class Camera : public sensor::ImageSensor {
  public:
@@ -41,7 +41,7 @@ class Camera : public sensor::ImageSensor {
     } else if (!lens.distortion.empty()) {
       configure_exposures(setup, camera::distorted(lens), room);
     } else {
-      lens_ = camera::pinhole(lens);
+      lens_ = sensor::pinhole(lens.width, lens.height, lens.field_of_view);
       configure_exposures(setup, lens_, room, has("flow"));
     }
     for (const std::string& name : outputs()) declare(setup, name);
@@ -61,8 +61,9 @@ class Camera : public sensor::ImageSensor {
     Lens lens{width(), height(), field_of_view_.value(), {}};
     for (int k = 0; k < distortion_.count(); ++k) lens.distortion.push_back(distortion_.value(k));
     const bool is_pinhole = projection_.value() == "pinhole";
-    if (is_pinhole && lens.field_of_view > kWidestPinhole) {
-      refuse("`field_of_view` is ", lens.field_of_view, "; allowed: 0.01 to ", kWidestPinhole,
+    if (is_pinhole && lens.field_of_view > sensor::kWidestPinhole) {
+      refuse("`field_of_view` is ", lens.field_of_view, "; allowed: 0.01 to ",
+             sensor::kWidestPinhole,
              " rad for `projection: pinhole`; give a smaller one, or `projection: fisheye`");
     }
     if (is_panorama() && lens.field_of_view * height() > kPi * width()) {
@@ -124,7 +125,7 @@ class Camera : public sensor::ImageSensor {
       frame.shape = reinterpret_cast<std::int32_t*>(room + hole_room());
       if (frame.depth == nullptr) frame.depth = reinterpret_cast<float*>(frame.shape + pixels());
     }
-    renderer().draw(exposure.eye, exposure.shapes, sky_of(env), exposure.memory, frame);
+    renderer().draw(exposure.eye, exposure.shapes, daylight_(env), exposure.memory, frame);
     if (flow_.count > 0) write_flow(exposure, frame, env.pixels(flow_));
     const double holes = edge_holes_.is_given() ? edge_holes_(env) : 0.0;
     if (holes > 0.0) {
@@ -135,9 +136,8 @@ class Camera : public sensor::ImageSensor {
     add_errors(env, depth_.count > 0 ? frame.depth : nullptr, kDepthDraws,
                holes > 0.0 ? is_hole : nullptr);
     add_errors(env, frame.range, kRangeDraws, holes > 0.0 ? is_hole : nullptr);
-    const double of_colors = frame.rgb != nullptr ? rgb_noise_(env) : 0.0;
-    if (of_colors > 0.0) {
-      sensor::add_noise(of_colors, random(env, kRgbDraws), 3 * pixels(), frame.rgb);
+    if (frame.rgb != nullptr) {
+      color_errors_.add_to(frame.rgb, pixels(), env, random(env, kRgbDraws));
     }
   }
 
@@ -174,17 +174,6 @@ class Camera : public sensor::ImageSensor {
     }
   }
 
-  render::Sky sky_of(const EnvView<double>& env) const {
-    render::Sky sky;
-    const Vec3<double> sun = sun_.vec3(env);
-    const double length = norm(sun);
-    sky.sun = length > 0.0 ? sun / length : Vec3<double>{0.0, 0.0, 1.0};
-    sky.direct = static_cast<float>(sunlight_(env));
-    sky.ambient = static_cast<float>(ambient_(env));
-    sky.has_shadows = shadows_.value();
-    return sky;
-  }
-
   render::Frame frame_of(const EnvView<double>& env) const {
     const auto pixels_of = [&env](const auto& image) {
       return image.count > 0 ? env.pixels(image) : nullptr;
@@ -204,16 +193,7 @@ class Camera : public sensor::ImageSensor {
   RealsParameter distortion_{this,
                              list("distortion", "", {}, between(-100.0, 100.0),
                                   "pinhole: k1, k2, p1, p2, k3; fisheye: k1 to k4; see Equations")};
-  RealsParameter sun_{this,
-                      randomizable(reals("sun", "", {-0.48, -0.36, 0.8}, kAny,
-                                         "direction towards the sun, W axes, of any length"))};
-  RealParameter sunlight_{
-      this, randomizable(real("sunlight", "", 0.75, between(0.0, 10.0),
-                              "brightness that the sun adds to a white surface facing it"))};
-  RealParameter ambient_{this, randomizable(real("ambient", "", 0.3, between(0.0, 10.0),
-                                                 "brightness of a white surface in shadow"))};
-  BooleanParameter shadows_{this,
-                            boolean("shadows", true, "shapes shade each other and the ground")};
+  sensor::Daylight daylight_{this};
   RealsParameter depth_noise_{
       this, when_given(reals("depth_noise", "m, 1, 1/m", {0.0, 0.0, 0.0}, at_least(0.0),
                              "a, b, c: the standard deviation of a depth or range d is "
@@ -225,9 +205,7 @@ class Camera : public sensor::ImageSensor {
       this, when_given(real("edge_holes", "", 0.0, between(0.0, 1.0),
                             "probability that a pixel beside a jump of depth of 5 % reads "
                             "`max_range`"))};
-  RealParameter rgb_noise_{
-      this, when_given(real("rgb_noise", "", 0.0, between(0.0, 1.0),
-                            "standard deviation of colours, as a share of the whole range"))};
+  sensor::ColorErrors color_errors_{this};
 
   render::Pinhole lens_;  ///< without distortion
   Image<float> depth_, range_, normal_, flow_;
@@ -238,5 +216,5 @@ class Camera : public sensor::ImageSensor {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Camera, "camera", "1.1.0",
+SKYBODY_PLUGIN(skybody::Camera, "camera", "1.2.0",
                "Camera: depth, range, ids, classes, normals, colours and flow.");

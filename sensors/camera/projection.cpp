@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensors/imaging/pinhole.h"
+
 namespace skybody::camera {
 namespace {
 
 using render::RayImage;
-
-/// Focal length of a pinhole [pixels].
-double pinhole_focal(const Lens& lens) {
-  const SinCos<double> half = sincos(0.5 * lens.field_of_view);
-  return 0.5 * lens.width * half.cos / half.sin;
-}
 
 /// Focal length of a fisheye and of a panorama [pixels per rad].
 double angular_focal(const Lens& lens) { return lens.width / lens.field_of_view; }
@@ -141,19 +137,10 @@ struct Kannala {
 
 }  // namespace
 
-render::Pinhole pinhole(const Lens& lens) {
-  render::Pinhole camera;
-  camera.width = lens.width;
-  camera.height = lens.height;
-  camera.center_x = 0.5 * camera.width;
-  camera.center_y = 0.5 * camera.height;
-  camera.focal_x = camera.focal_y = pinhole_focal(lens);
-  return camera;
-}
-
 RayImage distorted(const Lens& lens) {
   const Brown brown(lens);
-  return rays_of(lens, pinhole_focal(lens), [&](double u, double v, int column, int row) {
+  const double focal = sensor::pinhole_focal(lens.width, lens.field_of_view);
+  return rays_of(lens, focal, [&](double u, double v, int column, int row) {
     Point p{};
     if (!brown.invert({u, v}, p)) refuse_fold(column, row);
     return Vec3<double>{p.x, p.y, 1.0};

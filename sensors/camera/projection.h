@@ -1,4 +1,4 @@
-// Projections of cameras: from pixels to directions.
+// Projections of cameras other than the pinhole: from pixels to directions.
 #pragma once
 
 #include <vector>
@@ -14,9 +14,6 @@ struct Lens {
   double field_of_view = 0.0;      ///< horizontal, without distortion [rad]
   std::vector<double> distortion;  ///< coefficients, or none
 };
-
-/// A pinhole without distortion.
-render::Pinhole pinhole(const Lens& lens);
 
 /// A pinhole with the radial and tangential distortion of Brown and Conrady, in the order of
 /// OpenCV: k1, k2, p1, p2, k3. @throws std::runtime_error if the image is folded: two directions

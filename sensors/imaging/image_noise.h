@@ -83,11 +83,24 @@ class EdgeHoles {
   int width_, height_;
 };
 
-/// Adds noise to bytes. @param deviation  as a share of the whole range
-inline void add_noise(double deviation, const Random<double>& draw, std::size_t count,
+/// Noise of colours in [0, 1]: the variance of a colour c is base^2 + shot^2 c.
+struct ColorNoise {
+  double base = 0.0;  ///< standard deviation in the dark, as a share of the whole range
+  double shot = 0.0;  ///< that of full brightness by the counting of photons, likewise
+
+  bool is_on() const { return base > 0.0 || shot > 0.0; }
+  double deviation(double color) const {
+    return shot > 0.0 ? std::sqrt(base * base + shot * shot * color) : base;
+  }
+};
+
+/// Adds noise to bytes.
+inline void add_noise(const ColorNoise& noise, const Random<double>& draw, std::size_t count,
                       std::uint8_t* bytes) {
+  double deviations[256];
+  for (int c = 0; c < 256; ++c) deviations[c] = 255.0 * noise.deviation(c / 255.0);
   each_normal(draw, count, [&](std::size_t i, double normal) {
-    const double noisy = static_cast<double>(bytes[i]) + 255.0 * deviation * normal;
+    const double noisy = static_cast<double>(bytes[i]) + deviations[bytes[i]] * normal;
     bytes[i] = static_cast<std::uint8_t>(std::min(std::max(noisy + 0.5, 0.0), 255.0));
   });
 }
