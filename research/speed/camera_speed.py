@@ -88,10 +88,10 @@ def prototype_rate(source: Path, size: int, frames: int) -> float:
     return 5 * frames / used
 
 
-def batch_rate(outputs: str, observe: str, length: Length) -> float:
-    """Environment steps per second, each with a new frame."""
+def batch_case(outputs: str, observe: str) -> Case:
+    """Environments of which each step has a new frame."""
     overrides = (f"sensors.front.parameters.outputs=[{outputs}]", f"observe=[{observe}]")
-    return summary(measure(Case("hover_camera", ENVS, ENVS, "hold", overrides), length)).rate
+    return Case("hover_camera", ENVS, ENVS, "hold", overrides)
 
 
 def page(found: dict[str, Any]) -> str:
@@ -141,6 +141,7 @@ def main() -> int:
         .given()
     )
     fewer = 20 if options.quick else 1
+    length = QUICK if options.quick else LENGTH
     found: dict[str, Any] = {"facts": facts(), "prototype": None}
     found["drawings"] = [
         vars(draw(options.program, size, images, max(1, frames // fewer)))
@@ -150,7 +151,7 @@ def main() -> int:
     if options.prototype is not None:
         found["prototype"] = prototype_rate(options.prototype, 64, 3000 // fewer)
     found["batches"] = {
-        words: batch_rate(*of_camera, QUICK if options.quick else LENGTH)
+        words: summary(measure(batch_case(*of_camera), length)).rate
         for words, of_camera in BATCHES.items()
     }
     write_page(options.out, PAGE, page(found), found)

@@ -47,6 +47,8 @@ QUICK = Call("--quick --out {out}")
 PEER = Call("--quick --seconds 0.01 --trials 1")
 SCRIPTS: dict[str, Call | Elsewhere] = {
     "goals": Call("--trial --json {out}/goals.json", program="bench_goals"),
+    "research/peers/camera_mujoco.py": Elsewhere("test_camera_peers.py"),
+    "research/peers/camera_pybullet.py": Elsewhere("test_camera_peers.py"),
     "research/peers/contact_scenes.py": Call("0.01", package="pybullet"),
     "research/peers/ours.py": PEER,
     "research/peers/peer_crazyflow.py": replace(PEER, package="crazyflow"),
@@ -66,6 +68,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "examples/rllib_ppo.py": Call("--iterations 1 --envs 4", package="ray"),
     "air_speed": QUICK,
     "asymmetric_critic": QUICK,
+    "camera_peers": Call("--quick --out {out}", program="bench_render"),
     "camera_speed": Call("--quick --out {out}", program="bench_render"),
     "contact_speed": QUICK,
     "control_abstractions": Call("--quick --tasks payload --out {out}"),

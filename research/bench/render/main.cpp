@@ -8,8 +8,6 @@
 //
 // Prints one line of JSON: processor time, which other load affects little, and a hash of depths
 // and instances.
-#include <time.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -17,15 +15,15 @@
 #include <vector>
 
 #include "core/base/math/hash.h"
-#include "core/base/math/quat.h"
 #include "render/mesh.h"
 #include "render/renderer.h"
+#include "research/bench/render/scene.h"
 
 namespace skybody {
 namespace {
 
-using render::PlacedShape;
-using render::Solid;
+using bench::processor_time;
+using bench::Scene;
 
 struct Options {
   int size = 64;
@@ -33,104 +31,6 @@ struct Options {
   int rounds = 5;
   std::string images = "depth";
 };
-
-double processor_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-Mat3<double> turned(double yaw) { return to_mat3(from_rpy(0.0, 0.0, yaw)); }
-
-/// The scene, with places from a linear congruential generator.
-class Scene {
- public:
-  Scene() {
-    add(Solid::kPlane, {0.0, 0.0, 0.0}, 0.0, {});
-    shapes.back().paint = {{0.4f, 0.4f, 0.4f}, {0.6f, 0.6f, 0.6f}, 1.0f};
-    for (int i = 0; i < 10; ++i) add_thing(i);
-    for (int i = 0; i < 3; ++i) add_gate(3.0 + 3.0 * i);
-    for (int i = 0; i < 4; ++i) add_robot();
-  }
-  /// Trees within 20 m of the origin, of which those nearest have 2 m to it.
-  static Scene forest(int trees) {
-    Scene scene;
-    scene.shapes.resize(1);
-    for (int i = 0; i < trees; ++i) {
-      const double distance = scene.between(2.0, 20.0), angle = scene.between(0.0, kTwoPi);
-      const SinCos<double> turn = sincos(angle);
-      const double radius = scene.between(0.1, 0.3);
-      scene.add(Solid::kCapsule, {distance * turn.cos, distance * turn.sin, 3.0}, 0.0,
-                {radius, radius, 3.0});
-    }
-    return scene;
-  }
-  /// Robots of one mesh, 1.5 to 3 m ahead.
-  static Scene robots(const render::Mesh& mesh, int count) {
-    Scene scene;
-    scene.shapes.resize(1);
-    for (int i = 0; i < count; ++i) {
-      scene.add(Solid::kMesh, {1.5 + 0.5 * i, 0.5 * i - 0.7, scene.between(1.1, 1.7)},
-                scene.between(0.0, 6.0), {});
-      scene.shapes.back().mesh = &mesh;
-    }
-    return scene;
-  }
-  std::vector<PlacedShape> shapes;
-
- private:
-  double next() {
-    state_ = state_ * 1664525u + 1013904223u;
-    return (state_ >> 8) / 16777216.0;
-  }
-  double between(double low, double high) { return low + (high - low) * next(); }
-
-  void add(Solid solid, const Vec3<double>& position, double yaw, const Vec3<double>& half) {
-    PlacedShape shape;
-    shape.solid = solid;
-    shape.position = position;
-    shape.axes = turned(yaw);
-    shape.half = half;
-    shape.instance = static_cast<std::uint16_t>(shapes.size() + 1);
-    shape.label = render::Label::kObstacle;
-    shapes.push_back(shape);
-  }
-  void add_thing(int i) {
-    const double x = between(2.0, 10.0), y = between(-5.0, 5.0), yaw = between(0.0, 6.0);
-    if (i % 2 != 0) return add(Solid::kCapsule, {x, y, 1.5}, 0.0, {0.15, 0.15, 1.35});
-    if (i % 4 != 0) return add(Solid::kSphere, {x, y, 1.0}, 0.0, {0.5, 0.0, 0.0});
-    add(Solid::kBox, {x, y, 0.5}, yaw, {0.5, 0.4, 0.5});
-  }
-  void add_gate(double x) {
-    const double yaw = between(0.0, 6.0), y = between(-2.0, 2.0);
-    const Mat3<double> axes = turned(yaw);
-    for (const double side : {-0.7, 0.7}) {
-      const Vec3<double> middle{x, y, 1.5};
-      add(Solid::kBox, middle + axes.column(1) * side, yaw, {0.05, 0.05, 0.75});
-      add(Solid::kBox, middle + axes.column(2) * side, yaw, {0.05, 0.75, 0.05});
-    }
-  }
-  void add_robot() {
-    const Vec3<double> at{between(2.5, 4.5), between(-1.0, 1.0), between(1.0, 2.0)};
-    add(Solid::kBox, at, next(), {0.1, 0.1, 0.04});
-    for (const double x : {-0.12, 0.12}) {
-      for (const double y : {-0.12, 0.12}) {
-        add(Solid::kBox, at + Vec3<double>{x, y, 0.05}, 0.0, {0.06, 0.06, 0.005});
-      }
-    }
-  }
-
-  std::uint32_t state_ = 1;
-};
-
-/// The eye of frame i: it looks about and moves forward.
-render::Eye eye_at(int i) {
-  Mat3<double> mount{};  // (forward, left, up) from (right, down, forward)
-  mount(0, 2) = 1.0;
-  mount(1, 0) = mount(2, 1) = -1.0;
-  const double yaw = 0.3 * sincos(0.001 * i).sin;
-  return {{-1.0 + 0.0001 * i, 0.2, 1.4}, turned(yaw) * mount};
-}
 
 Options read_options(int count, char** words) {
   Options options;
@@ -185,9 +85,7 @@ std::vector<float> vehicle_corners() {
 render::Renderer renderer_of(const Options& options, const render::Capacity& most) {
   const render::KernelTable& kernels = render::kernels_of(best_isa());
   if (options.images == "lidar") return {scan(), most, 1000.0, kernels};
-  const double half = 0.5 * options.size;
-  const render::Pinhole pinhole{options.size, options.size, half, half, half, half};
-  return {pinhole, most, 1000.0, kernels};
+  return {bench::pinhole_of(options.size), most, 1000.0, kernels};
 }
 
 int run(const Options& options) {
@@ -213,7 +111,7 @@ int run(const Options& options) {
   for (int round = 0; round < options.rounds; ++round) {
     const double start = processor_time();
     for (int i = 0; i < options.frames; ++i) {
-      renderer.draw(eye_at(i), scene.shapes, {}, scratch.data(), frame);
+      renderer.draw(bench::eye_at(i), scene.shapes, {}, scratch.data(), frame);
       if (round > 0 || i % 97 != 0) continue;
       for (std::size_t k = 0; k < pixels; ++k) {
         chain.update(static_cast<double>(depth[k]));
