@@ -81,7 +81,7 @@ void check(const Hyperparameters& hyper, Algorithm algorithm) {
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
   check_layers(hyper, algorithm);
-  if (algorithm == Algorithm::kFastPpo) check_convolutions(hyper);
+  check_convolutions(hyper);
 }
 
 }  // namespace skybody::learn

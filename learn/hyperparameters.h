@@ -44,12 +44,12 @@ inline const char* name(Algorithm algorithm) {
   X(bool, shared_policy, false, 0, 1, P, "one policy for all robots of a team: each robot observes its own columns and those without an owner") \
   X(Sizes, hidden, (Sizes{64, 64}), 1, 8192, B, "sizes of the hidden layers, both of the policy and of the value function; `hidden=`: none, a linear policy") \
   X(int, recurrent_units, 0, 0, 4096, P, "units of gated recurrent memory in front of the policy's hidden layers; 0: none. With memory, a minibatch consists of whole rollouts of some environments. The value function has no memory: give it privileged columns") \
-  X(Sizes, cnn_channels, (Sizes{16, 32, 32}), 1, 4096, P, "channels of each convolution of an observed image; `cnn_channels=` with empty `cnn_kernels` and `cnn_strides`: none") \
-  X(Sizes, cnn_kernels, (Sizes{8, 4, 3}), 1, 4096, P, "height and width of each convolution's kernel [pixels]") \
-  X(Sizes, cnn_strides, (Sizes{4, 2, 1}), 1, 4096, P, "stride of each convolution [pixels]") \
-  X(bool, cnn_same_padding, false, 0, 1, P, "zeros around the images of each convolution, so that strides alone reduce the size; false: windows inside of the image only") \
-  X(int, cnn_features, 128, 1, 8192, P, "outputs of the dense layer after the convolutions; they join the observation in front of the memory and the hidden layers") \
-  X(double, cnn_range, 0, 0, 1e9, P, "pixels that are not bytes are clipped at this value, such as a depth [m]; 0: the upper bound of the image's column") \
+  X(Sizes, cnn_channels, (Sizes{16, 32, 32}), 1, 4096, B, "channels of each convolution of an observed image; `cnn_channels=` with empty `cnn_kernels` and `cnn_strides`: none") \
+  X(Sizes, cnn_kernels, (Sizes{8, 4, 3}), 1, 4096, B, "height and width of each convolution's kernel [pixels]") \
+  X(Sizes, cnn_strides, (Sizes{4, 2, 1}), 1, 4096, B, "stride of each convolution [pixels]") \
+  X(bool, cnn_same_padding, false, 0, 1, B, "zeros around the images of each convolution, so that strides alone reduce the size; false: windows inside of the image only") \
+  X(int, cnn_features, 128, 1, 8192, B, "outputs of the dense layer after the convolutions; they join the observation in front of the memory and the hidden layers") \
+  X(double, cnn_range, 0, 0, 1e9, B, "pixels that are not bytes are clipped at this value, such as a depth [m]; 0: the upper bound of the image's column") \
   X(bool, value_images, true, 0, 1, P, "the value function has an image network of its own; false: it observes vectors only, with the privileged columns, and learns faster") \
   X(Activation, activation, Activation::kTanh, 0, 0, B, "tanh, relu or elu; of convolutions, too") \
   X(bool, normalize_rewards, true, 0, 1, P, "divide rewards by the standard deviation of the discounted return") \

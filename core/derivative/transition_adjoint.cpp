@@ -161,11 +161,13 @@ void TransitionAdjoint::require_smooth() const {
   }
 }
 
-/// Whether any of a sensor's values are in a row of observations.
+/// Whether any of a sensor's values are in a row of observations. Images and privileged values are
+/// not: they count as given.
 bool TransitionAdjoint::is_observed(const PluginInstance& sensor) const {
-  const auto& parts = compiled_.model().observation.parts;
-  return std::any_of(parts.begin(), parts.end(), [&](const ObservationPart& part) {
-    return !part.is_of_task && part.from < sensor.sensor.output + sensor.channel_count() &&
+  const ObservationPlan& plan = compiled_.model().observation;
+  return std::any_of(plan.parts.begin(), plan.parts.end(), [&](const ObservationPart& part) {
+    return !part.is_of_task && part.to < plan.observation_size &&
+           part.from < sensor.sensor.output + sensor.channel_count() &&
            sensor.sensor.output < part.from + part.count;
   });
 }

@@ -26,23 +26,15 @@ constexpr double kLeastVariance = 0.01;
 constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 
-NetworkShape shape_of(const CompiledScenario& compiled, const Hyperparameters& hyper) {
-  return {compiled.observation_size(), hyper.hidden, compiled.action_size(), hyper.activation};
+/// Values of a row of inputs (HorizonInputs).
+int width_of(const CompiledScenario& compiled, const Hyperparameters& hyper) {
+  const bool has_value = hyper.end_value_weight > 0.0;
+  return compiled.observation_size() + (has_value ? compiled.privileged_size() : 0);
 }
 
-/// Physics steps per action.
-struct PhysicsSteps {
-  double dt;  ///< [s]
-  int count;
-};
-
-/// Steps of the training version of a scenario: its own, or fewer of the same total duration.
-PhysicsSteps training_steps(const CompiledScenario& compiled, const Hyperparameters& hyper) {
-  const Stepping& own = compiled.scenario().stepping;
-  if (hyper.physics_steps == 0 || hyper.physics_steps >= own.action_repeat) {
-    return {own.dt, own.action_repeat};
-  }
-  return {own.dt * own.action_repeat / hyper.physics_steps, hyper.physics_steps};
+/// Images that all slices keep: each those of one group's horizon.
+std::int64_t kept_images(const Hyperparameters& hyper) {
+  return std::int64_t{kGroupLanes} * std::min(hyper.envs, kSlices) * hyper.rollout_steps;
 }
 
 std::shared_ptr<const CompiledScenario> checked_training(
@@ -60,14 +52,6 @@ std::shared_ptr<const CompiledScenario> checked_training(
 
 }  // namespace
 
-std::vector<std::string> training_overrides(const CompiledScenario& compiled,
-                                            const Hyperparameters& hyper) {
-  const PhysicsSteps steps = training_steps(compiled, hyper);
-  if (steps.count == compiled.scenario().stepping.action_repeat) return {};
-  return {"stepping.dt=" + exact_text(steps.dt),
-          "stepping.action_repeat=" + std::to_string(steps.count)};
-}
-
 AnalyticGradientLearner::AnalyticGradientLearner(const LearnerOptions& options,
                                                  std::shared_ptr<const CompiledScenario> training)
     : compiled_(options.compiled),
@@ -75,14 +59,15 @@ AnalyticGradientLearner::AnalyticGradientLearner(const LearnerOptions& options,
                  checked_training(std::move(training), *options.compiled, options.hyper))),
       hyper_(options.hyper),
       total_steps_(options.total_steps),
-      network_(shape_of(*compiled_, hyper_), best_isa()),
+      images_(find_images(*compiled_, hyper_, kept_images(hyper_))),
+      network_({compiled_->observation_size(), formats_of(images_)}, compiled_->action_size(),
+               hyper_, 0, best_isa()),
       parameters_(network_.parameter_count()),
       adam_(network_.parameter_count(), hyper_.max_grad_norm, best_isa()),
-      moments_(static_cast<std::size_t>(compiled_->observation_size())),
-      value_(
-          hyper_.end_value_weight > 0.0
-              ? std::make_unique<ValueFunction>(compiled_->observation_size(), hyper_, options.seed)
-              : nullptr),
+      moments_(static_cast<std::size_t>(width_of(*compiled_, hyper_))),
+      value_(hyper_.end_value_weight > 0.0 ? std::make_unique<ValueFunction>(
+                                                 width_of(*compiled_, hyper_), hyper_, options.seed)
+                                           : nullptr),
       scale_(moments_.mean.size()),
       average_(network_.parameter_count(), hyper_.averaging_steps),
       threads_(options.threads, kSlices) {
@@ -194,12 +179,14 @@ void AnalyticGradientLearner::normalize() {
 PolicyFile AnalyticGradientLearner::policy() const {
   PolicyFile file = policy_metadata(*compiled_, Algorithm::kGradient, counters_.steps);
   file.squash = ActionSquash::kTanh;
-  file.mean = moments_.mean;
-  for (const double variance : moments_.variance) {
-    file.scale.push_back(1.0 / std::sqrt(variance + kLeastVariance));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(compiled_->observation_size()); ++k) {
+    file.mean.push_back(moments_.mean[k]);
+    file.scale.push_back(1.0 / std::sqrt(moments_.variance[k] + kLeastVariance));
   }
   file.clip = kNoClip;
-  file.layers = network_.layers(average_.of({parameters_.data(), parameters_.size()}));
+  const auto weights = average_.of({parameters_.data(), parameters_.size()});
+  file.layers = network_.layers(weights);
+  add_images(images_, network_.image_layers(weights), file);
   return file;
 }
 

@@ -7,18 +7,14 @@
 #include <vector>
 
 #include "learn/common/learner_threads.h"
+#include "learn/common/seen_images.h"
 #include "learn/gradient/gradient_slice.h"
+#include "learn/gradient/training_steps.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
 #include "learn/network/weight_average.h"
 
 namespace skybody::learn {
-
-/// Overrides ("PATH=VALUE", LoadOptions::overrides) that turn a scenario into its training version:
-/// `physics_steps` physics steps per action, which are longer, so that the duration of an action is
-/// unchanged. Empty: the scenario's own steps.
-std::vector<std::string> training_overrides(const CompiledScenario& compiled,
-                                            const Hyperparameters& hyper);
 
 /// Trains a deterministic policy, tanh(network(normalised observation)), by the gradient of
 /// GoalCost. The result does not depend on the number of threads.
@@ -53,13 +49,14 @@ class AnalyticGradientLearner : public Learner {
   std::shared_ptr<const CompiledScenario> compiled_, training_;
   Hyperparameters hyper_;
   std::int64_t total_steps_;
-  Network network_;
+  std::vector<SeenImage> images_;
+  PolicyNetwork network_;
   AlignedArray<float> parameters_;
-  TransposedWeights transposed_;
+  PolicyNetwork::Transposed transposed_;
   Adam adam_;
   RunningMoments moments_;
   std::unique_ptr<ValueFunction> value_;  ///< null: none
-  std::vector<double> scale_;             ///< factors that normalise observations
+  std::vector<double> scale_;             ///< factors that normalise rows of inputs
   WeightAverage average_;
   Counters counters_;
   LearnerThreads threads_;

@@ -27,7 +27,7 @@ Vec3<double> goal_point(const CompiledScenario& compiled) {
 }  // namespace
 
 GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
-                             const Hyperparameters& hyper, const Network& network,
+                             const Hyperparameters& hyper, const PolicyNetwork& network,
                              std::uint64_t seed, int first_env, int envs,
                              const ValueFunction* value, const GradientSlice* alike)
     : compiled_(std::move(compiled)),
@@ -39,15 +39,15 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       envs_(envs),
       horizon_(hyper.rollout_steps),
       actions_(compiled_->action_size()),
-      seen_(compiled_->observation_size()),
-      stride_(padded(seen_)),
       weight_(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
       reward_weight_(hyper.reward_weight),
       goal_weight_(hyper.goal_weight),
       end_weight_(hyper.end_value_weight),
       discounts_(static_cast<std::size_t>(hyper.rollout_steps + 1), 1.0),
       work_(compiled_->make_workspace(kGroupLanes)),
-      adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0) {
+      adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0),
+      inputs_(*compiled_, value != nullptr, hyper.rollout_steps,
+              (envs + kGroupLanes - 1) / kGroupLanes) {
   const FpEnvironment guard;
   const auto steps = static_cast<std::size_t>(horizon_);
   const auto rows = steps * kGroupLanes;
@@ -59,30 +59,25 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   cost_row_ = AlignedArray<double>(kGroupLanes);
   distance_ = AlignedArray<double>(kGroupLanes);
   gain_ = AlignedArray<double>(rows);
-  x_ = AlignedArray<float>(rows * static_cast<std::size_t>(stride_));
-  end_x_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(stride_));
   action_ = AlignedArray<float>(rows * static_cast<std::size_t>(actions_));
-  dx_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(stride_));
+  dx_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(inputs_.stride()));
   dy_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(actions_));
   reward_ = AlignedArray<float>(kGroupLanes);
   status_ = AlignedArray<std::uint64_t>(kGroupLanes);
-  next_observation_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(seen_));
-  memory_.resize(steps);
+  memory_.resize(inputs_.has_images() ? 1 : steps);
   gradient_ = AlignedArray<float>(network.parameter_count());
-  sums_.resize(static_cast<std::size_t>(kGradientSums + 2 * seen_));
+  sums_.resize(static_cast<std::size_t>(kGradientSums + 2 * inputs_.width()));
   for (int first = 0; first < envs; first += kGroupLanes) {
     const int count = std::min(envs - first, kGroupLanes);
     groups_.push_back({compiled_->make_state(kGroupLanes), first_lanes(count), count, first});
   }
-  observations_ =
-      AlignedArray<float>(groups_.size() * kGroupLanes * static_cast<std::size_t>(seen_));
   returns_.resize(groups_.size() * kGroupLanes);
   episode_returns_.reserve(static_cast<std::size_t>(envs) * steps);
   work_->contacts.reserve(64);
   if (value != nullptr) {
     for (std::size_t t = 1; t <= steps; ++t) discounts_[t] = discounts_[t - 1] * hyper.discount;
-    value_ =
-        std::make_unique<HorizonValue>(*value, hyper, stride_, weight_, envs * hyper.rollout_steps);
+    value_ = std::make_unique<HorizonValue>(*value, hyper, inputs_.stride(), weight_,
+                                            envs * hyper.rollout_steps);
   }
   if (alike != nullptr) {
     adjoint_.copy_sparsity(alike->adjoint_);
@@ -101,7 +96,7 @@ void GradientSlice::look() {
   for (int l = 0; l < kGroupLanes; ++l) {
     compiled_->initialize(group.state, l, kKey, static_cast<std::uint64_t>(l));
   }
-  const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
+  const Rows rows = inputs_.outcome(reward_.data(), status_.data());
   for (int round = 0; round < 2; ++round) {
     compiled_->reset(group.state, *work_, kAllLanes, rows);
     for (int t = 0; t < horizon_; ++t) {
@@ -129,11 +124,10 @@ void GradientSlice::begin() {
 
 void GradientSlice::reset(Group& group, std::uint32_t lanes) {
   if (lanes == 0) return;
-  const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
+  const Rows rows = inputs_.outcome(reward_.data(), status_.data());
   compiled_->reset(group.state, *work_, lanes, rows);
   each_lane(lanes, [&](int l) {
-    std::copy_n(next_observation_.data() + l * seen_, seen_,
-                observations_.data() + (group.first + l) * seen_);
+    inputs_.take(group.first + l, l);
     returns_[static_cast<std::size_t>(group.first + l)] = 0.0;
   });
 }
@@ -171,8 +165,8 @@ void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
     const Clock::time_point middle = Clock::now();
     {
       const FpEnvironment guard;
-      const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
-      adjoint_.step(group.state, *work_, flying, row(action_, t, 0, actions_), actions_, rows, t);
+      const Rows rows = inputs_.outcome(reward_.data(), status_.data());
+      adjoint_.step(group.state, *work_, flying, action(t, 0), actions_, rows, t);
       adjoint_.goal(group.state, *work_, flying, goal_at(t));
     }
     add_seconds(kSumFlightSeconds, middle);
@@ -184,30 +178,35 @@ void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
   }
 }
 
-void GradientSlice::normalize(int env, const GradientInputs& inputs, float* to) const {
-  const float* seen = observations_.data() + static_cast<std::ptrdiff_t>(env) * seen_;
-  const double *mean = inputs.mean.data(), *scale = inputs.scale.data();
-  for (int k = 0; k < seen_; ++k) {
-    to[k] = static_cast<float>((static_cast<double>(seen[k]) - mean[k]) * scale[k]);
-  }
+PolicySteps GradientSlice::steps_of(const Group& group, int t) const {
+  PolicySteps steps = {{group.count, 1}};
+  steps.images = inputs_.images(t);
+  return steps;
+}
+
+PolicyNetwork::Memory& GradientSlice::memory_of(int t) {
+  return memory_[inputs_.has_images() ? 0 : static_cast<std::size_t>(t)];
 }
 
 void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t) {
-  float* const x = row(x_, t, 0, stride_);
+  const auto width = static_cast<std::size_t>(inputs_.width());
   double* const sum = sums_.data() + kGradientSums;
-  each_lane(group.lanes, [&](int l) { normalize(group.first + l, inputs, x + l * stride_); });
-  each_lane(flying_[static_cast<std::size_t>(t)], [&](int l) {
-    const float* seen = observations_.data() + (group.first + l) * seen_;
-    for (int k = 0; k < seen_; ++k) {
-      const double difference =
-          static_cast<double>(seen[k]) - inputs.mean[static_cast<std::size_t>(k)];
+  each_lane(group.lanes, [&](int l) {
+    inputs_.normalize(group.first + l, inputs.mean, inputs.scale, inputs_.row(t, l));
+  });
+  const std::uint32_t flying = flying_[static_cast<std::size_t>(t)];
+  each_lane(flying, [&](int l) {
+    const std::span<const float> seen = inputs_.present(group.first + l);
+    for (std::size_t k = 0; k < width; ++k) {
+      const double difference = static_cast<double>(seen[k]) - inputs.mean[k];
       sum[k] += difference;
-      sum[seen_ + k] += difference * difference;
+      sum[width + k] += difference * difference;
     }
   });
-  float* const y = row(action_, t, 0, actions_);
-  network_.forward(inputs.parameters, x, stride_, group.count, memory_[static_cast<std::size_t>(t)],
-                   y, actions_);
+  inputs_.keep_images(group.state, flying, t);
+  float* const y = action(t, 0);
+  network_.forward(inputs.parameters, inputs_.row(t, 0), inputs_.stride(), steps_of(group, t),
+                   memory_of(t), y, actions_);
   kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(group.count * actions_));
 }
 
@@ -217,8 +216,7 @@ void GradientSlice::take_outcome(const Group& group, int t) {
   each_lane(flying, [&](int l) {
     const auto lane = static_cast<std::size_t>(l);
     const std::size_t env = static_cast<std::size_t>(group.first) + lane;
-    std::copy_n(next_observation_.data() + l * seen_, seen_,
-                observations_.data() + static_cast<std::ptrdiff_t>(env) * seen_);
+    inputs_.take(group.first + l, l);
     returns_[env] += static_cast<double>(reward_[lane]);
     sums_[kSumSteps] += 1.0;
     gain_[static_cast<std::size_t>(t * kGroupLanes + l)] =
@@ -253,8 +251,10 @@ void GradientSlice::look_at_ends(Group& group, const GradientInputs& inputs) {
     if (!work_->contacts.empty()) sums_[kSumTouching] += 1.0;
   });
   if (value_ == nullptr) return;
-  end_x_.fill_zero();
-  each_lane(sound, [&](int l) { normalize(group.first + l, inputs, row(end_x_, 0, l, stride_)); });
+  inputs_.clear_ends();
+  each_lane(sound, [&](int l) {
+    inputs_.normalize(group.first + l, inputs.mean, inputs.scale, inputs_.end(l));
+  });
 }
 
 // --- between two horizons -----------------------------------------------------------------------

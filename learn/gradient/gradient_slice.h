@@ -12,22 +12,23 @@
 #include "learn/common/running_moments.h"
 #include "learn/common/wall_clock.h"
 #include "learn/gradient/goal_cost.h"
+#include "learn/gradient/horizon_inputs.h"
 #include "learn/gradient/horizon_value.h"
 #include "learn/learner.h"
-#include "learn/network/network.h"
+#include "learn/network/policy_network.h"
 
 namespace skybody::learn {
 
 /// Inputs of all slices.
 struct GradientInputs {
   std::span<const float> parameters;
-  const TransposedWeights* transposed = nullptr;
+  const PolicyNetwork::Transposed* transposed = nullptr;
   std::span<const double> mean, scale;  ///< observations are normalised to (x - mean) scale
   std::int64_t iteration = 0;
 };
 
-/// Sums of a slice over an iteration, in this order. After them, for each observation, the sum of
-/// its difference from the mean, and the sum of the squared difference.
+/// Sums of a slice over an iteration, in this order. After them, for each value of a row of inputs,
+/// the sum of its difference from the mean, and the sum of the squared difference.
 enum GradientSum : int {
   kSumCost,
   kSumDistance,
@@ -52,7 +53,7 @@ class GradientSlice {
   ///        plugins' values; null: this one finds them
   /// @throws Error if no derivatives are available
   GradientSlice(std::shared_ptr<const CompiledScenario> compiled, const Hyperparameters& hyper,
-                const Network& network, std::uint64_t seed, int first_env, int envs,
+                const PolicyNetwork& network, std::uint64_t seed, int first_env, int envs,
                 const ValueFunction* value, const GradientSlice* alike);
 
   /// Runs a horizon in all environments and sums gradients.
@@ -68,7 +69,7 @@ class GradientSlice {
   template <class Self, class Visitor>
   static void visit(Self& self, const std::string& name, Visitor& visitor) {
     visitor(name + ".returns", self.returns_.data(), self.returns_.size());
-    visitor(name + ".observations", self.observations_.data(), self.observations_.size());
+    HorizonInputs::visit(self.inputs_, name, visitor);
   }
   void save(std::vector<std::uint64_t>& words) const;
   std::size_t saved_words() const;
@@ -85,13 +86,13 @@ class GradientSlice {
   void begin();
   void reset(Group& group, std::uint32_t lanes);
   void fly(Group& group, const GradientInputs& inputs);
-  void normalize(int env, const GradientInputs& inputs, float* to) const;
   void act(const Group& group, const GradientInputs& inputs, int t);
   void take_outcome(const Group& group, int t);
   void go_back(Group& group, const GradientInputs& inputs);
+  void pull_back_network(const Group& group, const GradientInputs& inputs, int t);
   void set_reward(int t, std::uint32_t lanes);
   void add_actions(int t, std::uint32_t lanes);
-  void add_observations(const float* slopes, double weight, std::uint32_t lanes,
+  void add_observations(const float* slopes, int count, double weight, std::uint32_t lanes,
                         const GradientInputs& inputs);
   void look_at_ends(Group& group, const GradientInputs& inputs);
   void update_value();
@@ -101,16 +102,18 @@ class GradientSlice {
   double* goal_at(int t) {
     return goal_.data() + std::ptrdiff_t{GoalCost::kGoalRows} * t * kGroupLanes;
   }
-  float* row(AlignedArray<float>& rows, int t, int lane, int width) const {
-    return rows.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * width;
+  float* action(int t, int lane) {
+    return action_.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * actions_;
   }
+  PolicySteps steps_of(const Group& group, int t) const;
+  PolicyNetwork::Memory& memory_of(int t);
 
   std::shared_ptr<const CompiledScenario> compiled_;
-  const Network& network_;
+  const PolicyNetwork& network_;
   GoalCost cost_;
   Isa isa_;
   std::uint64_t seed_;
-  int first_env_, envs_, horizon_, actions_, seen_, stride_;
+  int first_env_, envs_, horizon_, actions_;
   double weight_;                  ///< weight of one transition in the mean of an iteration
   double reward_weight_;           ///< weight of the reward
   double goal_weight_;             ///< weight of the cost
@@ -125,12 +128,11 @@ class GradientSlice {
   AlignedArray<double> goal_, adjoints_, to_action_, cost_row_, distance_;
   AlignedArray<double>
       gain_;  ///< per transition and lane: the summands of the value function's targets
-  AlignedArray<float> observations_;  ///< current, of all environments
-  AlignedArray<float> x_, action_;    ///< per transition and lane
-  AlignedArray<float> end_x_;         ///< after the last transition, per lane
-  AlignedArray<float> dx_, dy_, reward_, next_observation_;
+  HorizonInputs inputs_;
+  AlignedArray<float> action_;  ///< per transition and lane
+  AlignedArray<float> dx_, dy_, reward_;
   AlignedArray<std::uint64_t> status_;
-  std::vector<NetworkActivations> memory_;  ///< per transition
+  std::vector<PolicyNetwork::Memory> memory_;  ///< per transition; with images for one at a time
   std::unique_ptr<HorizonValue> value_;
   AlignedArray<float> gradient_;
   std::vector<double> sums_, returns_;

@@ -18,7 +18,7 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
     adjoint_.begin(group.state, group.lanes);
   }
   adjoints_.fill_zero();
-  const float* slopes = value_ != nullptr ? value_->slopes(end_x_.data()) : nullptr;
+  const float* slopes = value_ != nullptr ? value_->slopes(inputs_.end(0)) : nullptr;
   double* const motion =
       adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.goal_motion_row()) * kGroupLanes;
   for (int t = horizon_; t-- > 0;) {
@@ -32,7 +32,7 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
       set_reward(t, lanes);
       if (slopes != nullptr) {
         const double end = end_weight_ * discounts_[static_cast<std::size_t>(t + 1)] * weight_;
-        add_observations(slopes, -end, ending(t) & ~terminated_, inputs);
+        add_observations(slopes, inputs_.width(), -end, ending(t) & ~terminated_, inputs);
       }
       adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());
     }
@@ -43,17 +43,30 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
       gain_[static_cast<std::size_t>(t * kGroupLanes + l)] -=
           cost_row_[lane] / (weight_ * discounts_[static_cast<std::size_t>(t)]);
     });
-    add_actions(t, lanes);
-    network_.backward(*inputs.transposed, row(x_, t, 0, stride_), stride_,
-                      memory_[static_cast<std::size_t>(t)], dy_.data(), actions_,
-                      {gradient_.data(), gradient_.size()}, dx_.data(), stride_);
-    if (t > 0) add_observations(dx_.data(), 1.0, lanes, inputs);
+    pull_back_network(group, inputs, t);
+    if (t > 0) add_observations(dx_.data(), compiled_->observation_size(), 1.0, lanes, inputs);
   }
+}
+
+/// Gradients at the parameters and at the observation, from those at the actions. Pixels have none:
+/// images count as given. With images the layers' outputs are computed a second time, because
+/// those of a whole horizon are many times as large as its images.
+void GradientSlice::pull_back_network(const Group& group, const GradientInputs& inputs, int t) {
+  const PolicySteps steps = steps_of(group, t);
+  PolicyNetwork::Memory& memory = memory_of(t);
+  const float* const x = inputs_.row(t, 0);
+  if (inputs_.has_images()) {
+    network_.forward(inputs.parameters, x, inputs_.stride(), steps, memory, dy_.data(), actions_);
+  }
+  add_actions(t, sound_[static_cast<std::size_t>(t)]);
+  network_.backward(*inputs.transposed, x, inputs_.stride(), steps, memory, dy_.data(), actions_,
+                    {gradient_.data(), gradient_.size()}, dx_.data(), inputs_.stride());
 }
 
 void GradientSlice::update_value() {
   if (value_ == nullptr) return;
-  value_->add({horizon_, stride_, x_.data(), end_x_.data(), gain_.data(), sound_, terminated_});
+  value_->add({horizon_, inputs_.stride(), inputs_.row(0, 0), inputs_.end(0), gain_.data(), sound_,
+               terminated_});
 }
 
 void GradientSlice::set_reward(int t, std::uint32_t lanes) {
@@ -72,13 +85,13 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
   const double smooth = weight * discounts_[static_cast<std::size_t>(t)];
   const double next = weight * discounts_[static_cast<std::size_t>(t + 1)];
   each_lane(lanes, [&](int l) {
-    const float* now = row(action_, t, l, actions_);
+    const float* now = action(t, l);
     for (int k = 0; k < actions_; ++k) {
       const double a = static_cast<double>(now[k]);
       double to = to_action_[static_cast<std::size_t>(k * kGroupLanes + l)];
-      if (t > 0) to += smooth * (a - static_cast<double>(row(action_, t - 1, l, actions_)[k]));
+      if (t > 0) to += smooth * (a - static_cast<double>(action(t - 1, l)[k]));
       if (t + 1 < horizon_ && (sound_[static_cast<std::size_t>(t + 1)] >> l & 1u) != 0) {
-        to += next * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
+        to += next * (a - static_cast<double>(action(t + 1, l)[k]));
       }
       to *= 1.0 - a * a;
       // A flight whose derivatives blow up is left out, so that it does not spoil the others: sums
@@ -89,16 +102,18 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
   });
 }
 
-/// Adds derivatives at the observations, from slopes at the network's inputs.
-void GradientSlice::add_observations(const float* slopes, double weight, std::uint32_t lanes,
-                                     const GradientInputs& inputs) {
+/// Adds derivatives at the task's values, from slopes at the first `count` inputs of a network.
+void GradientSlice::add_observations(const float* slopes, int count, double weight,
+                                     std::uint32_t lanes, const GradientInputs& inputs) {
   double* const to =
       adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.observation_row()) * kGroupLanes;
-  for (int k = 0; k < seen_; ++k) {
+  for (int k = 0; k < count; ++k) {
+    const int row = inputs_.task_row(k);
+    if (row < 0) continue;
     const double scale = weight * inputs.scale[static_cast<std::size_t>(k)];
     each_lane(lanes, [&](int l) {
-      to[k * kGroupLanes + l] =
-          scale * static_cast<double>(slopes[static_cast<std::size_t>(l * stride_ + k)]);
+      to[row * kGroupLanes + l] =
+          scale * static_cast<double>(slopes[static_cast<std::size_t>(l * inputs_.stride() + k)]);
     });
   }
 }

@@ -229,13 +229,7 @@ PolicyFile PpoDriver::policy() const {
   }
   const auto weights = average_.of(networks_.policy_weights());
   file.layers = networks_.policy().layers(weights);
-  std::vector<std::vector<PolicyLayer>> layers = networks_.policy().image_layers(weights);
-  for (std::size_t k = 0; k < setup_->images.size(); ++k) {
-    const auto& [column, format] = setup_->images[k];
-    file.images.push_back({column, format.height, format.width, format.channels,
-                           static_cast<double>(format.low), static_cast<double>(format.high),
-                           std::move(layers[k])});
-  }
+  add_images(setup_->images, networks_.policy().image_layers(weights), file);
   if (setup_->hyper.bounded_mean) file.layers.back().activation = Activation::kTanh;
   return file;
 }

@@ -20,20 +20,14 @@ void copy(std::span<const float> from, std::span<float> to, const char* what) {
   std::copy(from.begin(), from.end(), to.begin());
 }
 
-std::vector<ImageFormat> formats(const std::vector<SeenImage>& images) {
-  std::vector<ImageFormat> result;
-  for (const SeenImage& image : images) result.push_back(image.format);
-  return result;
-}
-
 }  // namespace
 
 PpoNetworks::PpoNetworks(const AgentTable& agents, const std::vector<SeenImage>& images,
                          const Hyperparameters& hyper, Isa isa)
-    : policy_({agents.observation_size(), formats(images)}, agents.action_size(), hyper,
+    : policy_({agents.observation_size(), formats_of(images)}, agents.action_size(), hyper,
               hyper.recurrent_units, isa),
       value_({agents.observation_size() + agents.privileged_size(),
-              hyper.value_images ? formats(images) : std::vector<ImageFormat>()},
+              hyper.value_images ? formats_of(images) : std::vector<ImageFormat>()},
              1, hyper, 0, isa),
       actions_(static_cast<std::size_t>(agents.action_size())),
       parameters_{AlignedArray<float>(padded(policy_.parameter_count() + actions_)),

@@ -10,8 +10,8 @@
 #include "core/base/simd/isa.h"
 #include "learn/hyperparameters.h"
 #include "learn/ppo/agent_table.h"
-#include "learn/ppo/policy_network.h"
-#include "learn/ppo/seen_images.h"
+#include "learn/network/policy_network.h"
+#include "learn/common/seen_images.h"
 
 namespace skybody::learn {
 

@@ -41,7 +41,7 @@ PpoSetup::PpoSetup(const LearnerOptions& options)
       total_steps(options.total_steps),
       isa(best_isa()),
       agents(make_agent_table(*compiled, hyper.shared_policy)),
-      images(find_images(*compiled, hyper)),
+      images(find_images(*compiled, hyper, std::int64_t{hyper.envs} * (hyper.rollout_steps + 1))),
       plan((check_together(hyper, agents.rows()), hyper.envs), hyper.rollout_steps * agents.rows(),
            hyper.minibatch, hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
       row{agents.observation_size() + agents.privileged_size(), agents.action_size()},

@@ -14,7 +14,7 @@
 #include "learn/network/panel_matrix.h"
 #include "learn/position_error.h"
 #include "learn/ppo/agent_table.h"
-#include "learn/ppo/seen_images.h"
+#include "learn/common/seen_images.h"
 
 namespace skybody::learn {
 

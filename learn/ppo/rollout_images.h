@@ -7,7 +7,7 @@
 
 #include "core/base/simd/aligned_array.h"
 #include "core/batch/pool.h"
-#include "learn/ppo/image_rows.h"
+#include "learn/network/image_rows.h"
 #include "learn/ppo/ppo_setup.h"
 
 namespace skybody::learn {

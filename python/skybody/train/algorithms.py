@@ -68,6 +68,7 @@ ALGORITHMS: dict[str, Algorithm] = {
         _gradient,
         True,
         _fit_gradient,
+        sees_images=True,
     ),
     "ppo": Algorithm("PPO of Stable-Baselines3", Hyperparameters, _sb3_ppo),
 }

@@ -167,7 +167,7 @@ class EndOfFlights : public ::testing::Test {
       : compiled(load()),
         seen(compiled->observation_size()),
         hyper(with_value()),
-        network({seen, hyper.hidden, compiled->action_size(), hyper.activation}, best_isa()),
+        network({seen, {}}, compiled->action_size(), hyper, 0, best_isa()),
         parameters(network.parameter_count()),
         function(seen, hyper, 3),
         mean(static_cast<std::size_t>(seen), 0.1),
@@ -191,7 +191,7 @@ class EndOfFlights : public ::testing::Test {
 
   /// Flies from the start again; the slice then holds gradient and last observations.
   void fly(GradientSlice& slice) {
-    TransposedWeights transposed;
+    PolicyNetwork::Transposed transposed;
     network.transpose(parameters, transposed);
     slice.run({parameters, &transposed, mean, scale, 1000});
   }
@@ -224,7 +224,7 @@ class EndOfFlights : public ::testing::Test {
   std::shared_ptr<const CompiledScenario> compiled;
   int seen;
   Hyperparameters hyper;
-  Network network;
+  PolicyNetwork network;
   std::vector<float> parameters;
   ValueFunction function;
   std::vector<double> mean, scale;

@@ -8,9 +8,9 @@
 
 #include "learn/hyperparameters.h"
 #include "learn/network/image_encoder.h"
+#include "learn/network/image_rows.h"
 #include "learn/network/network.h"
 #include "learn/network/recurrent_network.h"
-#include "learn/ppo/image_rows.h"
 
 namespace skybody::learn {
 
@@ -28,6 +28,9 @@ struct NetworkInputs {
   int values = 0;                   ///< of a row
   std::vector<ImageFormat> images;  ///< each with an ImageEncoder
 };
+
+/// The sizes of the networks of images.
+EncoderShape encoder_shape(const Hyperparameters& hyper);
 
 /// Dense layers, after a layer of gated recurrent units if `units` is not 0. Features of images are
 /// inputs behind the row's values. The functions are those of Network and RecurrentNetwork.
@@ -58,9 +61,10 @@ class PolicyNetwork {
   void transpose(std::span<const float> parameters, Transposed& transposed) const;
   void forward(std::span<const float> parameters, const float* x, int x_stride,
                const PolicySteps& steps, Memory& memory, float* y, int y_stride) const;
+  /// @param dx  null, or output: the gradient at the row's values. Pixels have none
   void backward(const Transposed& transposed, const float* x, int x_stride,
                 const PolicySteps& steps, Memory& memory, const float* dy, int dy_stride,
-                std::span<float> gradient) const;
+                std::span<float> gradient, float* dx = nullptr, int dx_stride = 0) const;
   /// Converts to layers of a policy file: those behind the images, and those of each image.
   std::vector<PolicyLayer> layers(std::span<const float> parameters) const;
   std::vector<std::vector<PolicyLayer>> image_layers(std::span<const float> parameters) const;

@@ -1,13 +1,15 @@
-#include "learn/ppo/seen_images.h"
+#include "learn/common/seen_images.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/simd/isa.h"
 #include "core/base/system/error.h"
 #include "core/io/files/text.h"
+#include "learn/network/policy_network.h"
 
 namespace skybody::learn {
 namespace {
@@ -58,29 +60,26 @@ void check_encoder(const CompiledScenario& compiled, const ObservationColumn& co
 }
 
 void check_memory(const CompiledScenario& compiled, const std::vector<SeenImage>& images,
-                  const Hyperparameters& hyper) {
+                  std::int64_t kept) {
   double bytes = 0.0;
   for (const SeenImage& image : images) bytes += image.format.bytes();
-  bytes *= static_cast<double>(hyper.envs) * (hyper.rollout_steps + 1.0);
+  const std::string each = format_number(bytes);
+  bytes *= static_cast<double>(kept);
   const double allowed = 0.5 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
                          static_cast<double>(sysconf(_SC_PAGESIZE));
   if (bytes <= allowed) return;
   throw Error("`" + compiled.scenario().name + "`: the images of a rollout need " +
-              format_number(bytes / kGibibyte) +
-              " GiB (envs * (rollout_steps + 1) * bytes of an observation's images): allowed is "
-              "half of this machine's memory, " +
+              format_number(bytes / kGibibyte) + " GiB (" + std::to_string(kept) +
+              " observations with images of " + each +
+              " bytes): allowed is half of this machine's memory, " +
               format_number(allowed / kGibibyte) +
               " GiB; take fewer envs or rollout_steps, or smaller images");
 }
 
 }  // namespace
 
-EncoderShape encoder_shape(const Hyperparameters& hyper) {
-  return {hyper.cnn_channels,     hyper.cnn_kernels,  hyper.cnn_strides,
-          hyper.cnn_same_padding, hyper.cnn_features, hyper.activation};
-}
-
-std::vector<SeenImage> find_images(const CompiledScenario& compiled, const Hyperparameters& hyper) {
+std::vector<SeenImage> find_images(const CompiledScenario& compiled, const Hyperparameters& hyper,
+                                   std::int64_t kept) {
   std::vector<SeenImage> images;
   for (const ObservedImage& image : compiled.images()) {
     const ObservationColumn& column = compiled.columns()[static_cast<std::size_t>(image.column)];
@@ -91,8 +90,24 @@ std::vector<SeenImage> find_images(const CompiledScenario& compiled, const Hyper
     check_encoder(compiled, column, format, hyper);
     images.push_back({column.name, format});
   }
-  check_memory(compiled, images, hyper);
+  check_memory(compiled, images, kept);
   return images;
+}
+
+std::vector<ImageFormat> formats_of(const std::vector<SeenImage>& images) {
+  std::vector<ImageFormat> formats;
+  for (const SeenImage& image : images) formats.push_back(image.format);
+  return formats;
+}
+
+void add_images(const std::vector<SeenImage>& images, std::vector<std::vector<PolicyLayer>> layers,
+                PolicyFile& file) {
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    const auto& [column, format] = images[k];
+    file.images.push_back({column, format.height, format.width, format.channels,
+                           static_cast<double>(format.low), static_cast<double>(format.high),
+                           std::move(layers[k])});
+  }
 }
 
 }  // namespace skybody::learn

@@ -1,11 +1,10 @@
-#include "learn/ppo/policy_network.h"
+#include "learn/network/policy_network.h"
 
 #include <algorithm>
 
 #include "core/base/math/random.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/panel_matrix.h"
-#include "learn/ppo/seen_images.h"
 
 namespace skybody::learn {
 namespace {
@@ -43,6 +42,11 @@ std::size_t product(int a, int b) {
 }
 
 }  // namespace
+
+EncoderShape encoder_shape(const Hyperparameters& hyper) {
+  return {hyper.cnn_channels,     hyper.cnn_kernels,  hyper.cnn_strides,
+          hyper.cnn_same_padding, hyper.cnn_features, hyper.activation};
+}
 
 PolicyNetwork::PolicyNetwork(const NetworkInputs& inputs, int outputs, const Hyperparameters& hyper,
                              int units, Isa isa)
@@ -121,22 +125,27 @@ void PolicyNetwork::forward(std::span<const float> parameters, const float* x, i
 
 void PolicyNetwork::backward(const Transposed& transposed, const float* x, int x_stride,
                              const PolicySteps& steps, Memory& memory, const float* dy,
-                             int dy_stride, std::span<float> gradient) const {
+                             int dy_stride, std::span<float> gradient, float* dx,
+                             int dx_stride) const {
   const bool has_images = !encoders_.empty();
   if (has_images) {
     make_large_enough(memory.d_inputs, product(steps.sequences.rows(), input_stride_));
   }
   const Rows inputs = has_images ? Rows{memory.inputs.data(), input_stride_} : Rows{x, x_stride};
-  float* d_inputs = has_images ? memory.d_inputs.data() : nullptr;
+  float* d_inputs = has_images ? memory.d_inputs.data() : dx;
+  const int d_stride = has_images ? input_stride_ : dx_stride;
   const std::span<float> rest = gradient.subspan(network_at());
   if (const auto* recurrent = std::get_if<RecurrentNetwork>(&network_)) {
     recurrent->backward(transposed.recurrent, inputs.x, inputs.stride, steps.begins,
-                        memory.recurrent, dy, dy_stride, rest, d_inputs, input_stride_);
+                        memory.recurrent, dy, dy_stride, rest, d_inputs, d_stride);
   } else {
     std::get<Network>(network_).backward(transposed.dense, inputs.x, inputs.stride, memory.dense,
-                                         dy, dy_stride, rest, d_inputs, input_stride_);
+                                         dy, dy_stride, rest, d_inputs, d_stride);
   }
   if (!has_images) return;
+  for (int r = 0; dx != nullptr && r < steps.sequences.rows(); ++r) {
+    std::copy_n(d_inputs + product(r, input_stride_), values_, dx + product(r, dx_stride));
+  }
   const float* d_features = d_inputs + values_;
   for (std::size_t k = 0; k < encoders_.size(); ++k) {
     encoders_[k].backward(transposed.encoders[k], memory.encoders[k], d_features, input_stride_,
