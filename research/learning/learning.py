@@ -7,10 +7,11 @@ Run folders are kept in --runs: finished runs are not repeated, interrupted ones
 trained elsewhere is used if its folder is put there under its name, SCENARIO-seed-N.
 Checkpoints fly 20 episodes each; `skybody run` flies the last one in 100 drawn episodes
 that occur neither in training nor in those evaluations. Rows of the page whose runs are not
-repeated are kept while scenario and preset are unchanged. --check trains every run of the page
-again up to its first checkpoint and compares the hash over all parameters; exit code 1 if one
-differs. Writes learning.md, its JSON and pictures; learned_tables.py copies the JSON's figures to
-the READMEs of tasks.
+repeated are kept while scenario and preset are unchanged, or if a scenario has a new hash but the
+run's first rollout and its update have the same bits. --check trains every run of the page again up
+to its first checkpoint and compares the hash over all parameters; exit code 1 if one differs.
+Writes learning.md, its JSON and pictures; learned_tables.py copies the JSON's figures to the
+READMEs of tasks.
 """
 
 from __future__ import annotations
@@ -235,19 +236,33 @@ def curve(run: Run) -> dict[str, list[float | None]]:
     return found
 
 
+def same_run(row: Row, course: Course) -> Row | None:
+    """The row as of today, or None if it is of another run by now.
+
+    A new parameter changes a scenario's hash. The row then stays, with the new hash, if the first
+    rollout and its update have the same bits.
+    """
+    total = preset(course.scenario, course.algorithm).total_steps
+    was, now = row_decides(row, course), what_decides(course, total)
+    if was | {"scenario_hash": ""} != now | {"scenario_hash": ""}:
+        return None
+    if was != now and start(course, row["seed"], total) != row["start"]:
+        return None
+    return row | {"scenario_hash": now["scenario_hash"]}
+
+
 def kept(path: Path, courses: Sequence[Course]) -> list[Row]:
-    """Rows of an earlier page whose scenarios and presets are unchanged."""
+    """Rows of an earlier page whose runs would be the same today."""
     if not path.exists():
         return []
     by_name = {course.scenario: course for course in courses}
     rows = []
     for row in json.loads(path.read_text())["runs"]:
         course = by_name.get(row["scenario"])
-        if course and row["seed"] in course.seeds:
-            total = preset(course.scenario, course.algorithm).total_steps
-            if row_decides(row, course) == what_decides(course, total):
-                rows.append(row)
-                continue
+        same = same_run(row, course) if course and row["seed"] in course.seeds else None
+        if same is not None:
+            rows.append(same)
+            continue
         print(f"{row['scenario']}, seed {row['seed']}: is another run by now, its row goes")
     return rows
 

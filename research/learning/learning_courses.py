@@ -112,6 +112,14 @@ class Mean:
 
 
 @dataclass(frozen=True)
+class MeanOfTheWhole(Mean):
+    """The same of an info's average over a flight; of a speed: length of the path over time."""
+
+    def values(self, flights: Flights) -> NDArray[np.float64]:
+        return flights.whole_flight[self.of]
+
+
+@dataclass(frozen=True)
 class MeanOfTheFirst(Mean):
     """The same for several racers: the value of the one that has passed the most gates."""
 
@@ -208,7 +216,11 @@ COURSES = (
     Course("landing", (Share(0.9),)),
     Course("obstacles", (Share(0.9),)),
     Course("obstacles_rays", (Share(0.9),)),
-    Course("obstacles_vision", (Share(0.9),), minutes=30.0),
+    Course(
+        "obstacles_vision",
+        (Share(0.9), MeanOfTheWhole("speed", "mean speed along the path", "m/s", least=5.0)),
+        minutes=30.0,
+    ),
     Course("chase", (Share(0.9),)),
     Course("chase_agents", (Share(0.9),)),
 )

@@ -20,6 +20,8 @@ from research.common.training_runs import Run
 SEED = 4242  # of the flights; used neither in training nor in its evaluations
 SUCCESS = "success"
 TERMINATED, FAULT = 1, 4  # bits of the log's `status` (docs/flight-log.md)
+FORMAT = 2  # of the file of flights
+INFOS = ("at_the_end", "last_second", "whole_flight")  # members of Flights
 
 
 @dataclass
@@ -30,6 +32,7 @@ class Flights:
     failed: NDArray[np.bool_]  # ended by a fault, or by the task without success
     at_the_end: dict[str, NDArray[np.float64]]  # infos
     last_second: dict[str, NDArray[np.float64]]  # infos, averaged over it
+    whole_flight: dict[str, NDArray[np.float64]]  # likewise
     line: str = ""  # printed by `skybody run` on successes
 
 
@@ -40,6 +43,7 @@ def fly(program: Path, run: Run, episodes: int) -> Flights:
         "parameter_hash": read_meta(checkpoint)["parameter_hash"],
         "episodes": episodes,
         "seed": SEED,
+        "format": FORMAT,
     }
     path = checkpoint / f"flights-{SEED}-{episodes}.json"
     if path.exists():
@@ -63,7 +67,7 @@ def _command(program: Path, run: Run, policy: Path, episodes: int, out: Path) ->
 
 def read_log(log: Path, line: str = "") -> Flights:
     """Reads a flight.h5."""
-    ends, seconds, statuses = [], [], []
+    ends, seconds, wholes, statuses = [], [], [], []
     with h5py.File(log) as file:
         period = float(file.attrs["dt"]) * int(file.attrs["action_repeat"])
         for episode in file["episodes"].values():
@@ -71,15 +75,21 @@ def read_log(log: Path, line: str = "") -> Flights:
             info = np.asarray(episode["info"][1:], np.float64)  # row 0 is the reset's
             ends.append(info[-1])
             seconds.append(info[-max(1, round(1.0 / period)) :].mean(axis=0))
+            wholes.append(info.mean(axis=0))
             statuses.append(int(episode["status"][-1]))
-    end, second, status = np.array(ends), np.array(seconds), np.array(statuses)
-    at_the_end = {name: end[:, k] for k, name in enumerate(names)}
+    status = np.array(statuses)
+
+    def by_name(rows: list[NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+        return {name: np.array(rows)[:, k] for k, name in enumerate(names)}
+
+    at_the_end = by_name(ends)
     succeeded = at_the_end[SUCCESS] > 0.5
     return Flights(
         succeeded=succeeded,
         failed=(status & FAULT != 0) | ((status & TERMINATED != 0) & ~succeeded),
         at_the_end=at_the_end,
-        last_second={name: second[:, k] for k, name in enumerate(names)},
+        last_second=by_name(seconds),
+        whole_flight=by_name(wholes),
         line=line,
     )
 
@@ -94,8 +104,7 @@ def to_json(flights: Flights) -> dict[str, Any]:
         "line": flights.line,
         "succeeded": flights.succeeded.tolist(),
         "failed": flights.failed.tolist(),
-        "at_the_end": {name: x.tolist() for name, x in flights.at_the_end.items()},
-        "last_second": {name: x.tolist() for name, x in flights.last_second.items()},
+        **{part: {n: x.tolist() for n, x in getattr(flights, part).items()} for part in INFOS},
     }
 
 
@@ -104,7 +113,6 @@ def from_json(found: dict[str, Any]) -> Flights:
     return Flights(
         succeeded=np.array(found["succeeded"], bool),
         failed=np.array(found["failed"], bool),
-        at_the_end={name: np.array(x, float) for name, x in found["at_the_end"].items()},
-        last_second={name: np.array(x, float) for name, x in found["last_second"].items()},
+        **{part: {n: np.array(x, float) for n, x in found[part].items()} for part in INFOS},
         line=found["line"],
     )

@@ -29,7 +29,7 @@ PAGE = (ROOT / "docs/results/learning.md").read_text()
 def flights(succeeded: list[bool], failed: list[bool], error: list[float]) -> Any:
     """Flights with an info `error`, equal at the end and in the last second."""
     infos = {"error": np.array(error)}
-    return learning_flight.Flights(np.array(succeeded), np.array(failed), infos, infos)
+    return learning_flight.Flights(np.array(succeeded), np.array(failed), infos, infos, infos)
 
 
 # --- the runs -----------------------------------------------------------------------------------
@@ -56,6 +56,14 @@ def test_a_row_of_another_preset_goes(tmp_path: Path, capsys: pytest.CaptureFixt
     assert learning.kept(path, learning_courses.COURSES) == RUNS[1:3]
     name = f"{RUNS[0]['scenario']}, seed {RUNS[0]['seed']}"
     assert f"{name}: is another run by now" in capsys.readouterr().out
+
+
+def test_a_row_of_another_hash_stays_if_its_run_begins_with_the_same_bits(tmp_path: Path) -> None:
+    row = next(row for row in RUNS if row["scenario"] == "obstacles")
+    other = {**row, "scenario_hash": "0" * 16}
+    path = tmp_path / "learning.json"
+    path.write_text(json.dumps({"runs": [other, {**other, "start": {}}]}))
+    assert learning.kept(path, learning_courses.COURSES) == [row]
 
 
 def test_the_page_is_what_the_figures_make_of_it() -> None:
@@ -99,6 +107,15 @@ def test_a_mean_of_winners_leaves_others_out_and_is_met_by_nobody_without_one() 
     assert not lap.is_met(nobody)
 
 
+def test_a_mean_of_whole_flights_is_the_path_over_the_time() -> None:
+    flown = flights([True, True], [False, False], [9.0, 9.0])
+    flown.whole_flight = {"speed": np.array([4.0, 7.0])}
+    speed = learning_courses.MeanOfTheWhole("speed", "speed", "m/s", least=5.0)
+    assert speed.figure(flown) == 5.5
+    assert speed.shown(5.5) == "5.5 m/s"
+    assert not speed.is_met(4.9)
+
+
 def test_of_several_racers_the_one_with_most_gates_counts() -> None:
     infos = {
         "red.gates_passed": np.array([15.0, 3.0, 2.0]),
@@ -107,7 +124,7 @@ def test_of_several_racers_the_one_with_most_gates_counts() -> None:
         "blue.lap_time": np.array([7.0, 4.0, 9.0]),
     }
     won = np.array([True, True, False])
-    flown = learning_flight.Flights(won, ~won, infos, infos)
+    flown = learning_flight.Flights(won, ~won, infos, infos, infos)
     first, racers = learning_courses.MeanOfTheFirst, ("red", "blue")
     assert first("gates_passed", "gates", least=1, racers=racers).figure(flown) == 34.0 / 3.0
     assert first("lap_time", "lap", most=9, of_winners=True, racers=racers).figure(flown) == 3.0
