@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 
 #include "app/arguments.h"
 #include "app/batch_actions.h"
@@ -50,7 +51,10 @@ struct BenchOptions {
 struct Counts {
   std::uint64_t steps = 0, resets = 0, faults = 0;
   double seconds = 0.0;
+  double processor_seconds = 0.0;  ///< of all threads
 };
+
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Waits for pending environments without stepping them again.
 void drain(Pool& envs) {
@@ -61,6 +65,7 @@ void drain(Pool& envs) {
 Counts run_for(double seconds, Pool& envs, BatchActions& actions) {
   Counts counts;
   const std::uint64_t faults = envs.faults();
+  const double computed = processor_seconds();
   const Clock::time_point begin = Clock::now();
   while (counts.seconds < seconds && InterruptGuard::signal() == 0) {
     const std::shared_ptr<const Batch> batch = envs.recv();
@@ -76,6 +81,7 @@ Counts run_for(double seconds, Pool& envs, BatchActions& actions) {
     }
     counts.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   }
+  counts.processor_seconds = processor_seconds() - computed;
   counts.faults = envs.faults() - faults;
   return counts;
 }
@@ -128,6 +134,7 @@ void print_json(const BenchOptions& options, const Pool& envs, const Counts& cou
       .set_text("actions", options.actions)
       .set("action_repeat", std::to_string(scenario.stepping.action_repeat))
       .set("seconds", format_number(counts.seconds))
+      .set("processor_seconds", format_number(counts.processor_seconds))
       .set("env_steps", std::to_string(counts.steps))
       .set("env_steps_per_second", format_number(figures.steps))
       .set("env_steps_per_second_per_thread", format_number(figures.steps_per_thread))

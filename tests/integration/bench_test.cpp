@@ -46,6 +46,7 @@ TEST(Bench, PrintsJsonWhoseNumbersFitTogether) {
     const double steps = number(*json, "env_steps"), rate = number(*json, "env_steps_per_second");
     EXPECT_GT(steps, 0.0);
     EXPECT_DOUBLE_EQ(rate, steps / number(*json, "seconds"));
+    EXPECT_GT(number(*json, "processor_seconds"), 0.0);
     EXPECT_DOUBLE_EQ(number(*json, "physics_steps_per_second"), 3.0 * rate);
     EXPECT_DOUBLE_EQ(number(*json, "env_steps_per_second_per_thread"), rate / 2.0);
     EXPECT_EQ(number(*json, "near_share"), 0.0);
