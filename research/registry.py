@@ -97,9 +97,10 @@ def groups() -> list[str]:
 
 
 def index() -> str:
-    """The index of pages of docs/results: one table, by group."""
+    """The index of pages of docs/results that exist: one table, by group."""
     rows = ["| page | subject | made by |", "| --- | --- | --- |"]
-    found = [row for row in (*measurements(), *OTHERS) if row.page and "/" not in row.page]
+    pages = {path.stem for path in INDEX.parent.glob("*.md")}
+    found = [row for row in (*measurements(), *OTHERS) if row.page in pages]
     for row in sorted(found, key=lambda row: groups().index(row.group)):
         subject = row.subject[0].lower() + row.subject[1:].removesuffix(".")
         rows.append(f"| [{row.page}.md]({row.page}.md) | {subject} | `{row.made_by}` |")
