@@ -31,24 +31,50 @@ struct Guide {
     const Vec3<Real> straight = select(far > 1e-9, level / max(far, Real(1e-9)),
                                        Vec3<Real>{Real(1.0), Real(0.0), Real(0.0)});
     const Vec3<Real> flight = velocity / max(norm(velocity), Real(1.0));
-    Vec3<Real> best = straight;
-    Real most(-kInfinity);
-    for (int i = 0; i <= 2 * kSide; ++i) {  // straight ahead, one step left, one step right, ...
+    Vec3<Real> along[kHeadings];  // straight ahead, one step left, one step right, ...
+    Real kept[kHeadings];
+    double ahead[kHeadings];
+    for (int i = 0; i < kHeadings; ++i) {
       const int steps = i % 2 == 0 ? -(i / 2) : (i + 1) / 2;
       const SinCos<double> turn = sincos(kTurn * steps);
-      const Vec3<Real> along{turn.cos * straight.x - turn.sin * straight.y,
-                             turn.sin * straight.x + turn.cos * straight.y, Real(0.0)};
-      Real kept(room);
-      for (int k = 1; k <= kLooks; ++k) {
-        const Real reach = min(Real(kStride * k), far);
-        kept = min(kept, nearest_surface(env, obstacles, p + reach * along));
-      }
-      const Real worth = (kRoom / room) * kept + turn.cos + kKeep * dot(flight, along);
+      along[i] = {turn.cos * straight.x - turn.sin * straight.y,
+                  turn.sin * straight.x + turn.cos * straight.y, Real(0.0)};
+      ahead[i] = turn.cos;
+      kept[i] = room;
+    }
+    for (const Obstacle& obstacle : obstacles) keep(env, obstacle, p, far, room, along, kept);
+    Vec3<Real> best = straight;
+    Real most(-kInfinity);
+    for (int i = 0; i < kHeadings; ++i) {
+      const Real worth = (kRoom / room) * kept[i] + ahead[i] + kKeep * dot(flight, along[i]);
       const auto better = worth > most;
-      best = select(better, along, best);
+      best = select(better, along[i], best);
       most = select(better, worth, most);
     }
     return best;
+  }
+
+ private:
+  static constexpr int kHeadings = 2 * kSide + 1;
+
+  /// Lowers the clearances `kept` of the headings `along` to those from an obstacle.
+  /// @param far  the target's distance: no position beyond it counts [m]
+  template <class Real>
+  static void keep(const EnvView<Real>& env, const Obstacle& obstacle, const Vec3<Real>& p,
+                   const Real& far, double room, const Vec3<Real>* along, Real* kept) {
+    constexpr double kMargin = 1e-3;  // of rounding [m]
+    const PlacedObstacle<Real> placed = place(env, obstacle);
+    const auto distance = [&](const Vec3<Real>& from) {
+      return select(placed.present, gap(obstacle, placed, from).distance, Real(kInfinity));
+    };
+    // Distances change by no more than the way: most obstacles are too far to matter.
+    if (none(distance(p) < kLooks * kStride + room + kMargin)) return;
+    for (int i = 0; i < kHeadings; ++i) {
+      for (int k = 1; k <= kLooks; ++k) {
+        const Real reach = min(Real(kStride * k), far);
+        kept[i] = min(kept[i], distance(p + reach * along[i]));
+      }
+    }
   }
 };
 

@@ -53,17 +53,4 @@ SKYBODY_INLINE Sight<Real> look(const EnvView<Real>& env, const std::vector<Obst
   return sight;
 }
 
-/// Distance of the nearest surface from `p` [m]; infinity if there is none.
-template <class Real>
-SKYBODY_INLINE Real nearest_surface(const EnvView<Real>& env,
-                                    const std::vector<Obstacle>& obstacles, const Vec3<Real>& p) {
-  Real nearest(kInfinity);
-  for (const Obstacle& obstacle : obstacles) {
-    const PlacedObstacle<Real> placed = place(env, obstacle);
-    nearest =
-        min(nearest, select(placed.present, gap(obstacle, placed, p).distance, Real(kInfinity)));
-  }
-  return nearest;
-}
-
 }  // namespace skybody::obstacles
