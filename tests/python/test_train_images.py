@@ -128,7 +128,7 @@ def test_a_run_goes_on_with_the_same_bits_and_its_policy_flies(tmp_path: Path) -
         ),
     ],
 )
-def test_what_cannot_be_learned_is_refused_in_one_message(
+def test_other_images_and_sensors_are_refused_in_one_message(
     tmp_path: Path, algorithm: str, more: list[str], message: str
 ) -> None:
     given = settings() if algorithm == "gradient" else []

@@ -1,4 +1,4 @@
-// `gradient` with images: the gradient of their networks, and what a policy learns from pixels.
+// `gradient` with images: the gradient of their networks, and learning from pixels alone.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -244,7 +244,7 @@ TEST(ImageGradient, LearnsToFlyToAHeightThatOnlyPixelsTell) {
 
 // --- bad input ----------------------------------------------------------------------------------
 
-TEST(ImageGradient, RefusesWhatItCannotLearnFromWithARemedy) {
+TEST(ImageGradient, RefusesImagesThatDoNotFitWithARemedy) {
   LearnerOptions o = options();
   o.hyper.cnn_kernels = {30};
   EXPECT_THAT(message_of(o, scenario(kAll)), HasSubstr("too small or large for its network"));
