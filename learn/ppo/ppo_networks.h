@@ -8,10 +8,10 @@
 
 #include "core/base/simd/aligned_array.h"
 #include "core/base/simd/isa.h"
-#include "learn/hyperparameters.h"
-#include "learn/ppo/agent_table.h"
-#include "learn/network/policy_network.h"
 #include "learn/common/seen_images.h"
+#include "learn/hyperparameters.h"
+#include "learn/network/policy_network.h"
+#include "learn/ppo/agent_table.h"
 
 namespace skybody::learn {
 

@@ -8,13 +8,13 @@
 
 #include "core/base/simd/isa.h"
 #include "core/env/compiled_scenario.h"
+#include "learn/common/seen_images.h"
 #include "learn/common/slice_plan.h"
 #include "learn/hyperparameters.h"
 #include "learn/learner.h"
 #include "learn/network/panel_matrix.h"
 #include "learn/position_error.h"
 #include "learn/ppo/agent_table.h"
-#include "learn/common/seen_images.h"
 
 namespace skybody::learn {
 
