@@ -8,8 +8,7 @@
 namespace skybody {
 namespace {
 
-// The format of a snapshot: these words, then per environment its state words, its images and its
-// hash chain.
+// The format of a snapshot: these words, then per environment its state words and its hash chain.
 enum SavedWord : int {
   kMagicWord,
   kVersionWord,
@@ -82,6 +81,7 @@ void EnvironmentStates::restore(std::span<const std::uint64_t> saved) {
     std::memcpy(static_cast<void*>(&chains_[index(env)]), from + words, sizeof(HashChain));
     flags_.refresh(env, state(env));
   }
+  for (int group = 0; group < places_.count(); ++group) draw_again(group);
 }
 
 }  // namespace skybody

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/base/simd/fp_environment.h"
 #include "core/base/simd/lane_mask.h"
 #include "core/base/system/error.h"
 #include "core/env/param_access.h"
@@ -207,10 +208,18 @@ void EnvironmentStates::set_param(int env, const std::string& path, double value
   skybody::set_param(*compiled_, state(env), places_.lane_of(env), path, value);
 }
 
+/// Draws the images of a group's restored lanes.
+void EnvironmentStates::draw_again(int group) {
+  if (compiled_->images().empty()) return;
+  const FpEnvironment guard;
+  compiled_->update(states_[index(group)], *works_[0], places_.all_lanes(group));
+}
+
 void EnvironmentStates::fork(int source, int target, bool rekey) {
   if (rekey) count_fork(state(source), places_.lane_of(source));
   if (source != target) {
     state(target).restore(places_.lane_of(target), state(source).save(places_.lane_of(source)));
+    draw_again(places_.group_of(target));
     chains_[index(target)] = chains_[index(source)];
     flags_.refresh(target, state(target));
   }

@@ -85,6 +85,7 @@ class EnvironmentStates {
   void reset(int group, std::uint32_t mask, Batch& rows, GroupWorkspace& work);
   void reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWorkspace& work);
   void add_to_hash(int group, std::uint32_t mask, const Rows& rows);
+  void draw_again(int group);
 
   std::shared_ptr<const CompiledScenario> compiled_;
   EnvironmentGroups places_;

@@ -185,6 +185,8 @@ void CompiledScenario::apply(StateGroup& group, GroupWorkspace& work, int lane,
 
 void CompiledScenario::update(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const {
   group.refresh(mask, work.physics);
+  const std::uint32_t undrawn = group.take_undrawn(mask);
+  if (undrawn != 0) phases_.sensing.draw_again(group, model_->view(group, work, undrawn));
 }
 
 void CompiledScenario::accelerations(StateGroup& group, GroupWorkspace& work, int lane,

@@ -52,10 +52,8 @@ class CompiledScenario {
   int privileged_size() const { return model_->observation.privileged_size; }
   /// The images of the observation, in the order of their columns.
   const std::vector<ObservedImage>& images() const { return model_->observation.images; }
-  /// Words per environment in a snapshot of a StateGroup: state words, then images.
-  std::size_t saved_words() const {
-    return static_cast<std::size_t>(layout().words) + model_->image_words;
-  }
+  /// Words per environment in a snapshot of a StateGroup.
+  std::size_t saved_words() const { return static_cast<std::size_t>(layout().words); }
   /// Readable values of an environment's state, by path.
   const StateValues& state_values() const { return *state_values_; }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
@@ -101,7 +99,7 @@ class CompiledScenario {
   void apply(StateGroup& group, GroupWorkspace& work, int lane, const ParamRequest& request) const;
 
   /// Updates the workspace's bodies and the sensors' inputs after state words were changed from
-  /// outside.
+  /// outside, and draws the images of restored lanes again.
   void update(StateGroup& group, GroupWorkspace& work, std::uint32_t mask) const;
 
   /// Generalised accelerations of one lane now, with the rotor commands, wrenches and drives of the

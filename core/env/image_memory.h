@@ -12,7 +12,8 @@
 namespace skybody {
 
 /// One run of words per environment. Sensors write bytes into it; a sensor that is not due keeps
-/// its images. Saving, restoring and hashing use words, as for state words.
+/// its images. They are no part of a saved state: after a restore the sensors draw them again.
+/// Hashes use words, as for state words.
 class ImageMemory {
  public:
   /// @param words  per environment; 0: no images
@@ -32,7 +33,6 @@ class ImageMemory {
   unsigned char* bytes() { return reinterpret_cast<unsigned char*>(memory_.data()); }
 
   void clear(int lane) { std::fill_n(start_of(lane), words_, std::uint64_t{0}); }
-  void set(int lane, const std::uint64_t* words) { std::copy_n(words, words_, start_of(lane)); }
 
  private:
   std::uint64_t* start_of(int lane) {

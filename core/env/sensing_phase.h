@@ -20,10 +20,12 @@ class SensingPhase {
   void sense_due(StateGroup& group, const SkybodyLanes& view, std::int64_t steps_left) const;
   /// Calls all sensors.
   void sense_all(StateGroup& group, const SkybodyLanes& view) const;
+  /// Calls the sensors with observed images, to draw them again after a restore.
+  void draw_again(StateGroup& group, const SkybodyLanes& view) const;
 
  private:
   void sense(StateGroup& group, const SkybodyLanes& view, const PluginInstance& sensor,
-             std::int64_t steps_left) const;
+             std::uint64_t steps_to_read) const;
 
   const ScenarioModel& model_;
 };

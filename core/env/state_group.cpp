@@ -47,7 +47,7 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
 
 void StateGroup::clear(int lane) {
   for (int k = 0; k < words(); ++k) at(k)[lane] = 0;
-  images_.clear(lane);
+  clear_images(lane);
   forget(1u << lane);
   occupied_ |= 1u << lane;
 }
@@ -55,17 +55,21 @@ void StateGroup::clear(int lane) {
 std::vector<std::uint64_t> StateGroup::save(int lane) const {
   std::vector<std::uint64_t> saved(static_cast<std::size_t>(words()));
   for (int k = 0; k < words(); ++k) saved[static_cast<std::size_t>(k)] = at(k)[lane];
-  const auto images = images_.of(lane);
-  saved.insert(saved.end(), images.begin(), images.end());
   return saved;
 }
 
 void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
   const auto count = static_cast<std::size_t>(words());
-  SKYBODY_DEMAND(saved.size() == count + images_.words(), "a snapshot of another layout");
+  SKYBODY_DEMAND(saved.size() == count, "a snapshot of another layout");
   for (std::size_t k = 0; k < count; ++k) at(static_cast<int>(k))[lane] = saved[k];
-  images_.set(lane, saved.data() + count);
+  clear_images(lane);
+  undrawn_ |= 1u << lane;
   forget(1u << lane);
+}
+
+void StateGroup::clear_images(int lane) {
+  images_.clear(lane);
+  undrawn_ &= ~(1u << lane);
 }
 
 std::vector<BodyState> StateGroup::body_states(int lane) const {

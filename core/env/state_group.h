@@ -45,7 +45,7 @@ class StateGroup {
   const ImageMemory& images() const { return images_; }
   /// Copies one lane's block of doubles.
   void gather(int lane, Block block, double* out) const;
-  /// All words of one lane, in order, then those of its images.
+  /// All words of one lane, in order. Its images follow from them: see restore().
   std::vector<std::uint64_t> save(int lane) const;
 
   /// The lanes with parameters that no rigid body can have. Valid for lanes that are current
@@ -78,8 +78,18 @@ class StateGroup {
   /// Sets all words of a lane to zero; the lane is occupied from then on.
   void clear(int lane);
   ImageMemory& images() { return images_; }
+  /// Sets a lane's images to 0.
+  void clear_images(int lane);
+  /// The lane's images are 0 until its sensors draw them again (CompiledScenario::update).
   /// @param saved  result of save()
   void restore(int lane, const std::vector<std::uint64_t>& saved);
+  /// The lanes whose images are to be drawn again, of those in `lanes`; they count as drawn from
+  /// then on.
+  std::uint32_t take_undrawn(std::uint32_t lanes) {
+    const std::uint32_t taken = undrawn_ & lanes;
+    undrawn_ &= ~lanes;
+    return taken;
+  }
 
   // --- physics ----------------------------------------------------------------------------------
 
@@ -155,6 +165,7 @@ class StateGroup {
   std::uint32_t derived_ = 0;  ///< lanes whose parameters the stepper has read
   std::uint32_t settled_ = 0;
   std::uint32_t occupied_ = 0;
+  std::uint32_t undrawn_ = 0;  ///< lanes restored since their images were drawn
 };
 
 }  // namespace skybody

@@ -39,6 +39,7 @@ extern "C" {
 #define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
 #define SKYBODY_LONGEST_LEFT_OUT 1024 /* physics steps, see SkybodyDeclare::only_when_read */
 #define SKYBODY_NEVER_READ UINT64_MAX /* see SkybodyLanes::steps_to_read */
+#define SKYBODY_DRAW_AGAIN (UINT64_MAX - 1)
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 
 enum SkybodyParameterType {
@@ -453,7 +454,9 @@ typedef struct SkybodyLanes {
                              declaration, each at a multiple of 8 bytes; otherwise NULL */
   uint64_t image_stride;  /* bytes between the images of neighbouring lanes */
   uint64_t steps_to_read; /* in sense: physics steps after this one before the images of this sensor
-                             are read, 0: they are read next; SKYBODY_NEVER_READ: no reader */
+                             are read, 0: they are read next; SKYBODY_NEVER_READ: no reader;
+                             SKYBODY_DRAW_AGAIN: the state was restored, and its images, which are
+                             not part of it, are to be drawn again; nothing else may change */
   SkybodyChecks* checks;  /* NULL: not checked */
   const double* plugin_words; /* words of all plugins, or NULL */
   const int32_t* offered;     /* 1 per value requested by offered(): its row in plugin_words */

@@ -202,6 +202,10 @@ void Simulation::restore(const Snapshot& snapshot) {
                 ": restore it where it was saved");
   }
   data_->group.restore(0, snapshot.words);
+  if (!compiled_->images().empty()) {
+    const FpEnvironment guard;
+    compiled_->update(data_->group, *data_->work, 1u);
+  }
   data_->status = data_->group.bits(kStatus)[0];
   data_->observation = snapshot.observation;
   data_->agent_reward = snapshot.agent_rewards;

@@ -158,7 +158,8 @@ class EnvView {
   }
 
   /// Sensors in sense(), written for plain double: the values of an image of this environment, in C
-  /// order. They keep their content from the previous sense(); at a reset they start at 0.
+  /// order. They keep their content from the previous sense(); at a reset and after a restore
+  /// (draws_again()) they start at 0.
   template <class T>
   T* pixels(const Image<T>& image) const {
     static_assert(std::is_same_v<Real, double>,
@@ -170,6 +171,10 @@ class EnvView {
   /// they are read next; SKYBODY_NEVER_READ: nothing reads them. An image that a later call writes
   /// again before it is read can be left as it is.
   std::uint64_t steps_to_read() const { return raw_.steps_to_read; }
+  /// Sensors with images in sense(): the state was saved and restored, and images are not part of
+  /// it. This call draws them again, as the last call that drew left them, from State and buffer
+  /// alone: bodies, parameters and keys may have changed since. It writes nothing else.
+  bool draws_again() const { return raw_.steps_to_read == SKYBODY_DRAW_AGAIN; }
 
   /// Seed of the environment's random numbers.
   Word<Real> seed() const { return word(raw_.key, 0); }

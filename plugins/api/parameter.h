@@ -32,6 +32,8 @@ class Parameter {
   bool is_given() const { return is_given_; }
   /// Index of the first value for EnvView::param() if it has one per environment, otherwise -1.
   int env_param() const { return env_param_; }
+  /// Number of values per environment.
+  int env_param_count() const { return env_param_ < 0 ? 0 : static_cast<int>(numbers_.size()); }
 
  protected:
   Parameter(Plugin* owner, const char* name, const char* unit, const char* doc, std::uint32_t type);

@@ -112,7 +112,8 @@ class Controller : public Plugin {
 /// Required; called at a reset and after every physics step, or every Setup::period() of them:
 ///   template <class Real>
 ///   void sense(const EnvView<Real>& env, State<Real>& state, Values<Real> output) const;
-/// `output` has the values of all channels in order; they stay until the next call.
+/// `output` has the values of all channels in order; they stay until the next call. A sensor with
+/// images is also called after a restore: see EnvView::draws_again().
 ///
 /// Optional; called at a reset before the first sense():
 ///   template <class Real> void reset(const EnvView<Real>& env, State<Real>& state) const;

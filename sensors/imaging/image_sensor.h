@@ -17,22 +17,38 @@
 
 namespace skybody::sensor {
 
-/// A sensor that draws images of an environment as it was at an exposure. The state keeps the poses
-/// of exposures that have not arrived, never pixels.
+/// A sensor that draws images of an environment as it was at an exposure. The state keeps the
+/// moments of exposures, never pixels: those that have not arrived, and that of the present image.
+///
+/// A moment holds the poses of all shapes, and the sensor's own randomizable values.
 class ImageSensor : public Sensor {
  public:
-  void sense(const EnvView<double>& env, State<double>&, Values<double>,
+  template <class Real>
+  struct State {
+    Word<Real> drawn;   ///< 1 + the physics step at which the image was drawn; 0: there is none
+    Word<Real> stream;  ///< EnvView::stream_env() then
+  };
+
+  void sense(const EnvView<double>& env, State<double>& state, Values<double>,
              Values<double> buffer) const {
-    const auto now = static_cast<std::int64_t>(env.physics_step());
     double* const moment = env.scratch_block();
+    if (env.draws_again()) {
+      if (state.drawn == 0) return;
+      recall(kShown, buffer, moment);
+      expose(env, state, moment);
+      return;
+    }
+    const auto now = static_cast<std::int64_t>(env.physics_step());
     const std::int64_t exposure = clock_.exposure_at(now), arrival = clock_.arrival_at(now);
     const bool is_kept = exposure >= 0 && clock_.latency > 0;
     const bool is_drawn = is_read(env, now) && (now == 0 || arrival >= 0);
-    if (is_kept || (is_drawn && (now == 0 || clock_.latency == 0))) shapes_->capture(env, moment);
-    if (is_kept) keep(moment, exposure, buffer);
+    if (is_kept || (is_drawn && (now == 0 || clock_.latency == 0))) capture(env, moment);
+    if (is_kept) keep(moment, place_of(exposure), buffer);
     if (!is_drawn) return;
-    if (now > 0 && clock_.latency > 0) recall(arrival, buffer, moment);
-    expose(env, moment);
+    if (now > 0 && clock_.latency > 0) recall(place_of(arrival), buffer, moment);
+    keep(moment, kShown, buffer);
+    state = {static_cast<std::uint64_t>(now) + 1, env.stream_env()};
+    expose(env, state, moment);
   }
 
  protected:
@@ -66,10 +82,11 @@ class ImageSensor : public Sensor {
                     ground_.value(), has_motion);
     renderer_.emplace(view, shapes_->capacity(), max_range_.value(),
                       render::kernels_of(best_isa()));
+    list_own_values();
     const auto of_shapes = static_cast<std::size_t>(shapes_->most()) * kShapeSize;
-    setup.scratch_block(shapes_->moment_size() +
+    setup.scratch_block(moment_size() + params_size_ +
                         static_cast<int>(of_shapes + renderer_->scratch_size() + room));
-    if (clock_.latency > 0) setup.buffer(clock_.most_kept() * shapes_->moment_size());
+    setup.buffer((clock_.latency > 0 ? 1 + clock_.most_kept() : 1) * moment_size());
   }
 
   /// Whether the scenario asks for an image.
@@ -99,6 +116,7 @@ class ImageSensor : public Sensor {
   const WorldShapes& world_shapes() const { return *shapes_; }
 
   /// Draws the images of an exposure.
+  /// @param env  its parameters and random numbers alone
   virtual void draw(const EnvView<double>& env, const Exposure& exposure) const = 0;
 
  private:
@@ -106,6 +124,8 @@ class ImageSensor : public Sensor {
   static constexpr std::size_t kShapeSize = (sizeof(render::PlacedShape) + 7) / 8;
   /// Most exposures that a latency keeps.
   static constexpr int kMostKept = 64;
+  /// Place of the present image's moment in the buffer.
+  static constexpr int kShown = 0;
 
   void set_clock(const Setup& setup) {
     clock_ = {period_.value(), phase_.value(), latency_.value()};
@@ -127,20 +147,52 @@ class ImageSensor : public Sensor {
     return now == 0 || rest < static_cast<std::uint64_t>(clock_.period);
   }
 
-  int place_of(std::int64_t exposure) const {
-    return static_cast<int>(exposure % clock_.most_kept()) * shapes_->moment_size();
-  }
-  void keep(const double* moment, std::int64_t exposure, const Values<double>& buffer) const {
-    const int first = place_of(exposure);
-    for (int k = 0; k < shapes_->moment_size(); ++k) buffer.set(first + k, moment[k]);
-  }
-  void recall(std::int64_t exposure, const Values<double>& buffer, double* moment) const {
-    const int first = place_of(exposure);
-    for (int k = 0; k < shapes_->moment_size(); ++k) moment[k] = buffer[first + k];
+  /// The values of each environment that belong to this sensor.
+  void list_own_values() {
+    own_values_.clear();
+    params_size_ = 0;
+    for (const Parameter* parameter : parameters()) {
+      for (int k = 0; k < parameter->env_param_count(); ++k) {
+        own_values_.push_back(parameter->env_param() + k);
+        params_size_ = std::max(params_size_, own_values_.back() + 1);
+      }
+    }
   }
 
-  void expose(const EnvView<double>& env, double* moment) const {
-    double* const shapes = moment + shapes_->moment_size();
+  int moment_size() const { return shapes_->moment_size() + static_cast<int>(own_values_.size()); }
+  void capture(const EnvView<double>& env, double* moment) const {
+    shapes_->capture(env, moment);
+    double* own = moment + shapes_->moment_size();
+    for (const int value : own_values_) *own++ = env.param(value);
+  }
+  int place_of(std::int64_t exposure) const {
+    return (1 + static_cast<int>(exposure % clock_.most_kept())) * moment_size();
+  }
+  void keep(const double* moment, int place, const Values<double>& buffer) const {
+    for (int k = 0; k < moment_size(); ++k) buffer.set(place + k, moment[k]);
+  }
+  void recall(int place, const Values<double>& buffer, double* moment) const {
+    for (int k = 0; k < moment_size(); ++k) moment[k] = buffer[place + k];
+  }
+
+  /// @param moment  followed by memory for the drawing
+  void expose(const EnvView<double>& live, const State<double>& state, double* moment) const {
+    double* const params = moment + moment_size();
+    const double* own = moment + shapes_->moment_size();
+    for (const int value : own_values_) params[value] = *own++;
+    // One lane with all that a drawing reads, as it was when the image was drawn first.
+    const std::uint64_t key[] = {live.seed(), state.stream}, episode = live.episode(),
+                        step = state.drawn - 1;
+    SkybodyLanes lanes{};
+    lanes.lanes = lanes.active = 1;
+    lanes.key = key;
+    lanes.episode = &episode;
+    lanes.physics_step = &step;
+    lanes.params = params;
+    lanes.images = live.pixels(Image<unsigned char>{});
+    const EnvView<double> env(lanes, 1, 0, true);
+
+    double* const shapes = params + params_size_;
     Exposure exposure;
     WorldShapes::mount(moment, exposure.eye.position, exposure.eye.axes);
     exposure.eye.position += exposure.eye.axes * mount_.point(env);
@@ -176,6 +228,8 @@ class ImageSensor : public Sensor {
   FrameClock clock_;
   std::optional<WorldShapes> shapes_;
   std::optional<render::Renderer> renderer_;
+  std::vector<int> own_values_;  ///< EnvParams of this sensor
+  int params_size_ = 0;          ///< up to the last of them
 };
 
 }  // namespace skybody::sensor

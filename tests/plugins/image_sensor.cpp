@@ -11,7 +11,11 @@ using namespace skybody;
 
 class ImageSensor : public Sensor {
  public:
-  struct State {};
+  template <class Real>
+  struct State {
+    Real height;       ///< [m], when the images were drawn
+    Word<Real> drawn;  ///< 1 + the physics step then; 0: never
+  };
 
   void configure(const Setup& setup) override {
     const int robot = setup.robot(robot_.value());
@@ -25,10 +29,14 @@ class ImageSensor : public Sensor {
     range_ = setup.image<float>("range", {2, 2}, robot, 0.0, 100.0);
   }
 
-  void sense(const EnvView<double>& env, State&, Values<double> output) const {
-    const double height = env.body(body_).position.z;
-    const auto step = static_cast<int>(env.physics_step());
-    output.set(0, height);
+  void sense(const EnvView<double>& env, State<double>& state, Values<double> output) const {
+    if (!env.draws_again()) {
+      state = {env.body(body_).position.z, env.physics_step() + 1};
+      output.set(0, state.height);
+    }
+    if (state.drawn == 0) return;
+    const double height = state.height;
+    const auto step = static_cast<int>(state.drawn - 1);
     fill(env, grey_, [&](int k) { return static_cast<std::uint8_t>(step + k); });
     fill(env, depth_, [&](int k) { return static_cast<std::uint16_t>(1000 * height + k); });
     fill(env, range_, [&](int k) { return static_cast<float>(height + k); });

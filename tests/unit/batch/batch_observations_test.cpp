@@ -39,7 +39,7 @@ class Camera : public Sensor {
     setup.channel("calls", "", 1, 0, kInfinity);
   }
   void sense(const EnvView<double>& env, State& s, Values<double> out) const {
-    ++s.calls;
+    if (!env.draws_again()) ++s.calls;
     for (int k = 0; k < image_.count; ++k)
       env.pixels(image_)[k] = static_cast<std::uint8_t>(s.calls);
     out.set(0, static_cast<double>(s.calls));
