@@ -177,7 +177,8 @@ def line(result: Result) -> str:
 HEAD = """\
 # The determinism matrix
 
-The shipped scenarios of the table, flown in {runs} ways, or in a part of them: the trajectory hash
+The shipped scenarios of the table, and `every_sensor` with all sensors at once
+(`tests/golden/every_sensor.yaml`), flown in {runs} ways, or in a part of them: the trajectory hash
 that `tests/golden` pins, and whether all of them gave it.
 
     .venv/bin/python -m research run determinism_matrix --write [--quick] [--scenarios NAME ...]

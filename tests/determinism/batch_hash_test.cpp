@@ -1,5 +1,5 @@
-// One trajectory hash for every shipped scenario, for all numbers of threads, batch sizes and
-// orders, even while a neighbouring environment has a fault.
+// One trajectory hash for every shipped scenario, and for one with all sensors, for all numbers of
+// threads, batch sizes and orders, even while a neighbouring environment has a fault.
 #include <gtest/gtest.h>
 #include <xmmintrin.h>
 
@@ -114,6 +114,7 @@ void PrintTo(const Flight& flight, std::ostream* out) { *out << flight.name; }
 std::vector<Flight> shipped_flights() {
   std::vector<Flight> flights;
   for (const std::string& name : shipped_scenarios()) flights.push_back({name, name});
+  flights.push_back({"every_sensor", SKYBODY_SOURCE_DIR "/tests/golden/every_sensor.yaml"});
   return flights;
 }
 

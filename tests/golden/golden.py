@@ -1,4 +1,4 @@
-"""Golden hashes: the trajectory of every shipped scenario, pinned bit for bit.
+"""Golden hashes: the trajectory of every shipped scenario, and of one with all sensors, pinned.
 
     .venv/bin/python tests/golden/golden.py            # compares, and says which moved
     .venv/bin/python tests/golden/golden.py --write    # rewrites the files, and says which moved
@@ -10,8 +10,8 @@ status, `motion` has q, u and rotor speeds in place of all state words (`skybody
 version that keeps other words moves the first, one that moves the vehicle otherwise moves both.
 Every way is flown on each instruction set that the processor has, and all must give the same.
 
-`tests/golden/trees.txt` (`--flights trees`) pins random worlds on the tree engine, one hash each
-(`tests/portable/tree_flights.cpp`). Exit status 0: as pinned, 1: some moved, 2: a process failed.
+`tests/golden/trees.txt` (`--flights trees`) pins random worlds on the tree engine and random scenes
+of the renderer, one hash each (`tests/portable/tree_flights.cpp`). Exit status 0: as pinned, 1: some moved, 2: a process failed.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class FlightError(RuntimeError):
 
 @dataclass(frozen=True)
 class Flight:
-    """A shipped scenario, or a variant of one."""
+    """A shipped scenario, a variant of one, or a scenario file of this folder."""
 
     name: str
     scenario: str
@@ -64,6 +64,11 @@ class Flight:
         return max(LEAST_STEPS, self.most_steps // self.robots)
 
     @property
+    def source(self) -> str:
+        """The scenario as programs take it: a name, or a path."""
+        return str(FOLDER / self.scenario) if self.scenario.endswith(".yaml") else self.scenario
+
+    @property
     def file(self) -> Path:
         """Where its hashes are pinned."""
         return FOLDER / f"{self.name}.json"
@@ -71,7 +76,7 @@ class Flight:
     def options(self, envs: int = ENVS) -> list[str]:
         """For `skybody hash` and research/determinism/hash_run.py alike."""
         horizon = f"stepping.horizon={max(2, self.steps // EPISODES)}"
-        options = [self.scenario, f"--envs={envs}", f"--steps={self.steps}", f"--seed={SEED}"]
+        options = [self.source, f"--envs={envs}", f"--steps={self.steps}", f"--seed={SEED}"]
         for override in (*self.overrides, horizon):
             options += ["--set", override]
         return options
@@ -104,6 +109,7 @@ FLIGHTS = (
     Flight("hover_learn", "hover_learn"),
     Flight("hover_on_ground", "hover", overrides=NEAR_THE_GROUND),
     Flight("hover_sensors", "hover_sensors"),
+    Flight("every_sensor", "every_sensor.yaml"),
     Flight("payload", "payload"),
     Flight("payload_paper", "payload_paper"),
     Flight("payload_1khz", "payload_1khz"),
@@ -185,7 +191,7 @@ def ways(program: Path, flight: Flight) -> dict[str, list[str]]:
 
 def can_fly(program: Path, flight: Flight, options: list[str]) -> bool:
     """Whether the scenario's world can have what the options ask for."""
-    command = [str(program), "check", flight.scenario, *options]
+    command = [str(program), "check", flight.source, *options]
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
@@ -262,7 +268,7 @@ def shipped_hash(flight: Flight) -> str:
 def write(flight: Flight, flown: dict[str, Hashes]) -> None:
     """Pins what was flown."""
     content = {
-        "flight": f"skybody hash --motion {' '.join(flight.options())}",
+        "flight": f"skybody hash --motion {' '.join(flight.options())}".replace(f"{ROOT}/", ""),
         "processor": processor(),
         "hashes": flown,
     }

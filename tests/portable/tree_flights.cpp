@@ -1,7 +1,8 @@
-// Flies random worlds on the tree engine and prints a hash of the result. Every instruction set and
-// processor must give the same bits; tests/golden/trees.txt pins them.
+// Flies random worlds on the tree engine, draws random scenes, and prints a hash of each result.
+// Every instruction set and processor must give the same bits; tests/golden/trees.txt pins them.
 //
-//   tree_flights                 one line per world: its name, a hash of the motion of all lanes
+//   tree_flights                 one line per world: its name, a hash of the motion of all lanes;
+//                                then one per scene: its name, a hash of its images
 //   tree_flights --compare FILE  compares these lines with the file's, on every instruction set
 //
 // SKYBODY_ISA restricts the second command to one set; the first command uses that set, or the
@@ -19,6 +20,7 @@
 #include "core/base/simd/fp_environment.h"
 #include "core/base/simd/isa.h"
 #include "core/base/system/error.h"
+#include "tests/portable/drawn_scenes.h"
 #include "tests/portable/flown_worlds.h"
 #include "tests/unit/physics/lane_groups.h"
 
@@ -81,7 +83,7 @@ std::string fly_both_ways(const FlownWorld& flown) {
   return in_packs;
 }
 
-/// A world's name, and the hash of its flight.
+/// The name of a world or a scene, and the hash of its flight or its images.
 struct Line {
   std::string name, hash;
 };
@@ -91,6 +93,7 @@ std::vector<Line> fly_all() {
   for (const FlownWorld& flown : make_flown_worlds()) {
     lines.push_back({flown.name, fly_both_ways(flown)});
   }
+  for (const DrawnScene& drawn : draw_scenes()) lines.push_back({drawn.name, drawn.hash});
   return lines;
 }
 
