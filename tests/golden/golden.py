@@ -11,7 +11,8 @@ version that keeps other words moves the first, one that moves the vehicle other
 Every way is flown on each instruction set that the processor has, and all must give the same.
 
 `tests/golden/trees.txt` (`--flights trees`) pins random worlds on the tree engine and random scenes
-of the renderer, one hash each (`tests/portable/tree_flights.cpp`). Exit status 0: as pinned, 1: some moved, 2: a process failed.
+of the renderer, one hash each (`tests/portable/tree_flights.cpp`). Exit status 0: as pinned, 1:
+some moved, 2: a process failed.
 """
 
 from __future__ import annotations
