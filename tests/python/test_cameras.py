@@ -235,3 +235,52 @@ def test_images_beyond_the_memory_are_refused() -> None:
     large = camera(width=4096, height=4096)
     with pytest.raises(ValueError, match=r"images of 96 MiB each need .* take fewer env"):
         envs_of([large], num_envs=100_000)
+
+
+LAYERS = 6
+# Depths of layers are 3 m apart, solids at most 1.4 m across: two pixels of one solid differ by
+# less than 1.5 m, two of different solids, or of one and nothing, by more.
+JUMP = 1.5
+
+
+def test_instances_change_where_depth_jumps_and_nowhere_else() -> None:
+    kinds = ("box: [0.8, 0.7, 0.9]", "sphere: 0.6", "cylinder: [0.4, 0.9]", "capsule: [0.3, 0.7]")
+    solids = [
+        f"{{name: solid_{k}, {kinds[k % 4]}, position: [{4 + 3 * (k % LAYERS)}, 0, 50]}}"
+        for k in range(3 * LAYERS)
+    ]
+    moves = [
+        "{plugin: start, parameters: {robot: quad, relative: true, position_min: [0, 0, 49], "
+        "position_max: [0, 0, 49]}}",
+        "{plugin: draw, name: across, parameters: {what: ['obstacles.*.position[1]'], "
+        "form: shift, range: [-4, 4]}}",
+        "{plugin: draw, name: up, parameters: {what: ['obstacles.*.position[2]'], "
+        "form: shift, range: [-4, 4]}}",
+        "{plugin: draw, name: turns, parameters: {what: ['obstacles.*.rotation'], range: [-1, 1]}}",
+    ]
+    scene = [f"obstacles=[{', '.join(solids)}]", f"randomization=[{', '.join(moves)}]"]
+    eye = camera(width=96, height=96, ground="false", max_range=30)
+    observation, _ = envs_of([eye], num_envs=40, scene=scene).reset()
+    depth, ids = observation["eye_depth"].astype(float), observation["eye_instance"].astype(int)
+    assert len(np.unique(ids)) == 1 + len(solids)
+    for axis in (1, 2):
+        jumps = np.abs(np.diff(depth, axis=axis)) > JUMP
+        edges = np.diff(ids, axis=axis) != 0
+        # Of one layer two solids may touch, so that their numbers differ and their depths do not.
+        layer = np.where(ids == 0, -1, (ids - 3) % LAYERS)
+        np.testing.assert_array_equal(jumps, np.diff(layer, axis=axis) != 0)
+        assert np.all(edges[jumps])
+        assert np.sum(jumps) > 5_000
+
+
+def test_a_camera_in_a_wall_sees_the_wall_at_no_distance() -> None:
+    wall = "obstacles=[{name: wall, box: [14, 14, 8], position: [0, 0, 3]}]"
+    contact = "contact.redraws=0"  # the robot is in the wall, too
+    envs = envs_of(
+        [camera(images="depth, range, instance, class, normal")],
+        "eye.depth, eye.range, eye.instance, eye.class, eye.normal",
+        scene=[wall, contact],
+    )
+    observation, _ = envs.reset()
+    for key, value in {"depth": 0, "range": 0, "instance": 3, "class": 3, "normal": 0}.items():
+        np.testing.assert_array_equal(observation[f"eye_{key}"], value, key)

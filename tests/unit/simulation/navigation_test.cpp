@@ -117,18 +117,25 @@ TEST(Navigation, HoldsItsPlaceOnTheEstimateWithin5Centimetres) {
   EXPECT_LT(worst, 0.05);
 }
 
+constexpr double kHorizontalNoise = 0.5, kVelocityNoise = 0.1;  // m, m/s
+
+/// A flight by satellites, all of whose errors are as the filter assumes.
+Simulation noisy_flight(std::uint64_t seed) {
+  return flight(
+      "[{plugin: imu, parameters: {accelerometer_noise: 0.01, gyroscope_noise: 0.001, "
+      "accelerometer_bias: 0.2, gyroscope_bias: 0.02, accelerometer_walk: 0.001, "
+      "gyroscope_walk: 0.0001}}, {plugin: gnss, parameters: {horizontal_noise: 0.5, "
+      "vertical_noise: 1.0, velocity_noise: 0.1}}, {plugin: barometer, parameters: {noise: "
+      "3.6}}, {plugin: magnetometer, parameters: {noise: 1}}, {plugin: ekf, parameters: {gnss: "
+      "gnss, barometer: barometer, magnetometer: magnetometer, initial_rotation: 0.1}}]",
+      seed);
+}
+
 TEST(Navigation, ErrorsAreAsLargeAsTheCovarianceSays) {
   double square = 0.0;
   int count = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
-    Simulation world = flight(
-        "[{plugin: imu, parameters: {accelerometer_noise: 0.01, gyroscope_noise: 0.001, "
-        "accelerometer_bias: 0.2, gyroscope_bias: 0.02, accelerometer_walk: 0.001, "
-        "gyroscope_walk: 0.0001}}, {plugin: gnss, parameters: {horizontal_noise: 0.5, "
-        "vertical_noise: 1.0, velocity_noise: 0.1}}, {plugin: barometer, parameters: {noise: "
-        "3.6}}, {plugin: magnetometer, parameters: {noise: 1}}, {plugin: ekf, parameters: {gnss: "
-        "gnss, barometer: barometer, magnetometer: magnetometer, initial_rotation: 0.1}}]",
-        seed);
+    Simulation world = noisy_flight(seed);
     int n = 0;
     fly(world, 6000, 2.0, [&](const Estimate& seen, const BodyState& truth) {
       if (++n % 500 != 0 || n < 1500) return;  // one sample for each half second
@@ -141,6 +148,52 @@ TEST(Navigation, ErrorsAreAsLargeAsTheCovarianceSays) {
   // Errors of neighbouring samples depend on one another: about 40 independent ones, whose mean
   // square is 1 +- 0.22.
   EXPECT_NEAR(square / count, 1.0, 0.6);
+}
+
+/// A fix of satellites against the estimate one step before: the squares of the differences, over
+/// the variances that the filter expects. Heights are left out: the barometer's first sample counts
+/// as exact (sensors/ekf/README.md), and is as wrong as the first fix.
+struct Innovation {
+  double position = 0.0, velocity = 0.0;  ///< sums over x and y
+
+  Innovation(const Estimate& before, const double* fix) {
+    constexpr double kStep = 1e-3;  // s
+    const Vec3<double> place = before.position + before.velocity * kStep;
+    const double expected[] = {place.x, place.y, before.velocity.x, before.velocity.y};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t of = k < 2 ? k : k + 1;  // among position and velocity
+      const double wrong = fix[of] - expected[k], noise = k < 2 ? kHorizontalNoise : kVelocityNoise;
+      const double variance = before.deviation[of] * before.deviation[of] + noise * noise;
+      (k < 2 ? position : velocity) += wrong * wrong / variance;
+    }
+  }
+};
+
+TEST(Navigation, InnovationsAreAsLargeAsTheFilterExpects) {
+  constexpr std::size_t kFix = 6, kStamp = 12;  // of the channels: behind the IMU's six
+  double position = 0.0, velocity = 0.0;
+  int count = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    Simulation world = noisy_flight(seed);
+    Estimate before(world.sensors());
+    double stamp = 0.0;
+    fly(world, 6000, 2.0, [&](const Estimate& seen, const BodyState&) {
+      const std::vector<double> all = world.sensors();
+      if (all[kStamp] != stamp) {
+        const Innovation found(before, &all[kFix]);
+        position += found.position;
+        velocity += found.velocity;
+        count += 2;
+      }
+      stamp = all[kStamp];
+      before = seen;
+    });
+  }
+  ASSERT_GT(count, 900);
+  // Innovations of a consistent filter are independent: of 900 the mean square is 1 +- 0.047, and
+  // three times that are allowed.
+  EXPECT_NEAR(position / count, 1.0, 0.14);
+  EXPECT_NEAR(velocity / count, 1.0, 0.14);
 }
 
 }  // namespace
