@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import skybody
 from numpy.typing import NDArray
 
@@ -80,12 +81,52 @@ def test_a_mesh_of_a_box_looks_like_the_box(tmp_path: Path) -> None:
     assert np.mean(close) > 0.999
 
 
-def test_a_mesh_that_cannot_be_drawn_is_refused_with_its_file(tmp_path: Path) -> None:
-    scenario = write(tmp_path, '<mesh filename="box.stl"/>')
-    (tmp_path / "box.stl").write_bytes(box_stl(HALF)[:-7])
-    done = subprocess.run([PROGRAM, "check", scenario], capture_output=True, text=True, check=False)
+def check(scenario: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([PROGRAM, "check", scenario], capture_output=True, text=True, check=False)
+
+
+MILLIONS = b"\0" * 80 + struct.pack("<I", 10_000_000) + b"\0" * 5000
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "problem"),
+    [
+        ("cut.stl", box_stl(HALF)[:-7], "cannot be drawn: "),
+        ("empty.stl", b"", "has no faces: "),
+        ("millions.stl", MILLIONS, "cannot be drawn: its header says 10000000 triangles"),
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a number that is not finite"),
+        ("none.obj", b"v 0 0 0\nf 1 2 3\n", "cannot be drawn: "),
+        ("text.dae", b"no XML", "cannot be drawn: "),
+    ],
+)
+def test_a_mesh_that_cannot_be_drawn_is_refused_with_its_file(
+    tmp_path: Path, name: str, content: bytes, problem: str
+) -> None:
+    scenario = write(tmp_path, f'<mesh filename="{name}"/>')
+    (tmp_path / name).write_bytes(content)
+    done = check(scenario)
     assert done.returncode == 2
-    assert "scenario.yaml:8:13: error: the mesh `box.stl` of the body `base` cannot be drawn" in (
+    assert f"scenario.yaml:8:13: error: the mesh `{name}` of the body `base` " in done.stderr
+    assert problem in done.stderr
+
+
+def test_a_visual_mesh_that_is_not_there_is_left_out_with_a_warning(tmp_path: Path) -> None:
+    scenario = write(tmp_path, '<mesh filename="none.stl"/>')
+    done = check(scenario)
+    assert done.returncode == 0
+    assert "model.urdf:4:60: warning: the mesh `none.stl` of the link `base` does not exist" in (
+        done.stderr
+    )
+    assert np.sum(image(scenario)["eye_instance"] == 2) > 0, "the collision shape is drawn"
+
+
+def test_a_material_that_is_not_declared_is_refused(tmp_path: Path) -> None:
+    scenario = write(tmp_path, '<sphere radius="0.1"/>')
+    model = tmp_path / "model.urdf"
+    model.write_text(model.read_text().replace("</visual>", '<material name="rust"/></visual>'))
+    done = check(scenario)
+    assert done.returncode == 2
+    assert "the material `rust` of the link `base` has no <color> and is not declared" in (
         done.stderr
     )
 
@@ -95,7 +136,7 @@ def test_a_mesh_is_not_read_without_a_camera(tmp_path: Path) -> None:
     (tmp_path / "box.stl").write_bytes(b"none")
     text = scenario.read_text().split("sensors:")[0]
     scenario.write_text(text)
-    assert subprocess.run([PROGRAM, "check", scenario], check=False).returncode == 0
+    assert check(scenario).returncode == 0
 
 
 def test_a_height_field_is_seen_at_its_heights(tmp_path: Path) -> None:
@@ -130,6 +171,6 @@ def test_too_many_triangles_are_refused(tmp_path: Path) -> None:
     scenario = write(tmp_path, '<mesh filename="many.obj"/>')
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 60001
     (tmp_path / "many.obj").write_text(text)
-    done = subprocess.run([PROGRAM, "check", scenario], capture_output=True, text=True, check=False)
+    done = check(scenario)
     assert done.returncode == 2
     assert "has more than 60000 triangles, which is the most that is drawn" in done.stderr
