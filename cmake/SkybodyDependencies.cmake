@@ -11,6 +11,9 @@ find_package(tinyxml2 REQUIRED CONFIG)
 find_package(spdlog REQUIRED CONFIG)
 find_package(CLI11 REQUIRED CONFIG)
 find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(PNG 1.6 REQUIRED)
+find_path(SKYBODY_TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
+find_library(SKYBODY_TURBOJPEG_LIBRARY turbojpeg REQUIRED)
 find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
 # The headers may be in the project (fetched by ./dev). Without Debian's -dev package there is no
@@ -54,6 +57,9 @@ skybody_dependency(dll Boost::filesystem Boost::headers ${CMAKE_DL_LIBS})
 skybody_dependency(xml tinyxml2::tinyxml2)
 skybody_dependency(log spdlog::spdlog)
 skybody_dependency(cli11 CLI11::CLI11)
+skybody_dependency(pictures PNG::PNG "${SKYBODY_TURBOJPEG_LIBRARY}")
+target_include_directories(skybody_pictures SYSTEM INTERFACE
+  "${SKYBODY_TURBOJPEG_INCLUDE_DIR}")
 skybody_dependency(hdf5)
 list(FILTER HDF5_C_LIBRARIES INCLUDE REGEX "hdf5")  # drops HDF5's own dependencies
 target_include_directories(skybody_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})

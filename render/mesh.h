@@ -13,7 +13,9 @@ class Mesh {
  public:
   /// @param corners  nine numbers per triangle: x, y, z of each corner [m]
   /// @param scale    factors of x, y, z
-  Mesh(std::span<const float> corners, const Vec3<double>& scale);
+  /// @param texture  six numbers per triangle: u to the right and v up of each corner; or none
+  Mesh(std::span<const float> corners, const Vec3<double>& scale,
+       std::span<const float> texture = {});
 
   int count() const { return count_; }  ///< number of triangles
   /// Coordinate k (0 ... 8: x, y, z of each corner) of all triangles, up to whole packs; triangles
@@ -21,14 +23,18 @@ class Mesh {
   const float* coordinate(int k) const {
     return corners_.data() + static_cast<std::size_t>(k) * stride_;
   }
+  /// kTexturePoints numbers per triangle; null: none.
+  const float* texture() const { return texture_.empty() ? nullptr : texture_.data(); }
   /// The box about it, in its frame [m].
   const Vec3<double>& center() const { return center_; }
   const Vec3<double>& half() const { return half_; }
 
  private:
+  void set_texture(std::span<const float> points);
+
   int count_;
   std::size_t stride_;
-  std::vector<float> corners_;
+  std::vector<float> corners_, texture_;
   Vec3<double> center_, half_;
 };
 

@@ -5,6 +5,7 @@
 #include "render/caster.h"
 #include "render/mesh.h"
 #include "render/seen_shape.h"
+#include "render/textured_shape.h"
 #include "render/tile_images.h"
 
 namespace skybody::render {
@@ -94,10 +95,12 @@ struct Renderer::Scratch {
   TileRange* triangle_tiles = nullptr;       ///< of each triangle, in a grid
   std::uint16_t* triangle_counts = nullptr;  ///< of the lists of a band
   std::uint16_t* triangle_lists = nullptr;   ///< as `lists`
-  std::size_t size = 0;                      ///< doubles
+  TexturedShape* textured = nullptr;
+  std::size_t size = 0;  ///< doubles
 
   /// @param memory  `size` doubles; null: only computes the size
-  Scratch(double* memory, int most_parts, int most_triangles, int columns) : memory_(memory) {
+  Scratch(double* memory, int most_parts, int most_triangles, int most_textured, int columns)
+      : memory_(memory) {
     const auto most = static_cast<std::size_t>(most_parts);
     const auto tiles_of_band = static_cast<std::size_t>(columns);
     take(parts, most);
@@ -111,6 +114,7 @@ struct Renderer::Scratch {
     }
     take(shadows, most);
     take(covers, most);
+    take(textured, static_cast<std::size_t>(most_textured));
     if (most_triangles == 0) return;
     const auto of_meshes = static_cast<std::size_t>(most_triangles);
     take(triangles, of_meshes);
@@ -137,6 +141,7 @@ Renderer::Renderer(const Pinhole& camera, const Capacity& most, double farthest,
       kernels_(&kernels),
       most_parts_(kMostParts * most.shapes),
       most_triangles_(most.triangles),
+      most_textured_(most.textured),
       columns_(tiles_for(camera.width, kTileWidth)),
       bands_(tiles_for(camera.height, kTileHeight)),
       farthest_(static_cast<float>(farthest)),
@@ -151,16 +156,17 @@ Renderer::Renderer(const RayImage& rays, const Capacity& most, double farthest,
       kernels_(&kernels),
       most_parts_(kMostParts * most.shapes),
       most_triangles_(most.triangles),
+      most_textured_(most.textured),
       farthest_(static_cast<float>(farthest)),
       faces_(faces_of(rays)) {}
 
 std::size_t Renderer::scratch_size() const {
-  return Scratch(nullptr, most_parts_, most_triangles_, columns_).size;
+  return Scratch(nullptr, most_parts_, most_triangles_, most_textured_, columns_).size;
 }
 
 void Renderer::draw(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
                     double* memory, const Frame& frame) const {
-  const Scratch scratch(memory, most_parts_, most_triangles_, columns_);
+  const Scratch scratch(memory, most_parts_, most_triangles_, most_textured_, columns_);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (contains(shapes[i], eye.position)) return fill(shapes[i], static_cast<int>(i), frame);
   }
@@ -199,6 +205,7 @@ void Renderer::draw_grid(const Eye& eye, std::span<const PlacedShape> shapes, co
       scratch.triangle_tiles[k] = {x.first, x.last, y.first, y.last};
     }
   }
+  if (frame.rgb != nullptr) lay_textures(eye, shapes, scratch, seen.parts);
   const Light lit = light(eye, shapes, sky, scratch, frame);
   for (int band = 0; band < bands_; ++band) draw_band(band, scratch, seen, lit, frame);
 }
@@ -215,6 +222,7 @@ void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const Pl
     scratch.covers[part] = kNowhere;  // the mesh's triangles are listed instead
     seen.triangles += list_triangles(shapes[i], eye, part, scratch, seen.triangles);
   }
+  if (frame.rgb != nullptr) lay_textures(eye, shapes, scratch, seen.parts);
   const Light lit = light(eye, shapes, sky, scratch, frame);
   for (const RayTile& tile : face.tiles) {
     int shapes_listed = 0, triangles_listed = 0;
@@ -235,6 +243,20 @@ void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const Pl
     call.x = tile.x;
     call.y = tile.y;
     draw_tile(call, RayPixels{tile, face.axes, farthest_}, lit, scratch, frame);
+  }
+}
+
+/// Lays textures on the shapes of the seen parts. Parts of a shape follow one another.
+void Renderer::lay_textures(const Eye& eye, std::span<const PlacedShape> shapes,
+                            const Scratch& scratch, int parts) const {
+  TexturedShape* next = scratch.textured;
+  for (int k = 0; most_textured_ > 0 && k < parts; ++k) {
+    SeenShape& part = scratch.parts[k];
+    const PlacedShape& shape = shapes[static_cast<std::size_t>(part.shape)];
+    if (shape.paint.texture == nullptr) continue;
+    const bool is_first = k == 0 || scratch.parts[k - 1].shape != part.shape;
+    if (is_first) *next++ = lay_texture(shape, eye);
+    part.textured = next - 1;
   }
 }
 
@@ -344,10 +366,10 @@ void Renderer::draw_band(int band, const Scratch& scratch, const Seen& seen, con
   }
 }
 
-/// @param call    with lists and directions
+/// @param call    with lists and directions. By reference: a copy waits for its fresh stores.
 /// @param pixels  GridPixels or RayPixels
 template <class Pixels>
-void Renderer::draw_tile(TileCall call, const Pixels& pixels, const Light& light,
+void Renderer::draw_tile(TileCall& call, const Pixels& pixels, const Light& light,
                          const Scratch& scratch, const Frame& frame) const {
   DrawnTile tile;
   call.shapes = scratch.parts;
@@ -360,8 +382,8 @@ void Renderer::draw_tile(TileCall call, const Pixels& pixels, const Light& light
   write_depths(pixels, tile, frame);
   if (frame.shape != nullptr) write_shapes(pixels, tile, scratch.parts, scratch.triangles, frame);
   if (!frame.is_shaded()) return;
-  kernels_->shade({call, &light, scratch.shadows, frame.normal != nullptr ? tile.normal : nullptr,
-                   frame.rgb != nullptr ? tile.color : nullptr});
+  kernels_->shade({&call, &light, scratch.shadows, frame.normal != nullptr ? tile.normal : nullptr,
+                   frame.rgb != nullptr ? tile.color : nullptr, most_textured_ > 0});
   write_shades(pixels, tile, frame);
 }
 

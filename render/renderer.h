@@ -38,9 +38,10 @@ struct Frame {
 struct Capacity {
   int shapes;     ///< with meshes
   int triangles;  ///< of all meshes
+  int textured;   ///< shapes with textures
 
-  Capacity(int most_shapes, int most_triangles = 0)
-      : shapes(most_shapes), triangles(most_triangles) {}
+  Capacity(int most_shapes, int most_triangles = 0, int most_textured = 0)
+      : shapes(most_shapes), triangles(most_triangles), textured(most_textured) {}
 };
 
 /// Immutable: threads may share one, each with its own scratch memory.
@@ -77,6 +78,8 @@ class Renderer {
                  std::uint16_t* lists) const;
   int list_parts(const PlacedShape& shape, int number, const Eye& eye, const Scratch& scratch,
                  int first) const;
+  void lay_textures(const Eye& eye, std::span<const PlacedShape> shapes, const Scratch& scratch,
+                    int parts) const;
   void fill(const PlacedShape& inside, int number, const Frame& frame) const;
   Light light(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
               const Scratch& scratch, const Frame& frame) const;
@@ -87,13 +90,13 @@ class Renderer {
   void draw_band(int band, const Scratch& scratch, const Seen& seen, const Light& light,
                  const Frame& frame) const;
   template <class Pixels>
-  void draw_tile(TileCall call, const Pixels& pixels, const Light& light, const Scratch& scratch,
+  void draw_tile(TileCall& call, const Pixels& pixels, const Light& light, const Scratch& scratch,
                  const Frame& frame) const;
 
   int width_, height_;  ///< [pixels]
   double pixel_;        ///< Light::pixel
   const KernelTable* kernels_;
-  int most_parts_, most_triangles_;
+  int most_parts_, most_triangles_, most_textured_;
   int columns_ = 1, bands_ = 0;  ///< of tiles, of a grid
   float farthest_;
   std::vector<float> x_, y_;    ///< directions of a grid's pixels, up to whole tiles

@@ -26,11 +26,15 @@ enum class Label : std::uint8_t { kNothing = 0, kGround = 1, kRobot = 2, kObstac
 /// Red, green and blue, linear, each in [0, 1].
 using Color = std::array<float, 3>;
 
+class Texture;
+
 /// The surface of a shape.
 struct Paint {
   Color color{0.5f, 0.5f, 0.5f};
-  Color checker{0.5f, 0.5f, 0.5f};  ///< every other square of a plane
-  float square = 0.0f;              ///< edge length of the squares of a plane [m]; 0: none
+  Color checker{0.5f, 0.5f, 0.5f};   ///< every other square of a plane
+  float square = 0.0f;               ///< edge length of the squares of a plane [m]; 0: none
+  const Texture* texture = nullptr;  ///< in place of the colours; of a mesh with texture points
+  float texture_width = 1.0f;        ///< of the picture on a plane, which repeats it [m]
 };
 
 class Mesh;

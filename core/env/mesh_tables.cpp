@@ -3,7 +3,9 @@
 namespace skybody {
 
 const SkybodyTriangles* MeshTables::point_to(Table& table) {
-  table.triangles = {table.mesh.corners.data(), table.mesh.count(), table.problem.c_str()};
+  const std::vector<float>& texture = table.mesh.texture;
+  table.triangles = {table.mesh.corners.data(), texture.empty() ? nullptr : texture.data(),
+                     table.mesh.count(), table.problem.c_str()};
   return &table.triangles;
 }
 

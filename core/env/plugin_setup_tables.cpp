@@ -277,7 +277,7 @@ BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
 }
 
 SetupTables::SetupTables(const Topology& topology, const StateLayout& layout)
-    : scenario_(topology.scenario), layout_(layout) {
+    : scenario_(topology.scenario), layout_(layout), pictures_(topology.scenario.read_picture) {
   for (int i = 0; i < static_cast<int>(scenario_.robots.size()); ++i) {
     robots_.push_back(robot_info(topology, layout, i));
     const int first_body = layout.robots[static_cast<std::size_t>(i)].first_body;
@@ -343,6 +343,7 @@ void SetupTables::add_visuals(const Topology& topology) {
       info.shape.body = i;
       const Shape& painted = is_drawn || body.visuals.empty() ? shape : body.visuals.front();
       std::copy(painted.rgba.begin(), painted.rgba.end(), info.color);
+      info.texture = is_drawn ? shape.texture_file.c_str() : "";
     }
   }
 }
@@ -382,6 +383,9 @@ SkybodySetup SetupTables::setup(const std::string& instance, const std::vector<i
   s.obstacle_triangles = [](void* tables, int32_t obstacle) {
     const auto& own = *static_cast<const SetupTables*>(tables);
     return own.meshes_.of_field(own.scenario_.obstacles[static_cast<std::size_t>(obstacle)].shape);
+  };
+  s.picture = [](void* tables, const char* file) {
+    return static_cast<const SetupTables*>(tables)->pictures_.of_file(file);
   };
   s.params = params_.data();
   s.param_count = static_cast<int>(params_.size());

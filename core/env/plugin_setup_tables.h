@@ -6,6 +6,7 @@
 
 #include "core/env/controller_chains.h"
 #include "core/env/mesh_tables.h"
+#include "core/env/picture_tables.h"
 #include "core/env/plugin_instance.h"
 #include "core/physics/world/world.h"
 #include "core/plugin_abi/abi.h"
@@ -62,6 +63,7 @@ class SetupTables {
   std::vector<SkybodyVisualInfo> visuals_;
   std::vector<const Shape*> visual_shapes_;  ///< of visuals_
   mutable MeshTables meshes_;
+  mutable PictureTables pictures_;
   std::vector<SkybodyEnvParamInfo> params_;
   std::vector<std::unique_ptr<std::string>> names_;  ///< texts referenced by sensors_
 };

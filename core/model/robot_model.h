@@ -113,6 +113,7 @@ struct Shape {
   /// Mesh of a format that is read: reads its triangles. @returns the problem, or ""
   std::function<std::string(TriangleMesh&)> read_triangles;
   std::array<double, 4> rgba{0.5, 0.5, 0.5, 1.0};  ///< visual colour, each in [0, 1]
+  std::string texture_file;                        ///< visual: path of the picture on it, or ""
 };
 
 /// The shape used for contact: the shape itself, or a mesh's bounding box.

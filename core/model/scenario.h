@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/picture.h"
 #include "core/model/robot_model.h"
 #include "core/model/source_location.h"
 
@@ -172,6 +173,7 @@ struct Scenario {
   std::vector<ObservedChannel> observe;  ///< in the order of the observation
   InfoUse infos;
   PluginUse task;
+  ReadPicture read_picture = nullptr;  ///< for textures
 
   /// Nominal [m/s^2], W axes.
   Vec3<double> gravity() const {

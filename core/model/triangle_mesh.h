@@ -14,6 +14,9 @@ inline constexpr int kMostMeshTriangles = 60'000;
 /// The corners of triangles: nine numbers each (x, y, z of three corners), in the mesh's frame [m].
 struct TriangleMesh {
   std::vector<float> corners;
+  /// Coordinates of a texture: six numbers each (u to the right, v up, from 0 to 1, of three
+  /// corners). Empty: the mesh has none.
+  std::vector<float> texture;
 
   int count() const { return static_cast<int>(corners.size() / 9); }
 };

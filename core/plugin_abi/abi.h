@@ -210,11 +210,21 @@ typedef struct SkybodyShapeInfo {
 typedef struct SkybodyVisualInfo {
   SkybodyShapeInfo shape; /* `obstacle` and `first_param` are -1 */
   double color[4];        /* red, green, blue, opacity, each in [0, 1] */
+  const char* texture;    /* file of the picture on it (SkybodySetup::picture), or "" */
 } SkybodyVisualInfo;
+
+/* A picture for textures: rows from the top, pixels from the left. */
+typedef struct SkybodyPicture {
+  const uint8_t* rgb;    /* red, green, blue of each pixel */
+  int32_t width, height; /* [pixels]; 0 with a problem */
+  const char* problem;   /* such as "does not exist"; "" if there is none */
+} SkybodyPicture;
 
 /* Triangles to draw. */
 typedef struct SkybodyTriangles {
   const float* corners; /* nine numbers per triangle: x, y, z of each corner, unscaled [m] */
+  const float* texture; /* six numbers per triangle: u to the right and v up of each corner, from 0
+                           to 1; NULL: none */
   int32_t count;        /* 0 with a problem */
   const char* problem;  /* such as "has no faces"; "" if there is none */
 } SkybodyTriangles;
@@ -263,6 +273,8 @@ typedef struct SkybodySetup {
    * SKYBODY_HEIGHT_FIELD (by its index among the obstacles). Files are read at the first call. */
   const SkybodyTriangles* (*visual_triangles)(void* tables, int32_t visual);
   const SkybodyTriangles* (*obstacle_triangles)(void* tables, int32_t obstacle);
+  /* The picture of a PNG or JPEG file. A file is read once for all plugins. */
+  const SkybodyPicture* (*picture)(void* tables, const char* file);
   void* tables;
 } SkybodySetup;
 

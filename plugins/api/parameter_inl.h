@@ -92,6 +92,7 @@ inline TextParameter::TextParameter(Plugin* owner, const TextSpec& spec)
 inline TextsParameter::TextsParameter(Plugin* owner, const TextsSpec& spec)
     : Parameter(owner, spec.name, "", spec.doc, SKYBODY_TEXT) {
   required_ = spec.required;
+  is_file_ = spec.is_file;
   min_count_ = 0;
   max_count_ = -1;
   default_texts_ = spec.values;

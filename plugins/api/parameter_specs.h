@@ -74,6 +74,7 @@ struct TextsSpec {
   std::vector<const char*> values = {};  ///< the default
   const char* doc = "";                  ///< one line
   bool required = false;                 ///< the scenario must set it
+  bool is_file = false;                  ///< the words are file names, as in TextSpec
 };
 
 /// Allowed values of a number, bounds included.
@@ -130,6 +131,8 @@ inline TextSpec word(const char* name, const char* value, const char* doc) {
 }
 /// A row for a TextsParameter without a default.
 inline TextsSpec words(const char* name, const char* doc) { return {name, {}, doc}; }
+/// A row for a TextsParameter of file names without a default; values() are paths.
+inline TextsSpec files(const char* name, const char* doc) { return {name, {}, doc, false, true}; }
 
 /// The same parameter with a value of each environment.
 template <class Spec>

@@ -23,6 +23,7 @@ using ChainInfo = SkybodyChainInfo;
 using ShapeInfo = SkybodyShapeInfo;
 using VisualInfo = SkybodyVisualInfo;
 using Triangles = SkybodyTriangles;
+using Picture = SkybodyPicture;
 
 /// Signals between controllers; sizes, units and frames in signals.h.
 enum class Signal {
@@ -104,6 +105,12 @@ class Setup {
   /// @param obstacle  ShapeInfo::obstacle
   /// @throws std::runtime_error with the obstacle's name and the reason if it has none
   const Triangles& obstacle_triangles(int obstacle) const;
+
+  /// The picture of a PNG or JPEG file, such as VisualInfo::texture or the value of a parameter
+  /// that names files. Rows from the top, three bytes per pixel. The file is read at the first
+  /// call.
+  /// @throws std::runtime_error with the file and the reason if it has none
+  const Picture& picture(const std::string& file) const;
 
   /// Controllers: indices of the robots that this one serves: its own robot, or its team in the
   /// order of the scenario's list. Empty for others.

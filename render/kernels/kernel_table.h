@@ -40,6 +40,43 @@ struct Cover {
   float left, right, top, bottom;
 };
 
+/// Most levels of a texture: from 4096 pixels down to one.
+inline constexpr int kMostLevels = 13;
+
+/// Rows of texels from the top: red, green << 8, blue << 16.
+struct TexelLevel {
+  const uint32_t* texels;
+  int32_t width, height;
+};
+
+/// A picture and its halves.
+struct TexelLevels {
+  TexelLevel level[kMostLevels];
+  int32_t count;
+};
+
+/// How a texture lies on a shape.
+enum class TextureForm : int32_t { kPlane, kBox, kSphere, kCylinder, kMesh };
+
+/// Numbers of a triangle's texture: u to the right and v up of each corner, and their change by a
+/// metre.
+inline constexpr int kTexturePoints = 7;
+
+/// A shape with a texture, in camera axes, made by lay_texture().
+///
+/// form       scale                                    place
+/// kPlane     pictures per metre along x, y            of the eye, in pictures, modulo 1
+/// others     1 / half the size along x, y, z
+struct TexturedShape {
+  TextureForm form;
+  const TexelLevels* texels;
+  float center[3];   ///< of the shape's frame, from the eye [m]
+  float axis[3][3];  ///< unit vectors of the shape's frame
+  float scale[3];    ///< [1/m]
+  float place[2];
+  const float* points;  ///< kMesh: kTexturePoints per triangle
+};
+
 /// A shape with constants of one eye and camera orientation, made by see().
 ///
 /// form             functions                                       numbers
@@ -62,6 +99,7 @@ struct SeenShape {
   float checker[3];      ///< colour of every other square of a plane
   float square;          ///< 1 / edge length of the squares of a plane [1/m]; 0: none
   float place[2];        ///< of the eye in the squares' axes, in edge lengths, modulo 2
+  const TexturedShape* textured;  ///< null: `color` and `checker`
 };
 
 /// Most lanes of a kernel: arrays for the kernels are padded to multiples of it.
@@ -71,8 +109,9 @@ inline constexpr int kMostLanes = 16;
 struct SeenTriangle {
   Linear f[4];  ///< w of its plane; three edges, at least 0 inside
   Cover cover;
-  uint32_t id;   ///< as SeenShape::id
-  int32_t part;  ///< index of the SeenShape that has its mesh's paint
+  uint32_t id;       ///< as SeenShape::id
+  int32_t part;      ///< index of the SeenShape that has its mesh's paint
+  int32_t triangle;  ///< its index in the mesh
 };
 
 /// Pixel centres of a grid along an axis: first, first + step, ...
@@ -157,11 +196,12 @@ struct Light {
 
 /// Normals and colours of a drawn tile with surfaces.
 struct ShadeCall {
-  TileCall tile;
+  const TileCall* tile;
   const Light* light;
-  uint16_t* list;   ///< scratch: light->caster_count indices
-  float* normal;    ///< x, y, z in camera axes, kTilePixels each; 0 for id 0; null: not wanted
-  uint32_t* color;  ///< kTilePixels: red, green << 8, blue << 16; null: not wanted
+  uint16_t* list;     ///< scratch: light->caster_count indices
+  float* normal;      ///< x, y, z in camera axes, kTilePixels each; 0 for id 0; null: not wanted
+  uint32_t* color;    ///< kTilePixels: red, green << 8, blue << 16; null: not wanted
+  bool has_textures;  ///< some shapes are textured
 };
 
 /// The functions for one instruction set.

@@ -23,10 +23,12 @@ void draw(const TileCall& call) {
 }
 
 void shade(const ShadeCall& call) {
-  if (call.color != nullptr) {
-    shade_tile<true>(call);
+  if (call.color == nullptr) {
+    shade_tile<Shades::kNormals>(call);
+  } else if (!call.has_textures) {
+    shade_tile<Shades::kColors>(call);
   } else {
-    shade_tile<false>(call);
+    shade_tile<Shades::kTextures>(call);
   }
 }
 

@@ -5,8 +5,12 @@
 #include "render/kernels/lanes.h"
 #include "render/kernels/shadows.h"
 #include "render/kernels/surfaces.h"
+#include "render/kernels/textures.h"
 
 namespace skybody::render::kernels::SKYBODY_KERNEL_SET {
+
+/// Results of a kernel. Kernels without textures are as quick as if there were none.
+enum class Shades { kNormals, kColors, kTextures };
 
 SKYBODY_RENDER Floats clamp_to_one(const Floats& a) {
   return min(max(a, floats(0.0f)), floats(1.0f));
@@ -73,8 +77,9 @@ struct Directions {
 
 /// Normals and paints of the lanes that see triangles. Both sides of a triangle are seen: its
 /// normal is towards the eye.
-template <bool kPaints>
-SKYBODY_RENDER void add_triangles(const TileCall& tile, const Ints& surface, Surfaces& seen) {
+template <Shades kShades>
+SKYBODY_RENDER void add_triangles(const TileCall& tile, const Ints& surface, const Floats& x,
+                                  const Floats& y, float pixel, Surfaces& seen) {
   for (int k = 0; k < tile.triangle_count; ++k) {
     const Mask is_seen = equal(surface, ints(code_of_triangle(tile.triangle_list[k])));
     if (!any(is_seen)) continue;
@@ -85,12 +90,22 @@ SKYBODY_RENDER void add_triangles(const TileCall& tile, const Ints& surface, Sur
     const SeenShape& part = tile.shapes[s.part];
     seen.normal = select(is_seen, normal, seen.normal);
     seen.shape = select(is_seen, ints(part.shape), seen.shape);
-    if constexpr (kPaints) seen.paint = select(is_seen, triple(part.color), seen.paint);
+    if constexpr (kShades != Shades::kNormals) {
+      Triple paint = triple(part.color);
+      if (kShades == Shades::kTextures && part.textured != nullptr) {
+        // Of a pixel at that distance, seen at that angle.
+        const Floats toward = abs((normal.x * x + normal.y * y) + normal.z);
+        const Floats size =
+            seen.point.z * ((x * x + y * y) + 1.0f) * pixel / max(toward, floats(1e-6f));
+        paint_triangle(s, *part.textured, x, y, size, lanes_of(is_seen), paint);
+      }
+      seen.paint = select(is_seen, paint, seen.paint);
+    }
   }
 }
 
 /// Goes through the shapes of the tile, and looks at each one that some lane sees.
-template <bool kPaints>
+template <Shades kShades>
 SKYBODY_RENDER Surfaces surfaces_of(const TileCall& tile, float pixel, int row, int column) {
   const int at = row * kTileWidth + column;
   const auto [x, y] = Directions(tile, row, column);
@@ -104,14 +119,17 @@ SKYBODY_RENDER Surfaces surfaces_of(const TileCall& tile, float pixel, int row, 
     const Triple out = normal_at(s, seen.point, face);
     seen.normal = select(is_seen, out, seen.normal);
     seen.shape = select(is_seen, ints(s.shape), seen.shape);
-    if constexpr (kPaints) {
+    if constexpr (kShades != Shades::kNormals) {
       const Floats toward = (out.x * x + out.y * y) + out.z;
       const Floats facing = max(-toward, floats(0.0f)) / length;
-      seen.paint =
-          select(is_seen, paint_at(s, seen.point, depth * length, facing, pixel), seen.paint);
+      Triple paint = paint_at(s, seen.point, depth * length, facing, pixel);
+      if (kShades == Shades::kTextures && s.textured != nullptr) {
+        paint_texture(s, seen.point, depth * length, facing, pixel, lanes_of(is_seen), paint);
+      }
+      seen.paint = select(is_seen, paint, seen.paint);
     }
   }
-  add_triangles<kPaints>(tile, surface, seen);
+  add_triangles<kShades>(tile, surface, x, y, pixel, seen);
   return seen;
 }
 
@@ -138,19 +156,18 @@ SKYBODY_RENDER void store_normal(const Triple& normal, float* out) {
   store(normal.z, out + 2 * kTilePixels);
 }
 
-/// Normals, and colours if kPaints.
-template <bool kPaints>
+template <Shades kShades>
 SKYBODY_RENDER void shade_tile(const ShadeCall& call) {
   constexpr int kPacks = kTilePixels / kLanes, kAcross = kTileWidth / kLanes;
-  const TileCall& tile = call.tile;
+  const TileCall& tile = *call.tile;
   const Light& light = *call.light;
   Surfaces seen[kPacks];
   for (int p = 0; p < kPacks; ++p) {
     const int row = p / kAcross, column = p % kAcross * kLanes;
-    seen[p] = surfaces_of<kPaints>(tile, light.pixel, row, column);
+    seen[p] = surfaces_of<kShades>(tile, light.pixel, row, column);
     if (call.normal != nullptr) store_normal(seen[p].normal, call.normal + p * kLanes);
   }
-  if constexpr (kPaints) {
+  if constexpr (kShades != Shades::kNormals) {
     const int casters = list_casters(light, seen, kPacks, call.list);
     for (int p = 0; p < kPacks; ++p) {
       const auto [x, y] = Directions(tile, p / kAcross, p % kAcross * kLanes);

@@ -140,6 +140,7 @@ inline int see_triangles(const MeshCall& call) {
       }
       seen.id = call.id;
       seen.part = call.part;
+      seen.triangle = first + i;
     }
   }
   return count;

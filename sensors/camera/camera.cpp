@@ -34,15 +34,16 @@ class Camera : public sensor::ImageSensor {
     // Bytes of holes, and shapes and depths of flow: one after another.
     const std::size_t room = hole_room() + (has("flow") ? pixels() + 1 : 0);
     const Lens lens = checked_lens();
+    const sensor::WorldShapes::Draws draws{has("rgb"), has("flow")};
     if (projection_.value() == "fisheye") {
-      configure_exposures(setup, camera::fisheye(lens), room);
+      configure_exposures(setup, camera::fisheye(lens), room, draws);
     } else if (projection_.value() == "panorama") {
-      configure_exposures(setup, camera::panorama(lens), room);
+      configure_exposures(setup, camera::panorama(lens), room, draws);
     } else if (!lens.distortion.empty()) {
-      configure_exposures(setup, camera::distorted(lens), room);
+      configure_exposures(setup, camera::distorted(lens), room, draws);
     } else {
       lens_ = sensor::pinhole(lens.width, lens.height, lens.field_of_view);
-      configure_exposures(setup, lens_, room, has("flow"));
+      configure_exposures(setup, lens_, room, draws);
     }
     for (const std::string& name : outputs()) declare(setup, name);
   }

@@ -13,6 +13,7 @@
 #include "render/renderer.h"
 #include "sensors/common/mount.h"
 #include "sensors/imaging/frame_clock.h"
+#include "sensors/imaging/ground_texture.h"
 #include "sensors/imaging/world_shapes.h"
 
 namespace skybody::sensor {
@@ -71,17 +72,19 @@ class ImageSensor : public Sensor {
   /// Call in configure(), before the images are declared.
   /// @param view  render::Pinhole or render::RayImage
   /// @param room  doubles of memory beside the renderer's
-  /// @param has_motion  exposures hold velocities of bodies
+  /// @param draws  colours, of which textures are a part; velocities of bodies
   /// @throws std::runtime_error for times that cannot be, and scenes that cannot be drawn
   template <class View>
   void configure_exposures(const Setup& setup, const View& view, std::size_t room,
-                           bool has_motion = false) {
+                           const WorldShapes::Draws& draws) {
     mount_.configure(setup);
     set_clock(setup);
+    if (draws.has_colors) ground_texture_.configure(setup);
     shapes_.emplace(setup, mount_.body(), sees_own_robot_.value() ? -1 : mount_.robot(),
-                    ground_.value(), has_motion);
-    renderer_.emplace(view, shapes_->capacity(), max_range_.value(),
-                      render::kernels_of(best_isa()));
+                    ground_.value(), draws);
+    render::Capacity most = shapes_->capacity();
+    if (has_painted_ground()) ++most.textured;
+    renderer_.emplace(view, most, max_range_.value(), render::kernels_of(best_isa()));
     list_own_values();
     const auto of_shapes = static_cast<std::size_t>(shapes_->most()) * kShapeSize;
     setup.scratch_block(moment_size() + params_size_ +
@@ -147,6 +150,8 @@ class ImageSensor : public Sensor {
     return now == 0 || rest < static_cast<std::uint64_t>(clock_.period);
   }
 
+  bool has_painted_ground() const { return ground_.value() && ground_texture_.is_on(); }
+
   /// The values of each environment that belong to this sensor.
   void list_own_values() {
     own_values_.clear();
@@ -197,7 +202,9 @@ class ImageSensor : public Sensor {
     WorldShapes::mount(moment, exposure.eye.position, exposure.eye.axes);
     exposure.eye.position += exposure.eye.axes * mount_.point(env);
     exposure.eye.axes = exposure.eye.axes * to_mat3(mount_.rotation(env)) * from_camera();
-    exposure.shapes = shapes_->place(moment, reinterpret_cast<render::PlacedShape*>(shapes));
+    auto* const placed = reinterpret_cast<render::PlacedShape*>(shapes);
+    exposure.shapes = shapes_->place(moment, placed);
+    if (has_painted_ground()) ground_texture_.paint(env, placed->paint);  // the first shape
     exposure.moment = moment;
     exposure.memory = shapes + static_cast<std::size_t>(shapes_->most()) * kShapeSize;
     draw(env, exposure);
@@ -216,6 +223,7 @@ class ImageSensor : public Sensor {
   TextsParameter outputs_;
   RealParameter max_range_;
   BooleanParameter ground_{this, boolean("ground", true, "the plane z = 0 of W is seen")};
+  GroundTexture ground_texture_{this};
   BooleanParameter sees_own_robot_{
       this, boolean("sees_own_robot", false, "the sensor's own robot is seen")};
   IntegerParameter period_{

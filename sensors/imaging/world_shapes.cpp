@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sensors/imaging/ground_texture.h"
+
 namespace skybody::sensor {
 namespace {
 
@@ -68,8 +70,8 @@ render::Paint paint_of_ground() { return {{0.4f, 0.43f, 0.4f}, {0.58f, 0.6f, 0.5
 }  // namespace
 
 WorldShapes::WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground,
-                         bool has_motion)
-    : has_ground_(has_ground), has_motion_(has_motion), most_(has_ground ? 1 : 0) {
+                         const Draws& draws)
+    : has_ground_(has_ground), draws_(draws), most_(has_ground ? 1 : 0) {
   list_body(mount);
   add_visuals(setup, hidden_robot);
   add_obstacles(setup);
@@ -104,6 +106,10 @@ void WorldShapes::add_visuals(const Setup& setup, int hidden_robot) {
     for (std::size_t k = 0; k < 3; ++k) {
       shape.paint.color[k] = static_cast<float>(visual.color[k]);
     }
+    const bool has_place = shape.mesh == nullptr || shape.mesh->texture() != nullptr;
+    if (draws_.has_colors && *visual.texture != '\0' && has_place) {
+      add_texture(setup, visual.texture, shape.paint);
+    }
     const std::size_t body = list_body(info.body);
     shape.body = static_cast<std::int32_t>(body);
     visuals_.push_back({body, shape});
@@ -137,11 +143,22 @@ const render::Mesh* WorldShapes::add_mesh(const Triangles& triangles, const Vec3
     refuse("the scenario has ", most_triangles_, " triangles to draw, or more; allowed: at most ",
            kMostTriangles, "; use simpler meshes");
   }
-  const std::span corners(triangles.corners, 9 * static_cast<std::size_t>(triangles.count));
-  return meshes_.emplace_back(std::make_unique<render::Mesh>(corners, scale)).get();
+  const auto count = static_cast<std::size_t>(triangles.count);
+  const std::span corners(triangles.corners, 9 * count);
+  const std::span points(triangles.texture, triangles.texture != nullptr ? 6 * count : 0);
+  return meshes_.emplace_back(std::make_unique<render::Mesh>(corners, scale, points)).get();
 }
 
-int WorldShapes::body_values() const { return kPoseValues + (has_motion_ ? kMotionValues : 0); }
+void WorldShapes::add_texture(const Setup& setup, const char* file, render::Paint& paint) {
+  const auto [found, is_new] = textures_.try_emplace(file);
+  if (is_new) found->second = texture_of(setup.picture(file));
+  paint.texture = found->second.get();
+  ++most_textured_;
+}
+
+int WorldShapes::body_values() const {
+  return kPoseValues + (draws_.has_motion ? kMotionValues : 0);
+}
 
 int WorldShapes::moment_size() const {
   return body_values() * static_cast<int>(bodies_.size()) +
@@ -156,7 +173,7 @@ void WorldShapes::capture(const EnvView<double>& env, double* moment) const {
   for (const int index : bodies_) {
     const BodyMotion<double> body = env.body(index);
     put_pose(body.position, body.rotation);
-    if (!has_motion_) continue;
+    if (!draws_.has_motion) continue;
     const Vec3<double> v = body.velocity, w = rotate(body.rotation, body.angular_velocity);
     put(v.x, v.y, v.z, w.x, w.y, w.z);
   }

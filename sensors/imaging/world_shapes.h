@@ -3,13 +3,16 @@
 
 #include <skybody/plugin.h>
 
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "plugins/obstacles/placed.h"
 #include "render/mesh.h"
 #include "render/renderer.h"
+#include "render/texture.h"
 
 namespace skybody::sensor {
 
@@ -24,16 +27,22 @@ class WorldShapes {
     Vec3<double> position, velocity, angular_velocity;
   };
 
+  /// What is needed to draw.
+  struct Draws {
+    bool has_colors = false;  ///< shapes have their textures
+    bool has_motion = false;  ///< moments hold velocities
+  };
+
   /// @param mount         world body that carries the camera
   /// @param hidden_robot  robot that is not drawn; -1: none
-  /// @param has_motion    moments hold velocities
-  /// @throws std::runtime_error for meshes that cannot be drawn, and for too many shapes
-  WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground, bool has_motion);
+  /// @throws std::runtime_error for meshes and textures that cannot be drawn, and for too many
+  ///   shapes
+  WorldShapes(const Setup& setup, int mount, int hidden_robot, bool has_ground, const Draws& draws);
 
   /// Most shapes of an environment.
   int most() const { return most_; }
   /// The same, and their triangles.
-  render::Capacity capacity() const { return {most_, most_triangles_}; }
+  render::Capacity capacity() const { return {most_, most_triangles_, most_textured_}; }
   /// Doubles of a moment.
   int moment_size() const;
   /// Reads the moment of an environment.
@@ -64,13 +73,17 @@ class WorldShapes {
   void add_obstacles(const Setup& setup);
   /// Adds a mesh. @returns it, valid as long as this object
   const render::Mesh* add_mesh(const Triangles& triangles, const Vec3<double>& scale);
+  /// Puts the picture of a file on a shape.
+  void add_texture(const Setup& setup, const char* file, render::Paint& paint);
 
   std::vector<int> bodies_;  ///< world body indices, the camera's first
   std::vector<Visual> visuals_;
   std::vector<DrawnObstacle> drawn_obstacles_;
   std::vector<std::unique_ptr<const render::Mesh>> meshes_;
-  bool has_ground_, has_motion_;
-  int most_ = 0, most_triangles_ = 0;
+  std::map<std::string, std::unique_ptr<const render::Texture>> textures_;  ///< by file
+  bool has_ground_;
+  Draws draws_;
+  int most_ = 0, most_triangles_ = 0, most_textured_ = 0;
 };
 
 }  // namespace skybody::sensor

@@ -28,7 +28,7 @@ class Lidar : public sensor::ImageSensor {
     const std::size_t room = intensity_room();
     render::RayImage view{columns_of_scan_, rings_of_scan_, {}};
     for (const Vec3<double>& d : rays_) view.directions.push_back({-d.y, -d.z, d.x});
-    configure_exposures(setup, view, room);
+    configure_exposures(setup, view, room, {has("intensity"), false});
     for (const std::string& name : outputs()) declare(setup, name);
   }
 

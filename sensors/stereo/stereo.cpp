@@ -29,7 +29,8 @@ class Stereo : public sensor::ImageSensor {
     focal_ = lens.focal_x;
     is_matched_ = has("disparity") || has("depth");
     // Depths of both eyes, one after another.
-    configure_exposures(setup, lens, is_matched_ ? pixels() : 0);
+    configure_exposures(setup, lens, is_matched_ ? pixels() : 0,
+                        {has("left") || has("right"), false});
     for (const std::string& name : outputs()) declare(setup, name);
   }
 

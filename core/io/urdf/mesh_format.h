@@ -25,6 +25,11 @@ class MeshError : public Error {
       : Error("line " + std::to_string(line) + ": " + reason) {}
 };
 
+/// A point of a texture: u to the right, v up, from 0 to 1.
+struct TexturePoint {
+  float u = 0.0f, v = 0.0f;
+};
+
 /// Receives the content of a mesh file, in metres.
 class MeshSink {
  public:
@@ -35,6 +40,11 @@ class MeshSink {
   virtual bool wants_faces() const { return false; }
   /// The corners of a face in order, 3 or more. @throws MeshError if there are too many faces
   virtual void add_face(std::span<const Vec3<double>>) {}
+  /// The same, with the points of a texture at the corners.
+  virtual void add_textured_face(std::span<const Vec3<double>> corners,
+                                 std::span<const TexturePoint>) {
+    add_face(corners);
+  }
 };
 
 /// Faces as lists of corners, kept until all vertices are known.
@@ -49,15 +59,38 @@ class FaceList {
   template <class Position>
   void pass_to(MeshSink& sink, Position&& position) const {
     std::vector<Vec3<double>> face;
-    std::size_t at = 0;
-    for (const std::size_t end : ends_) {
+    each_face([&](std::span<const Index> corners) {
       face.clear();
-      for (; at < end; ++at) face.push_back(position(corners_[at]));
-      if (face.size() >= 3) sink.add_face(face);
-    }
+      for (const Index& corner : corners) face.push_back(position(corner));
+      sink.add_face(face);
+    });
+  }
+  /// The same, with points of a texture. @param point  of a vertex
+  template <class Position, class Point>
+  void pass_to(MeshSink& sink, Position&& position, Point&& point) const {
+    std::vector<Vec3<double>> face;
+    std::vector<TexturePoint> texture;
+    each_face([&](std::span<const Index> corners) {
+      face.clear();
+      texture.clear();
+      for (const Index& corner : corners) {
+        face.push_back(position(corner));
+        texture.push_back(point(corner));
+      }
+      sink.add_textured_face(face, texture);
+    });
   }
 
  private:
+  template <class Take>
+  void each_face(Take&& take) const {
+    std::size_t first = 0;
+    for (const std::size_t end : ends_) {
+      if (end - first >= 3) take(std::span(corners_).subspan(first, end - first));
+      first = end;
+    }
+  }
+
   std::vector<Index> corners_;     ///< of all faces
   std::vector<std::size_t> ends_;  ///< where the corners of each face end
 };

@@ -1,5 +1,7 @@
 // OBJ: lines of words. `v` defines a vertex; `f`, `l` and `p` reference vertices by their numbers,
-// from 1 or, if negative, back from the latest vertex. All other lines are skipped.
+// from 1 or, if negative, back from the latest vertex. `vt` defines a point of a texture; `f`
+// references it behind a slash. All other lines are skipped.
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -26,20 +28,32 @@ class ObjReader {
       if (used_[k] || largest_ == 0) sink_.add_vertex(vertices_[k]);
     }
     // Faces may name vertices that come later.
-    faces_.pass_to(sink_, [this](std::size_t k) { return vertices_[k]; });
+    const auto position = [this](const Corner& corner) { return vertices_[corner.vertex]; };
+    if (points_.empty()) return faces_.pass_to(sink_, position);
+    faces_.pass_to(sink_, position, [this](const Corner& corner) {
+      return corner.point < points_.size() ? points_[corner.point] : TexturePoint{};
+    });
   }
 
  private:
+  struct Corner {
+    std::size_t vertex;
+    std::size_t point;  ///< of the texture; beyond all: none
+  };
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
   static std::string no_such_vertex() { return "names a vertex that the file does not have"; }
 
   void take_line() {
     const std::string_view keyword = words_.next_in_line();
     if (keyword == "v") take_vertex();
+    if (keyword == "vt" && sink_.wants_faces()) take_point();
     if (keyword != "f" && keyword != "l" && keyword != "p") return;
     const bool is_face = keyword == "f" && sink_.wants_faces();
     for (auto word = next(); !word.empty(); word = next()) {
-      const std::size_t index = use(word.substr(0, word.find('/')));
-      if (is_face) faces_.add_corner(index);
+      const std::size_t slash = std::min(word.find('/'), word.size());
+      const std::size_t index = use(word.substr(0, slash));
+      if (is_face) faces_.add_corner({index, point_of(word.substr(slash))});
     }
     if (is_face) faces_.end_face();
   }
@@ -63,6 +77,22 @@ class ObjReader {
       words_.refuse("a vertex of " + std::to_string(count + 3) +
                     " numbers; allowed: 3, 4 with a weight, 6 with a colour");
     }
+  }
+
+  void take_point() {
+    const auto u = static_cast<float>(next_coordinate()), v = static_cast<float>(next_coordinate());
+    points_.push_back({u, v});
+  }
+
+  /// The point of a texture that a corner names, such as 7 of "/7/3".
+  std::size_t point_of(std::string_view rest) const {
+    if (rest.empty()) return kNone;
+    rest.remove_prefix(1);
+    const std::optional<long> number = parse_integer<long>(rest.substr(0, rest.find('/')));
+    if (!number || *number == 0) return kNone;
+    const long last = static_cast<long>(points_.size());
+    if (*number < -last) return kNone;
+    return static_cast<std::size_t>(*number > 0 ? *number - 1 : last + *number);
   }
 
   /// The next word of the line, up to a comment.
@@ -92,7 +122,8 @@ class ObjReader {
   MeshTokenizer words_;
   MeshSink& sink_;
   std::vector<Vec3<double>> vertices_;
-  FaceList<std::size_t> faces_;
+  std::vector<TexturePoint> points_;
+  FaceList<Corner> faces_;
   std::vector<bool> used_;
   std::size_t largest_ = 0;  ///< largest referenced vertex number; 0: none is referenced
   int line_of_largest_ = 0;

@@ -22,6 +22,16 @@ class TriangleSink : public MeshSink {
       add_corner(corners[k]);
     }
   }
+  void add_textured_face(std::span<const Vec3<double>> corners,
+                         std::span<const TexturePoint> texture) override {
+    add_face(corners);
+    for (std::size_t k = 2; k < texture.size(); ++k) {
+      for (const TexturePoint& point : {texture[0], texture[k - 1], texture[k]}) {
+        mesh_.texture.push_back(point.u);
+        mesh_.texture.push_back(point.v);
+      }
+    }
+  }
 
  private:
   void add_corner(const Vec3<double>& v) {
@@ -42,7 +52,7 @@ std::string read_triangle_mesh(const std::string& file, const MeshFormat& format
   try {
     format.read(bytes, sink);
   } catch (const MeshError& error) {
-    mesh.corners.clear();
+    mesh = {};
     return std::string("cannot be drawn: ") + error.what();
   }
   return mesh.count() > 0 ? "" : "has no faces";

@@ -38,6 +38,7 @@ const std::vector<Part>& parts() {
       {"mesh", {"filename", "scale"}, {}},
       {"material", {"name"}, {"color", "texture"}},
       {"color", {"rgba"}, {}},
+      {"texture", {"filename"}, {}},
       {"origin", {"xyz", "rpy"}, {}},
       {"mass", {"value"}, {}},
       {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz", "iyx", "izx", "izy"}, {}},
@@ -60,8 +61,7 @@ bool is_among(const Names& names, std::string_view name) {
 
 /// Elements of other tools, whose contents are not checked.
 bool is_left_out(std::string_view name) {
-  static const Names all = {"gazebo",  "transmission", "sensor",
-                            "texture", "calibration",  "safety_controller"};
+  static const Names all = {"gazebo", "transmission", "sensor", "calibration", "safety_controller"};
   return is_among(all, name);
 }
 

@@ -118,7 +118,7 @@ class DocumentBuilder {
     const XMLElement* e = link.element->FirstChildElement(kind);
     for (const auto& source : sources) {
       std::optional<Shape> shape = make_shape(*source->geometry, *e, link.name);
-      if (shape) paint(*source, *shape);
+      if (shape) paint(*source, *e, link.name, *shape);
       if (shape) {
         shapes.push_back(std::move(*shape));
         marks.push_back(mark_of(*shape_element(*e)));
@@ -127,11 +127,28 @@ class DocumentBuilder {
     }
   }
 
-  static void paint(const urdf::Collision&, Shape&) {}
-  static void paint(const urdf::Visual& visual, Shape& shape) {
+  void paint(const urdf::Collision&, const XMLElement&, const std::string&, Shape&) {}
+  /// @param link  for messages
+  void paint(const urdf::Visual& visual, const XMLElement& e, const std::string& link,
+             Shape& shape) {
     if (!visual.material) return;
+    const std::string& texture = visual.material->texture_filename;
     const urdf::Color& c = visual.material->color;
-    shape.rgba = {c.r, c.g, c.b, c.a};
+    // urdfdom's colour of a material without one is black.
+    const bool has_color = texture.empty() || c.r != 0.0f || c.g != 0.0f || c.b != 0.0f;
+    if (has_color) shape.rgba = {c.r, c.g, c.b, c.a};
+    if (!texture.empty()) add_texture(texture, mark_of(e), link, shape);
+  }
+
+  void add_texture(const std::string& name, const SourceLocation& mark, const std::string& link,
+                   Shape& shape) {
+    const MeshFile file = meshes_.look_up_texture(name);
+    if (file.state == MeshState::kFound) {
+      shape.texture_file = file.path;
+    } else {
+      diagnostics_.warning(mark, "the texture `" + name + "` of the link `" + link + "` " +
+                                     problem_of(file.state).text + "; its colour remains");
+    }
   }
 
   std::optional<Shape> make_shape(const urdf::Geometry& geometry, const XMLElement& e,

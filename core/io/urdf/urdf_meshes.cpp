@@ -70,8 +70,11 @@ bool UrdfMeshes::is_inside(const fs::path& path) const {
 }
 
 MeshFile UrdfMeshes::find(const std::string& name) const {
+  return is_mesh_name(name) ? find_file(name) : MeshFile{};
+}
+
+MeshFile UrdfMeshes::find_file(const std::string& name) const {
   const std::string package = "package://", file = "file://";
-  if (!is_mesh_name(name)) return {MeshState::kNoMesh, ""};
   if (starts_with(name, package)) return find_in_package(name.substr(package.size()));
   const fs::path path =
       true_path(folder_ / (starts_with(name, file) ? name.substr(file.size()) : name));

@@ -1,4 +1,4 @@
-// Locations of the meshes of a URDF. Internal to core/io's URDF reader.
+// Locations of the meshes and textures of a URDF. Internal to core/io's URDF reader.
 //
 // Meshes of visuals are read when a camera draws them (triangle_mesh_reader.h); of collision meshes
 // the bounding box is read (mesh_box.h). A name is valid if it is a regular file in one of these
@@ -32,9 +32,12 @@ class UrdfMeshes {
 
   /// Looks up a mesh's name as written in the URDF.
   const MeshFile& look_up(const std::string& name);
+  /// Looks up the name of a texture, in the same folders. It is never kNoMesh.
+  MeshFile look_up_texture(const std::string& name) const { return find_file(name); }
 
  private:
   MeshFile find(const std::string& name) const;
+  MeshFile find_file(const std::string& name) const;
   MeshFile find_in_package(const std::string& rest) const;
   bool is_inside(const std::filesystem::path& path) const;
 

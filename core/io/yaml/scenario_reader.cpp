@@ -8,6 +8,7 @@
 #include "core/base/system/suggestion.h"
 #include "core/io/files/file.h"
 #include "core/io/files/height_field_reader.h"
+#include "core/io/files/picture_reader.h"
 #include "core/io/files/text.h"
 #include "core/io/yaml/config_tree.h"
 #include "core/io/yaml/coupling_reader.h"
@@ -71,6 +72,7 @@ class ScenarioReader {
     if (const ConfigNode* task = reader.node("task")) {
       scenario_.task = read_plugin_use(*task, SKYBODY_TASK, catalog_, diagnostics_);
     }
+    scenario_.read_picture = read_picture;
     scenario_.text = to_yaml(root_);
     scenario_.hash = hash();
     return std::move(scenario_);

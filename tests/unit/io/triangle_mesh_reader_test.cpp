@@ -10,6 +10,7 @@
 namespace skybody {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 Vec3<double> corner(const TriangleMesh& mesh, std::size_t triangle, std::size_t k) {
@@ -72,6 +73,24 @@ TEST_F(TriangleMeshes, ObjWithPolygonsOfLaterVerticesAndNegativeNumbers) {
   EXPECT_EQ(read("a.obj", "f 1 2 3 4\n" + vertices), "2 triangles, area 6");
   EXPECT_EQ(read("b.obj", vertices + "f -4/1/1 -3/1/1 -2/1/1\n"), "1 triangles, area 3");
   EXPECT_EQ(read("c.obj", vertices + "l 1 2\n"), "has no faces");
+}
+
+TEST_F(TriangleMeshes, ObjHasThePointsOfItsTexture) {
+  const std::string vertices = "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\n";
+  const auto texture_of = [&](const std::string& lines) {
+    TriangleMesh mesh;
+    EXPECT_EQ(read_triangle_mesh(folder_.write("a.obj", vertices + lines),
+                                 *find_mesh_format("a.obj"), mesh),
+              "");
+    return mesh.texture;
+  };
+  const std::string points = "vt 0 0\nvt 1 0\nvt 1 0.5 7\n";
+  // A fan; points from the end; a corner without one.
+  EXPECT_THAT(texture_of(points + "f 1/1 2/2/4 3/3 4\n"),
+              ElementsAre(0, 0, 1, 0, 1, 0.5f, 0, 0, 1, 0.5f, 0, 0));
+  EXPECT_THAT(texture_of(points + "f 1/-3 2/-2 3/-1\n"), ElementsAre(0, 0, 1, 0, 1, 0.5f));
+  EXPECT_THAT(texture_of(points + "f 1/9 2/-9 3/0\n"), ElementsAre(0, 0, 0, 0, 0, 0));
+  EXPECT_TRUE(texture_of("f 1/1 2/2 3/3\n").empty());
 }
 
 TEST_F(TriangleMeshes, PlyWithFacesBeforeVertices) {

@@ -267,6 +267,37 @@ TEST(Urdf, EveryMaterialNeedsAColour) {
   EXPECT_FLOAT_EQ(static_cast<float>(model->bodies[0].visuals[0].rgba[1]), 0.2f);
 }
 
+/// Messages about a sphere with a texture; `file` is its path then.
+std::string texture_messages(const TempFolder& folder, const std::string& name, std::string& file) {
+  Diagnostics diagnostics;
+  const auto model = parse_urdf(
+      "<robot name=\"r\">" +
+          link("base", kInertial + "<visual><geometry><sphere radius=\"1\"/></geometry>"
+                                   "<material name=\"skin\"/></visual>") +
+          "<material name=\"skin\"><texture filename=\"" + name + "\"/></material></robot>",
+      folder.path("pack/urdf/r.urdf"), {}, diagnostics);
+  file = model ? model->bodies[0].visuals[0].texture_file : "no model";
+  return diagnostics.to_string();
+}
+
+TEST(Urdf, TexturesAreFoundAsMeshesAre) {
+  const TempFolder folder;
+  folder.write("pack/urdf/r.urdf", "");
+  const std::string path = folder.write("pack/textures/skin.png", "");
+  folder.write("skin.png", "");
+  std::string file;
+  EXPECT_EQ(texture_messages(folder, "../textures/skin.png", file), "");
+  EXPECT_EQ(file, std::filesystem::canonical(path).string());
+  EXPECT_EQ(texture_messages(folder, "package://pack/textures/skin.png", file), "");
+  EXPECT_EQ(file, std::filesystem::canonical(path).string());
+  EXPECT_THAT(texture_messages(folder, "none.png", file),
+              HasSubstr("warning: the texture `none.png` of the link `base` does not exist; its "
+                        "colour remains"));
+  EXPECT_EQ(file, "");
+  EXPECT_THAT(texture_messages(folder, "../../skin.png", file), HasSubstr("lies outside"));
+  EXPECT_EQ(file, "");
+}
+
 std::string mesh_of(const std::string& file) {
   return "<visual><geometry><mesh filename=\"" + file + "\"/></geometry></visual>";
 }
