@@ -23,7 +23,7 @@ using ChainInfo = SkybodyChainInfo;
 using ShapeInfo = SkybodyShapeInfo;
 using VisualInfo = SkybodyVisualInfo;
 using Triangles = SkybodyTriangles;
-using Picture = SkybodyPicture;
+using PictureInfo = SkybodyPicture;
 
 /// Signals between controllers; sizes, units and frames in signals.h.
 enum class Signal {
@@ -110,7 +110,7 @@ class Setup {
   /// that names files. Rows from the top, three bytes per pixel. The file is read at the first
   /// call.
   /// @throws std::runtime_error with the file and the reason if it has none
-  const Picture& picture(const std::string& file) const;
+  const PictureInfo& picture(const std::string& file) const;
 
   /// Controllers: indices of the robots that this one serves: its own robot, or its team in the
   /// order of the scenario's list. Empty for others.

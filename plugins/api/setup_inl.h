@@ -137,8 +137,8 @@ inline const Triangles& Setup::obstacle_triangles(int obstacle) const {
   refuse("the height field of the obstacle `", name, "` ", found.problem, ": use a coarser one");
 }
 
-inline const Picture& Setup::picture(const std::string& file) const {
-  const Picture& found = *raw_.picture(raw_.tables, file.c_str());
+inline const PictureInfo& Setup::picture(const std::string& file) const {
+  const PictureInfo& found = *raw_.picture(raw_.tables, file.c_str());
   if (*found.problem == '\0') return found;
   refuse("the picture `", file, "` ", found.problem,
          ": name a whole PNG or JPEG file, or leave the texture out");

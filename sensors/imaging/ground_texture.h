@@ -4,8 +4,10 @@
 #include <skybody/plugin.h>
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "render/scene.h"
@@ -13,8 +15,20 @@
 
 namespace skybody::sensor {
 
-/// A picture as a texture.
-inline std::unique_ptr<const render::Texture> texture_of(const Picture& picture) {
+/// A picture of a file as a texture.
+/// @param subject  of messages: the user of the picture
+/// @throws std::runtime_error for a file that is none
+inline std::unique_ptr<const render::Texture> texture_of(const Setup& setup,
+                                                         const std::string& file,
+                                                         const std::string& subject) {
+  const auto read = [&]() -> const PictureInfo& {
+    try {
+      return setup.picture(file);
+    } catch (const std::exception& error) {
+      refuse(subject, ": ", error.what());
+    }
+  };
+  const PictureInfo& picture = read();
   const auto bytes =
       3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
   return std::make_unique<const render::Texture>(std::span(picture.rgb, bytes), picture.width,
@@ -41,7 +55,7 @@ class GroundTexture {
              ", the numbers of `ground_textures`");
     }
     for (const std::string& file : files_.values()) {
-      textures_.push_back(texture_of(setup.picture(file)));
+      textures_.push_back(texture_of(setup, file, "`ground_textures`"));
     }
   }
 

@@ -108,7 +108,7 @@ void WorldShapes::add_visuals(const Setup& setup, int hidden_robot) {
     }
     const bool has_place = shape.mesh == nullptr || shape.mesh->texture() != nullptr;
     if (draws_.has_colors && *visual.texture != '\0' && has_place) {
-      add_texture(setup, visual.texture, shape.paint);
+      add_texture(setup, visual, shape.paint);
     }
     const std::size_t body = list_body(info.body);
     shape.body = static_cast<std::int32_t>(body);
@@ -149,9 +149,12 @@ const render::Mesh* WorldShapes::add_mesh(const Triangles& triangles, const Vec3
   return meshes_.emplace_back(std::make_unique<render::Mesh>(corners, scale, points)).get();
 }
 
-void WorldShapes::add_texture(const Setup& setup, const char* file, render::Paint& paint) {
-  const auto [found, is_new] = textures_.try_emplace(file);
-  if (is_new) found->second = texture_of(setup.picture(file));
+void WorldShapes::add_texture(const Setup& setup, const VisualInfo& visual, render::Paint& paint) {
+  const auto [found, is_new] = textures_.try_emplace(visual.texture);
+  if (is_new) {
+    const std::string subject = std::string("the body `") + visual.shape.name + "`";
+    found->second = texture_of(setup, visual.texture, subject);
+  }
   paint.texture = found->second.get();
   ++most_textured_;
 }

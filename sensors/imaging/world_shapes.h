@@ -73,8 +73,8 @@ class WorldShapes {
   void add_obstacles(const Setup& setup);
   /// Adds a mesh. @returns it, valid as long as this object
   const render::Mesh* add_mesh(const Triangles& triangles, const Vec3<double>& scale);
-  /// Puts the picture of a file on a shape.
-  void add_texture(const Setup& setup, const char* file, render::Paint& paint);
+  /// Puts the picture of a visual on a shape.
+  void add_texture(const Setup& setup, const VisualInfo& visual, render::Paint& paint);
 
   std::vector<int> bodies_;  ///< world body indices, the camera's first
   std::vector<Visual> visuals_;
