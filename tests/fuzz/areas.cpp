@@ -10,6 +10,7 @@ const std::vector<AreaRow>& area_rows() {
       {"override", make_override_area, {text, text, bytes}},
       {"urdf", make_urdf_area, {text, text, bytes}},
       {"mesh", make_mesh_area, {text, text, bytes}},
+      {"picture", make_picture_area, {bytes}},
       {"rotors", make_rotors_area, {text, text, bytes}},
       {"policy", make_policy_area, {bytes}},
       {"replay", make_replay_area, {bytes}},

@@ -9,6 +9,7 @@ std::unique_ptr<Area> make_scenario_area(const AreaOptions& options);
 std::unique_ptr<Area> make_override_area(const AreaOptions& options);
 std::unique_ptr<Area> make_urdf_area(const AreaOptions& options);
 std::unique_ptr<Area> make_mesh_area(const AreaOptions& options);
+std::unique_ptr<Area> make_picture_area(const AreaOptions& options);
 std::unique_ptr<Area> make_rotors_area(const AreaOptions& options);
 std::unique_ptr<Area> make_policy_area(const AreaOptions& options);
 std::unique_ptr<Area> make_replay_area(const AreaOptions& options);

@@ -73,7 +73,7 @@ std::string read_jpeg(const std::string& bytes, Picture& picture) {
   const std::string wrong_size = set_size(width, height, picture);
   if (!wrong_size.empty()) return wrong_size;
   // The accurate transform has the same bits with and without vector instructions.
-  const int flags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING;
+  const int flags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
   if (tjDecompress2(decoder.get(), data, size, picture.rgb.data(), width, 0, height, TJPF_RGB,
                     flags) != 0) {
     return problem();
