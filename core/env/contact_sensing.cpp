@@ -1,5 +1,7 @@
 #include "core/env/contact_sensing.h"
 
+#include <algorithm>
+
 #include "core/base/simd/lane_mask.h"
 #include "core/env/group_workspace.h"
 
@@ -108,7 +110,11 @@ void ContactSensing::set_free(StateGroup& group, std::uint32_t mask) const {
   const int lanes = group.lanes();
   for (const Block& block : {model_.layout().contacts, model_.layout().contact_pairs}) {
     double* const values = group.writable(block, mask);
-    each_lane(mask, [&](int lane) { clear(values + lane, block.size, lanes); });
+    const std::uint32_t octets = whole_octets(mask);
+    each_octet(octets, [&](int first) {
+      for (int k = 0; k < block.size; ++k) std::fill_n(values + k * lanes + first, kOctet, 0.0);
+    });
+    each_lane(mask & ~octets, [&](int lane) { clear(values + lane, block.size, lanes); });
   }
 }
 
@@ -146,23 +152,9 @@ void ContactSensing::add_up_pairs(StateGroup& group, const std::vector<Contact>&
 
 void ContactSensing::sense_joint_reactions(StateGroup& group, GroupWorkspace& work,
                                            std::uint32_t mask) const {
-  if (model_.joint_reactions.empty()) return;
-  const int lanes = group.lanes();
-  each_lane(mask, [&](int lane) {
-    const auto find = [&] {
-      group.joint_reactions(lane, work.physics, work.joint_reactions.data());
-    };
-    if (!comes_through(find)) return;
-    double* to = group.writable(model_.layout().joint_reactions, 1u << lane) + lane;
-    for (const int body : model_.joint_reactions) {
-      const SpatialForce<double>& f = work.joint_reactions[static_cast<std::size_t>(body)];
-      for (const double value :
-           {f.force.x, f.force.y, f.force.z, f.moment.x, f.moment.y, f.moment.z}) {
-        *to = value;
-        to += lanes;
-      }
-    }
-  });
+  if (model_.joint_reactions.empty() || mask == 0) return;
+  double* const out = group.writable(model_.layout().joint_reactions, mask);
+  group.joint_reactions(mask, model_.joint_reactions, work.physics, out);
 }
 
 }  // namespace skybody

@@ -82,7 +82,6 @@ class GroupWorkspace {
   DrawScratch draws;
   LaneFaults faults;
   std::vector<Contact> contacts;                      ///< of one lane
-  std::vector<SpatialForce<double>> joint_reactions;  ///< of one lane, one per body
   std::vector<std::uint8_t*> image_rows;  ///< for Rows::images, one per image of the observation
 };
 

@@ -113,7 +113,6 @@ std::unique_ptr<GroupWorkspace> ScenarioModel::make_workspace(int lanes) const {
   work->scratch = AlignedArray<double>(std::max(static_cast<std::size_t>(scratch_size) * n,
                                                 static_cast<std::size_t>(scratch_block_size)));
   if (checks_starts() || senses_contacts()) work->contacts.reserve(kFewContacts);
-  work->joint_reactions.resize(joint_reactions.empty() ? 0 : world->bodies.size());
   work->image_rows.resize(observation.images.size());
 
   ControlScratch& control = work->control;

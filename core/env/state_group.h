@@ -111,9 +111,11 @@ class StateGroup {
     refresh(1u << lane, scratch);
     stepper_->accelerations(blocks_, lane, scratch, udot);
   }
-  void joint_reactions(int lane, PhysicsScratch& scratch, SpatialForce<double>* out) {
-    refresh(1u << lane, scratch);
-    stepper_->joint_reactions(blocks_, lane, scratch, out);
+  /// @param out  memory of this group, as in GroupStepper
+  void joint_reactions(std::uint32_t lanes, std::span<const int> bodies, PhysicsScratch& scratch,
+                       double* out) {
+    refresh(lanes, scratch);
+    stepper_->joint_reactions(blocks_, lanes, bodies, scratch, out);
   }
   std::uint32_t may_touch(std::uint32_t lanes, PhysicsScratch& scratch) {
     refresh(lanes, scratch);

@@ -44,8 +44,18 @@ class GroupStepper::ScalarFallback {
   void accelerations(const StepCall& all, int lane, double* udot) {
     stepper(lane).accelerations(take(all, lane), udot);
   }
-  void joint_reactions(const StepCall& all, int lane, SpatialForce<double>* out) {
-    stepper(lane).joint_reactions(take(all, lane), out);
+  void joint_reactions(const StepCall& all, int lane) {
+    reactions_.resize(plan_.world.bodies.size());
+    stepper(lane).joint_reactions(take(all, lane), reactions_.data());
+    double* to = all.reactions.out + lane;
+    for (const int body : all.reactions.bodies) {
+      const SpatialForce<double>& r = reactions_[static_cast<std::size_t>(body)];
+      for (const double value :
+           {r.force.x, r.force.y, r.force.z, r.moment.x, r.moment.y, r.moment.z}) {
+        *to = value;
+        to += all.group->lanes;
+      }
+    }
   }
   void add_contacts(const StepCall& all, int lane, std::vector<Contact>& out) {
     any_stepper(lane).add_contacts(take(all, lane), out);
@@ -109,6 +119,7 @@ class GroupStepper::ScalarFallback {
   std::vector<std::unique_ptr<LaneStepper>> steppers_;
   std::vector<double> values_;  ///< memory of the blocks of `one_`
   std::vector<std::uint32_t> near_;
+  std::vector<SpatialForce<double>> reactions_;  ///< of one lane; empty before the first call
   GroupBlocks one_;
 };
 
@@ -255,10 +266,23 @@ void GroupStepper::accelerations(const GroupBlocks& group, int lane, PhysicsScra
   alone().accelerations(call(group, scratch), lane, udot);
 }
 
-void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
-                                   SpatialForce<double>* out) {
-  if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
-  alone().joint_reactions(call(group, scratch), lane, out);
+void GroupStepper::joint_reactions(const GroupBlocks& group, std::uint32_t lanes,
+                                   std::span<const int> bodies, PhysicsScratch& scratch,
+                                   double* out) {
+  StepCall all = call(group, scratch);
+  all.reactions = {bodies, out};
+  std::uint32_t left = lanes & ~broken_;
+  if (kernels().react != nullptr && !plan_.contact.has_idle) {
+    const std::uint32_t near = find_near(all, left);
+    if (const std::uint32_t apart = left & ~near; apart != 0) kernels().react(all, apart);
+    left = near;
+  }
+  each_lane(left, [&](int l) {
+    try {
+      alone().joint_reactions(all, l);
+    } catch (const std::runtime_error&) {  // the lane's next step is a fault
+    }
+  });
 }
 
 /// Lanes with unphysical parameters fail in their first step: they have no contacts.

@@ -102,10 +102,11 @@ class GroupStepper {
   /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics fails
   void accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch, double* udot);
 
-  /// Forces and moments of joints on their bodies, likewise.
-  /// @param out  one per body: joint_reactions.h
-  void joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
-                       SpatialForce<double>* out);
+  /// Forces and moments of joints on some bodies (joint_reactions.h), in refreshed lanes, likewise.
+  /// Lanes whose dynamics fails keep their values.
+  /// @param out  six values per body, in lanes: force, moment
+  void joint_reactions(const GroupBlocks& group, std::uint32_t lanes, std::span<const int> bodies,
+                       PhysicsScratch& scratch, double* out);
   /// The refreshed lanes with a pair that touches or may touch within a step.
   std::uint32_t may_touch(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
   /// Appends the contacts of one refreshed lane. @throws as accelerations

@@ -6,6 +6,7 @@
 #include "core/physics/step/contact_substeps.h"
 #include "core/physics/step/equations_of_motion.h"
 #include "core/physics/step/free_robot_step.h"
+#include "core/physics/step/reaction_arrays.h"
 
 namespace skybody {
 
@@ -52,6 +53,10 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   } else if (!plan.has_rare_cases() && integrator != IntegratorChoice::kRk4) {
     kernels.advance_fast = tree_any_kernel(lanes, isa);
   }
+  const bool is_usual = !plan.has_rare_cases() && plan.drives.empty();
+  if (!plan.free_robots && is_usual && plan.couplings.constraints.empty()) {
+    kernels.react = reaction_kernel(lanes, isa);
+  }
   return kernels;
 }
 
@@ -90,9 +95,9 @@ StepPlan::StepPlan(const World& w, DynamicsBackend u)
   using Widest = Pack<kWidestPack>;
   const std::size_t free_robots_bytes =
       w.layout.robots.size() * sizeof(FreeMotion<Widest>) + w.rotors.size() * sizeof(Widest);
-  kernel_bytes = std::max({StepArrays<Widest>::bytes(*this), CorrectionArrays<Widest>::bytes(*this),
-                           BroadPhaseUpdate<Widest, SharedValues<Widest>>::bytes(*this), one_lane,
-                           free_robots_bytes});
+  kernel_bytes = std::max(
+      {ReactionArrays<Widest>::bytes(*this), CorrectionArrays<Widest>::bytes(*this),
+       BroadPhaseUpdate<Widest, SharedValues<Widest>>::bytes(*this), one_lane, free_robots_bytes});
   kernel_bytes = (kernel_bytes + sizeof(Widest) - 1) / sizeof(Widest) * sizeof(Widest);
   std::size_t changed = 0;
   for (const StateBlock& b : kSteppedBlocks) {

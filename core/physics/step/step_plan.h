@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/base/simd/isa.h"
@@ -69,6 +70,15 @@ struct StepStart {
   const double* u = nullptr;
 };
 
+/// Values of one joint reaction: force and moment on the body about its origin, W axes.
+inline constexpr int kReactionValues = 6;
+
+/// For `react`: bodies of which joint reactions are wanted.
+struct ReactionRequest {
+  std::span<const int> bodies;
+  double* out = nullptr;  ///< kReactionValues per body, in lanes
+};
+
 /// One call of a kernel on a group.
 struct StepCall {
   const StepPlan* plan;
@@ -82,6 +92,7 @@ struct StepCall {
   /// Per CollisionPair of the contact scene: the lanes in which it is near. `find_near` adds lanes,
   /// `correct` reads them. Pairs that forces do not move are left out
   std::uint32_t* near = nullptr;
+  ReactionRequest reactions = {};
 };
 
 /// One operation on the lanes in `lanes`. @returns the lanes in which it succeeded or is true
@@ -106,6 +117,8 @@ struct StepKernels {
   StepKernel* correct = nullptr;
   /// Derives the values of the rotors, into the memory of StepCall::derived.
   StepKernel* derive = nullptr;
+  /// Joint reactions of lanes without contact, at the current state. Null: each lane alone.
+  StepKernel* react = nullptr;
 };
 
 /// Kernels of one kind: for groups of kGroupLanes lanes with an instruction set, or for one lane.
@@ -114,6 +127,7 @@ StepKernel* near_kernel(int lanes, Isa isa);
 StepKernel* contact_kernel(int lanes, Isa isa);
 StepKernel* gap_kernel(int lanes, Isa isa);
 StepKernel* derive_kernel(int lanes, Isa isa);
+StepKernel* reaction_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
 StepKernel* tree_any_kernel(int lanes, Isa isa);
 StepKernel* free_midpoint_kernel(int lanes, Isa isa);
