@@ -84,40 +84,51 @@ SKYBODY_RENDER TexturePlace place_on(const TexturedShape& s, const Triple& point
   return place_on_cylinder(s, at);
 }
 
-/// A whole number modulo the size of a level, or held within it.
-SKYBODY_RENDER int32_t wrapped(int32_t at, int32_t size, bool repeats) {
-  if (!repeats) return at < 0 ? 0 : at >= size ? size - 1 : at;
-  const int32_t rest = at % size;
-  return rest < 0 ? rest + size : rest;
+/// The greatest whole number up to `a`, |a| < 2^31.
+SKYBODY_RENDER Floats whole_below(const Floats& a) {
+  const Floats whole = __builtin_convertvector(__builtin_convertvector(a, Ints), Floats);
+  return select(greater(whole, a), whole - 1.0f, whole);
 }
 
-/// One channel of four texels, mixed by weights of 1 / 256.
-SKYBODY_RENDER float mixed(const uint32_t (&texels)[4], int byte, uint32_t x, uint32_t y) {
-  const auto of = [&](int k) { return texels[k] >> (8 * byte) & 0xffu; };
-  const uint32_t top = of(0) * (256u - x) + of(1) * x, bottom = of(2) * (256u - x) + of(3) * x;
-  return static_cast<float>(top * (256u - y) + bottom * y) * (1.0f / (255.0f * 65536.0f));
+/// A share of the picture, in [0, 1]: of copies side by side, or held.
+SKYBODY_RENDER Floats share_of(const Floats& a, bool repeats) {
+  if (!repeats) return min(max(a, floats(0.0f)), floats(1.0f));
+  const Floats near = min(max(a, floats(-4096.0f)), floats(4096.0f));
+  return near - whole_below(near);
 }
 
-/// The colour at a point of a level. @param u, v  within some thousands of pictures
-SKYBODY_RENDER void look_up(const TexelLevel& level, float u, float v, bool u_repeats,
-                            bool v_repeats, float (&color)[3]) {
-  // In steps of 1 / 256 texel, from the centre of the first one.
-  const auto steps = [](float share, int32_t size) {
-    const double exact = static_cast<double>(share) * (256.0 * size) - 128.0;
-    const auto whole = static_cast<int64_t>(exact);
-    return static_cast<double>(whole) > exact ? whole - 1 : whole;
-  };
-  const int64_t x = steps(u, level.width), y = steps(v, level.height);
-  const auto left = static_cast<int32_t>(x >> 8), top = static_cast<int32_t>(y >> 8);
-  const int32_t columns[2] = {wrapped(left, level.width, u_repeats),
-                              wrapped(left + 1, level.width, u_repeats)};
-  const int32_t rows[2] = {wrapped(top, level.height, v_repeats),
-                           wrapped(top + 1, level.height, v_repeats)};
-  uint32_t texels[4];
-  for (int k = 0; k < 4; ++k) texels[k] = level.texels[rows[k / 2] * level.width + columns[k % 2]];
-  for (int c = 0; c < 3; ++c) {
-    color[c] = mixed(texels, c, static_cast<uint32_t>(x & 255), static_cast<uint32_t>(y & 255));
+/// Two texels of an axis around a point, and the weight of the second in 1 / 256.
+struct Pair {
+  int32_t first, second;
+  uint32_t weight;
+
+  /// @param share  of the level's size, in [0, 1]
+  SKYBODY_RENDER Pair(float share, int32_t size, bool repeats) {
+    // In steps of 1 / 256 texel, from the centre of the first one.
+    const int32_t steps = static_cast<int32_t>(share * static_cast<float>(256 * size)) - 128;
+    first = steps >> 8;
+    second = first + 1;
+    weight = static_cast<uint32_t>(steps & 255);
+    if (first < 0) first = repeats ? size - 1 : 0;
+    if (second >= size) second = repeats ? 0 : size - 1;
   }
+};
+
+/// Bytes 0 and 2 of two texels, mixed. @param weight  of the second, in 1 / 256
+SKYBODY_RENDER uint32_t mixed(uint32_t a, uint32_t b, uint32_t weight) {
+  return ((a & 0xff00ffu) * (256u - weight) + (b & 0xff00ffu) * weight) >> 8 & 0xff00ffu;
+}
+
+/// The colour at a point of a level.
+SKYBODY_RENDER uint32_t texel_at(const TexelLevel& level, const Pair& x, const Pair& y) {
+  const uint32_t* const top = level.texels + y.first * level.width;
+  const uint32_t* const bottom = level.texels + y.second * level.width;
+  const auto of = [&](int shift) {
+    const uint32_t above = mixed(top[x.first] >> shift, top[x.second] >> shift, x.weight);
+    const uint32_t below = mixed(bottom[x.first] >> shift, bottom[x.second] >> shift, x.weight);
+    return mixed(above, below, y.weight);
+  };
+  return of(0) | of(8) << 8;  // red and blue, green
 }
 
 /// The colours at points. @param size  of the pixels' footprints on the surface [m]
@@ -129,25 +140,25 @@ SKYBODY_RENDER Triple colors_at(const TexturedShape& s, const TexturePlace& plac
   const Floats high = size * place.v_per_metre * static_cast<float>(texels.level[0].height);
   const bool repeats = s.form == TextureForm::kPlane || s.form == TextureForm::kMesh;
   const bool is_round = s.form == TextureForm::kSphere || s.form == TextureForm::kCylinder;
-  float u[kLanes], v[kLanes], texels_per_pixel[kLanes], red[kLanes] = {}, green[kLanes] = {},
-                                                        blue[kLanes] = {};
-  const Floats least = floats(-4096.0f), most = floats(4096.0f);
-  store(min(max(place.u, least), most), u);
-  store(min(max(place.v, least), most), v);
-  store(max(wide, high), texels_per_pixel);
+  float u[kLanes], v[kLanes];
+  store(share_of(place.u, repeats || is_round), u);
+  store(share_of(place.v, repeats), v);
+  // The exponent of a float, rounded up.
+  const Ints bits = reinterpret_cast<Ints>(max(max(wide, high), floats(1.0f)));
+  int32_t levels[kLanes];
+  store(((bits + 0x7fffff) >> 23) - 127, levels);
+  uint32_t colors[kLanes] = {};
   for (; wanted != 0; wanted &= wanted - 1) {
     const int i = __builtin_ctz(wanted);
-    int level = 0;
-    for (float rest = texels_per_pixel[i]; rest > 1.0f && level + 1 < texels.count; rest *= 0.5f) {
-      ++level;
-    }
-    float color[3];
-    look_up(texels.level[level], u[i], v[i], repeats || is_round, repeats, color);
-    red[i] = color[0];
-    green[i] = color[1];
-    blue[i] = color[2];
+    const TexelLevel& level = texels.level[levels[i] < texels.count ? levels[i] : texels.count - 1];
+    colors[i] = texel_at(level, Pair(u[i], level.width, repeats || is_round),
+                         Pair(v[i], level.height, repeats));
   }
-  return {load<Floats>(red), load<Floats>(green), load<Floats>(blue)};
+  const Ints color = load<Ints>(colors);
+  const auto channel = [&color](int shift) {
+    return __builtin_convertvector(color >> shift & 255, Floats) * (1.0f / 255.0f);
+  };
+  return {channel(0), channel(8), channel(16)};
 }
 
 /// The texture of a shape. Not inlined: kernels without textures stay as they are.

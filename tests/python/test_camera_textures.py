@@ -101,7 +101,7 @@ def check_quadrants(picture: NDArray[Any], half: int) -> None:
 def test_a_body_shows_the_picture_of_its_material(tmp_path: Path, geometry: str) -> None:
     picture = image(write(tmp_path / "a", geometry))[0]
     if "sphere" not in geometry:
-        return check_quadrants(picture, 32)  # at 1.5 m
+        return check_quadrants(picture, 16)  # at 1.5 m
     # From behind, the picture's sides meet: its right half is on the left.
     middle = SIZE // 2
     np.testing.assert_allclose(picture[middle - 8, middle - 8], (0, 240, 0), atol=1)
@@ -129,9 +129,9 @@ def test_the_ground_repeats_a_picture(tmp_path: Path) -> None:
     x, y = np.meshgrid(EYE[0] - across, -across, indexing="ij")
     column, row = x / 4 % 1, -y / 4 % 1
     expected = quadrants()[(row * 64).astype(int), (column * 64).astype(int)]
-    inside = (np.abs(column % 0.5 - 0.25) < 0.2) & (np.abs(row % 0.5 - 0.25) < 0.2)
+    inside = (np.abs(column % 0.5 - 0.25) < 0.16) & (np.abs(row % 0.5 - 0.25) < 0.16)
     inside &= np.hypot(x, y) > 0.1
-    assert np.mean(inside) > 0.5
+    assert np.mean(inside) > 0.3
     np.testing.assert_allclose(seen[inside].astype(int), expected[inside], atol=1)
 
 
