@@ -236,19 +236,17 @@ def curve(run: Run) -> dict[str, list[float | None]]:
     return found
 
 
-def same_run(row: Row, course: Course) -> Row | None:
-    """The row as of today, or None if it is of another run by now.
+def is_of_today(row: Row, course: Course) -> bool:
+    """Whether a row's run would be the same today.
 
-    A new parameter changes a scenario's hash. The row then stays, with the new hash, if the first
-    rollout and its update have the same bits.
+    A new parameter changes a scenario's hash: then the first rollout and its update must have the
+    same bits.
     """
     total = preset(course.scenario, course.algorithm).total_steps
     was, now = row_decides(row, course), what_decides(course, total)
     if was | {"scenario_hash": ""} != now | {"scenario_hash": ""}:
-        return None
-    if was != now and start(course, row["seed"], total) != row["start"]:
-        return None
-    return row | {"scenario_hash": now["scenario_hash"]}
+        return False
+    return was == now or start(course, row["seed"], total) == row["start"]
 
 
 def kept(path: Path, courses: Sequence[Course]) -> list[Row]:
@@ -259,9 +257,8 @@ def kept(path: Path, courses: Sequence[Course]) -> list[Row]:
     rows = []
     for row in json.loads(path.read_text())["runs"]:
         course = by_name.get(row["scenario"])
-        same = same_run(row, course) if course and row["seed"] in course.seeds else None
-        if same is not None:
-            rows.append(same)
+        if course and row["seed"] in course.seeds and is_of_today(row, course):
+            rows.append(row)
             continue
         print(f"{row['scenario']}, seed {row['seed']}: is another run by now, its row goes")
     return rows
