@@ -177,6 +177,12 @@ def _racing(scenario: str, gates: int, track: str = "") -> Course:
     return Course(scenario, (passed, lap), minutes=30.0)
 
 
+def _racing_by_eye(scenario: str, gates: int) -> Course:
+    """The same on tracks and with frames that no line was planned for."""
+    passed = Mean("gates_passed", f"gates of {gates}", least=0.9 * gates)
+    return Course(scenario, (passed,), minutes=30.0)
+
+
 def _duel(scenario: str, gates: int, track: str, racers: tuple[str, ...]) -> Course:
     """The same against an opponent: results of the leader, in races that no failure ends."""
     most = LAP_FACTOR * LAPS[track]
@@ -210,10 +216,12 @@ COURSES = (
     ),
     _racing("racing", 15),
     _racing("racing_drawn", 15, track="racing"),
+    _racing_by_eye("racing_vision", 15),
     _racing("racing_split_s", 12),
     _racing("racing_figure", 18),
     _duel("racing_duel", 15, "racing", ("red", "blue")),
     Course("landing", (Share(0.9),)),
+    Course("landing_vision", (Share(0.9),), minutes=30.0),
     Course("obstacles", (Share(0.9),)),
     Course("obstacles_rays", (Share(0.9),)),
     Course(
