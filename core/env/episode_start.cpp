@@ -37,7 +37,8 @@ void EpisodeStart::begin(StateGroup& group, std::uint32_t mask) const {
     group.writable(kStatus)[lane] = kRunning;
     group.writable(kRedraws)[lane] = 0;
     place(group, lane);
-    group.clear_images(lane);
+    group.images().clear(lane);
+    group.take_undrawn(1u << lane);
     for (const Block& block :
          {l.wrench, l.bodies_before, l.action, l.command, l.sensors, l.contacts, l.contact_pairs,
           l.joint_reactions, l.last_observation}) {

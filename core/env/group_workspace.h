@@ -81,7 +81,7 @@ class GroupWorkspace {
   TaskOutcome outcome;
   DrawScratch draws;
   LaneFaults faults;
-  std::vector<Contact> contacts;                      ///< of one lane
+  std::vector<Contact> contacts;          ///< of one lane
   std::vector<std::uint8_t*> image_rows;  ///< for Rows::images, one per image of the observation
 };
 

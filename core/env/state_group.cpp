@@ -47,7 +47,8 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
 
 void StateGroup::clear(int lane) {
   for (int k = 0; k < words(); ++k) at(k)[lane] = 0;
-  clear_images(lane);
+  images_.clear(lane);
+  undrawn_ &= ~(1u << lane);
   forget(1u << lane);
   occupied_ |= 1u << lane;
 }
@@ -62,14 +63,9 @@ void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
   const auto count = static_cast<std::size_t>(words());
   SKYBODY_DEMAND(saved.size() == count, "a snapshot of another layout");
   for (std::size_t k = 0; k < count; ++k) at(static_cast<int>(k))[lane] = saved[k];
-  clear_images(lane);
+  images_.clear(lane);
   undrawn_ |= 1u << lane;
   forget(1u << lane);
-}
-
-void StateGroup::clear_images(int lane) {
-  images_.clear(lane);
-  undrawn_ &= ~(1u << lane);
 }
 
 std::vector<BodyState> StateGroup::body_states(int lane) const {

@@ -78,8 +78,6 @@ class StateGroup {
   /// Sets all words of a lane to zero; the lane is occupied from then on.
   void clear(int lane);
   ImageMemory& images() { return images_; }
-  /// Sets a lane's images to 0.
-  void clear_images(int lane);
   /// The lane's images are 0 until its sensors draw them again (CompiledScenario::update).
   /// @param saved  result of save()
   void restore(int lane, const std::vector<std::uint64_t>& saved);
