@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from skybody import CompiledScenario, InputError
+from skybody import CompiledScenario, Error
 from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluate import SEED as EVALUATION_SEED
@@ -218,7 +218,7 @@ def is_shipped(scenario: str, checkpoint: Path) -> bool:
     """Whether the shipped policy has the same weights as this one."""
     try:
         mine, theirs = read_policy(checkpoint / "policy.h5"), read_policy(shipped_policy(scenario))
-    except (OSError, ValueError, InputError):
+    except (OSError, ValueError, Error):
         return False
     return len(mine.layers) == len(theirs.layers) and all(
         np.array_equal(a.weight, b.weight) for a, b in zip(mine.layers, theirs.layers, strict=True)
