@@ -33,10 +33,12 @@ def flights_of(scenario: str, folder: Path) -> Any:
     [
         ("racing", 0.98),
         ("racing_drawn", 0.82),
+        ("racing_vision", 0.82),
         ("racing_split_s", 0.87),
         ("racing_figure", 0.94),
         ("racing_duel", 0.83),
         ("landing", 0.92),
+        ("landing_vision", 0.92),
     ],
 )
 def test_a_shipped_policy_succeeds(scenario: str, least: float, tmp_path: Path) -> None:
