@@ -31,6 +31,13 @@ def test_the_readmes_first_python_block_runs():
     output("-c", block)
 
 
+def test_the_image_example_trains_stable_baselines():
+    assert re.fullmatch(
+        r"\d+ episodes, mean return -?[\d.]+\n",
+        output(str(ROOT / "examples/sb3_images.py"), "--steps", "2048"),
+    )
+
+
 def test_the_imu_example_learns_from_a_box_and_a_dict():
     line = r": 2048 steps in \d+ s, mean return -?[\d.]+ before, -?[\d.]+ after\n"
     assert re.fullmatch(
