@@ -183,6 +183,7 @@ Light Renderer::light(const Eye& eye, std::span<const PlacedShape> shapes, const
   light.casters = scratch.casters;
   light.bounds = scratch.bounds;
   for (std::size_t i = 0; frame.rgb != nullptr && sky.has_shadows && i < shapes.size(); ++i) {
+    if (!shapes[i].casts_shadow) continue;
     cast(shapes[i], static_cast<int>(i), eye, light, scratch.casters);
   }
   return light;
@@ -343,7 +344,10 @@ void Renderer::draw_band(int band, const Scratch& scratch, const Seen& seen, con
               scratch.triangle_counts, scratch.triangle_lists);
   }
   const int top = band * kTileHeight;
+  const std::uint8_t* wanted = frame.tiles;
+  if (wanted != nullptr) wanted += static_cast<std::ptrdiff_t>(band) * columns_;
   for (int column = 0; column < columns_; ++column) {
+    if (wanted != nullptr && wanted[column] == 0) continue;
     const int left = column * kTileWidth;
     const GridPixels pixels{x_.data() + left,
                             y_.data() + top,

@@ -30,6 +30,8 @@ struct Frame {
   float* normal = nullptr;  ///< right, down, forward of the outward unit normal; 0, 0, 0: nothing
   std::uint8_t* rgb = nullptr;    ///< red, green, blue
   std::int32_t* shape = nullptr;  ///< index of the shape in the list of draw(); -1: nothing
+  /// Of a grid: 1 for tiles to draw, kTileWidth x kTileHeight pixels each, row by row; null: all.
+  const std::uint8_t* tiles = nullptr;
 
   bool is_shaded() const { return normal != nullptr || rgb != nullptr; }
 };

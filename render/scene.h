@@ -52,6 +52,7 @@ struct PlacedShape {
   Label label = Label::kNothing;
   Paint paint;
   const Mesh* mesh = nullptr;  ///< of a kMesh, which has no `half`
+  bool casts_shadow = true;
 };
 
 /// A place to see from.

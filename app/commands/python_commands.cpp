@@ -23,6 +23,7 @@ struct PythonCommand {
 constexpr PythonCommand kCommands[] = {
     {"train", "skybody.train", "Train a policy in a scenario, reproducibly"},
     {"tune", "skybody.tune", "Fit the gains of a chain of controllers to a vehicle"},
+    {"render", "skybody.look", "Draw flights as films or pictures"},
     {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
 };
 

@@ -41,6 +41,9 @@ class SetupTables {
 
   /// Collision shapes of bodies, then obstacles.
   const std::vector<SkybodyShapeInfo>& shapes() const { return shapes_; }
+  /// Shapes that are drawn, in body order.
+  const std::vector<SkybodyVisualInfo>& visuals() const { return visuals_; }
+  const std::vector<SkybodyRotorInfo>& rotors() const { return rotors_; }
 
   /// Makes a configured sensor's channels visible to those configured later.
   void add_sensor(const PluginInstance& sensor);

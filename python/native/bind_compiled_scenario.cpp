@@ -1,3 +1,4 @@
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
@@ -11,6 +12,7 @@
 #include "core/env/plugin_setup_tables.h"
 #include "core/env/state_values.h"
 #include "core/env/value_names.h"
+#include "python/native/arrays.h"
 #include "python/native/bindings.h"
 #include "python/native/loaded_scenario.h"
 #include "python/native/shapes.h"
@@ -220,6 +222,25 @@ void bind_identity(nb::class_<LoadedScenario>& c) {
   c.def_prop_ro(
       "obstacles", [](const E& e) { return obstacles_of(*e); },
       "The obstacles of the scenario, in its order.");
+  c.def_prop_ro(
+      "visuals", [](const E& e) { return visuals_of(*e); },
+      "Shapes of bodies that are drawn, in body order: those of the URDF's `<visual>`, or the\n"
+      "collision shapes of a body without any.\n\nRaises Error if a mesh cannot be read.");
+  c.def_prop_ro(
+      "rotors", [](const E& e) { return rotors_of(*e); }, "All rotors, robot by robot.");
+  c.def_prop_ro(
+      "couplings", [](const E& e) { return couplings_of(*e); },
+      "The scenario's couplings, in its order.");
+  c.def(
+      "height_field_corners",
+      [](const E& e, int obstacle) {
+        const std::vector<float> corners = field_corners(*e, obstacle);
+        return copy_of<float>(corners, {corners.size() / 9, 3, 3});
+      },
+      nb::arg("obstacle"),
+      nb::sig("def height_field_corners(self, obstacle: int) -> numpy.ndarray"),
+      "Corners of the triangles of a height field, in its frame [m]: (triangles, 3, 3) float32.\n\n"
+      "obstacle: its place among the obstacles");
   c.def_prop_ro("agents", fact<&CompiledScenario::agents>,
                 "Indices of the robots that take actions: the agents of a multi-agent learner.");
   c.def("__repr__", [](const E& e) {

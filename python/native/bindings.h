@@ -22,6 +22,7 @@ void bind_learn(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);
 void bind_ppo(nb::module_& m);
+void bind_render(nb::module_& m);
 void bind_settings(nb::module_& m);
 void bind_shapes(nb::module_& m);
 void bind_simulation(nb::module_& m);

@@ -13,6 +13,7 @@ NB_MODULE(_native, m) {
   bind_policy(m);
   bind_pool(m);
   bind_ppo(m);
+  bind_render(m);
   bind_simulation(m);
   bind_simulation_pool(m);
   bind_versions(m);

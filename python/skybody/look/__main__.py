@@ -1,0 +1,160 @@
+"""`skybody render`: films and pictures of flights.
+
+    skybody render flights/racing/flight.h5 -o racing.mp4
+    skybody render a/flight.h5 b/flight.h5 -o both.mp4 --ghost
+    skybody render flights/payload/flight.h5 -o still.png --at 3
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from skybody import InputError
+from skybody.command_line import CommandLine, report_error
+
+from .cameras import CAMERAS
+from .film import Film, Frame, Panel, Size, writer
+from .flight import Flight
+from .scene import TRAILS, Scene, Style
+from .strip import Strip
+
+STRIP_SHARE = 0.24  # height of the plots, as a share of the film's
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of the command."""
+    made = CommandLine(
+        prog="skybody render",
+        description="Draws flights as a film (.mp4, .gif, .webp, or a folder of PNG) or a picture.",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    add = made.add_argument
+    add("logs", nargs="+", metavar="LOG[:EPISODE]", help="flight.h5, or its folder")
+    add("-o", "--out", type=Path, required=True, help="file to write")
+    add("--camera", default="orbit", help=f"views, side by side: {', '.join(CAMERAS)}, or several with commas")
+    add("--ghost", action="store_true", help="several logs in one world, the first one in full")
+    add("--size", default="1920x1080", metavar="WxH", help="[pixels], even numbers")
+    add("--rate", type=float, default=30.0, help="frames per second")
+    add("--speed", type=float, default=1.0, help="2: twice as fast")
+    add("--from", dest="first", type=float, default=0.0, help="start [s]")
+    add("--to", dest="last", type=float, default=None, help="end [s]; default: the flight's")
+    add("--at", type=float, default=None, help="one picture at this time [s]")
+    add("--plot", default="", metavar="NAMES", help="plots below: columns of the log with commas")
+    add("--trail", type=float, default=2.0, help="length of trails [s]; 0: none")
+    add("--trail-color", default="speed", choices=("speed", "error", "robot"), help="of trails")
+    add("--thrust", action="store_true", help="lines of the rotors' thrust")
+    add("--field-of-view", type=float, default=60.0, help="horizontal [degrees]")
+    return made
+
+
+def scenes_of(options: argparse.Namespace) -> list[Scene]:
+    """One scene a log."""
+    color = "" if options.trail_color == "robot" else options.trail_color
+    scenes = []
+    for k, log in enumerate(options.logs):
+        ghost = TRAILS[k % len(TRAILS)] if options.ghost and k > 0 else None
+        style = Style(
+            trail=options.trail, trail_value=color, thrust=options.thrust, ghost=ghost
+        )
+        scenes.append(Scene(open_log(log), style))
+    return scenes
+
+
+def open_log(argument: str) -> Flight:
+    """Opens `LOG` or `LOG:EPISODE`."""
+    path, _, number = argument.rpartition(":")
+    if path and number.isdigit():
+        return Flight(path, int(number))
+    return Flight(argument)
+
+
+def size_of(options: argparse.Namespace) -> Size:
+    """The film's size.
+
+    Raises:
+        InputError: it cannot be drawn.
+    """
+    words = options.size.lower().split("x")
+    if len(words) != 2 or not all(word.isdigit() for word in words):
+        raise InputError(f"--size is `{options.size}`; allowed: WIDTHxHEIGHT, such as 1280x720")
+    width, height = int(words[0]), int(words[1])
+    if not (64 <= width <= 3840 and 64 <= height <= 2160) or width % 2 or height % 2:
+        raise InputError(f"--size is {width}x{height}; allowed: even numbers, 64x64 to 3840x2160")
+    for name, value, least, most in (
+        ("--rate", options.rate, 1.0, 120.0),
+        ("--speed", options.speed, 0.01, 100.0),
+        ("--field-of-view", options.field_of_view, 10.0, 120.0),
+    ):
+        if not least <= value <= most:
+            raise InputError(f"{name} is {value:g}; allowed: {least:g} to {most:g}")
+    return Size(width, height, options.rate, float(np.radians(options.field_of_view)))
+
+
+def panels_of(scenes: list[Scene], cameras: list[str], ghost: bool, size: Size, height: int) -> list[Panel]:
+    """A grid: a column for each world, or each camera of the only one."""
+    worlds = [tuple(scenes)] if ghost else [(scene,) for scene in scenes]
+    cells = [(world, name) for world in worlds for name in cameras]
+    columns = int(np.ceil(np.sqrt(len(cells))))
+    rows = int(np.ceil(len(cells) / columns))
+    width, tall = size.width // columns, height // rows
+    return [
+        Panel(world, name, (k % columns) * width, (k // columns) * tall, width, tall)
+        for k, (world, name) in enumerate(cells)
+    ]
+
+
+def progress(done: int, of: int) -> None:
+    """A line that replaces itself on a terminal."""
+    if sys.stderr.isatty():
+        bar = "#" * (30 * done // of)
+        print(f"\r[{bar:<30}] {done} of {of} frames", end="\n" if done == of else "", file=sys.stderr)
+
+
+def render(options: argparse.Namespace) -> int:
+    """Writes the film."""
+    size = size_of(options)
+    scenes = scenes_of(options)
+    names = [name for name in options.plot.split(",") if name]
+    below = 2 * int(STRIP_SHARE * size.height / 2) if names else 0
+    strip = Strip([s.flight for s in scenes], names, size.width, below) if names else None
+    cameras = options.camera.split(",")
+    film = Film(panels_of(scenes, cameras, options.ghost, size, size.height - below), size)
+
+    def finish(frame: Frame, time: float) -> Frame:
+        if strip is not None:
+            frame[size.height - below :] = strip.at(time)
+        return frame
+
+    last = film.duration if options.last is None else min(options.last, film.duration)
+    step = options.speed / size.rate
+    times = np.arange(options.first, last + 0.5 * step, step)
+    if options.at is not None:
+        times = np.array([options.at])
+    elif options.out.suffix == ".png":
+        times = np.array([0.5 * (options.first + last)])
+    if len(times) == 0:
+        raise InputError(f"no frames between --from {options.first:g} and --to {last:g}")
+    file = writer(options.out, size)
+    for done, frame in enumerate(film.frames(list(times), finish), start=1):
+        file.add(frame)
+        progress(done, len(times))
+    file.close()
+    print(f"film     {options.out}" if len(times) > 1 else f"picture  {options.out}")
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command."""
+    try:
+        return render(parser().parse_args(arguments))
+    except InputError as error:
+        return report_error(str(error))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,244 @@
+"""A recorded flight: one episode of a flight log (docs/flight-log.md)."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from skybody import CompiledScenario, InputError
+
+FORMAT = "skybody flight log"
+# Keys of scenario files whose values name files, relative to the scenario's folder.
+FILE_KEYS = re.compile(r"^(\s*(?:- )?(?:model|rotors|file|reference)): (\S+)$", re.MULTILINE)
+
+Array = NDArray[np.float64]
+
+
+def texts(values: object) -> list[str]:
+    """Texts of an HDF5 attribute or dataset."""
+    array = np.atleast_1d(np.asarray(values, dtype=object))
+    return [v.decode() if isinstance(v, bytes) else str(v) for v in array]
+
+
+@dataclass(frozen=True)
+class Event:
+    """An entry of the log's table of events."""
+
+    time: float  # since the reset [s]
+    text: str
+
+
+class Flight:
+    """One episode of a flight log. Rows are the states after the reset and after each action."""
+
+    def __init__(self, log: str | Path, episode: int | None = None) -> None:
+        """Opens a log.
+
+        Args:
+            log: flight.h5 of `skybody run`, or a folder that contains it.
+            episode: its number, from 1; None: the first one.
+
+        Raises:
+            InputError: the file is no flight log, or has no such episode.
+        """
+        self.path = Path(log) / "flight.h5" if Path(log).is_dir() else Path(log)
+        self._file = _open(self.path)
+        names = sorted(self._file["episodes"])
+        name = f"{episode:04d}" if episode is not None else (names or [""])[0]
+        if name not in names:
+            there = f"it has {', '.join(str(int(n)) for n in names)}" if names else "it has none"
+            raise InputError(f"{self.path}: no episode {episode or 1}; {there}")
+        self.episode = int(name)
+        self._group = self._file["episodes"][name]
+        if "bodies" not in self._group:
+            raise InputError(f"{self.path}: episode {self.episode} has no bodies to draw")
+
+    # --- identity -------------------------------------------------------------------------------
+
+    @property
+    def scenario(self) -> str:
+        """The scenario's name."""
+        return str(self._file.attrs["scenario"])
+
+    @property
+    def policy(self) -> str:
+        """The policy as it was named to `skybody run`; empty: none."""
+        return str(self._file.attrs.get("policy", ""))
+
+    @cached_property
+    def compiled(self) -> CompiledScenario:
+        """The flight's scenario.
+
+        Raises:
+            InputError: its files have changed or are gone.
+        """
+        return _compile(self._file, self.path)
+
+    # --- data -----------------------------------------------------------------------------------
+
+    @cached_property
+    def time(self) -> Array:
+        """Of each row, since the reset [s]."""
+        return np.asarray(self._group["time"][:], dtype=np.float64)
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return float(self.time[-1])
+
+    @cached_property
+    def body_names(self) -> list[str]:
+        """ROBOT.LINK of each body."""
+        return texts(self._group["bodies"].attrs["items"])
+
+    @cached_property
+    def bodies(self) -> Array:
+        """Rows x bodies x 13: position (W) [m], quaternion w x y z (W from B), velocity (W) [m/s],
+        angular velocity (B) [rad/s].
+        """
+        return np.asarray(self._group["bodies"][:], dtype=np.float64)
+
+    @cached_property
+    def rotor_names(self) -> list[str]:
+        """ROBOT.ROTOR of each rotor; empty: none was recorded."""
+        return texts(self._group["rotor_speed"].attrs["columns"]) if self._has("rotor_speed") else []
+
+    @cached_property
+    def rotor_speed(self) -> Array:
+        """Rows x rotors [rad/s]."""
+        if not self._has("rotor_speed"):
+            return np.zeros((len(self.time), 0))
+        return np.asarray(self._group["rotor_speed"][:], dtype=np.float64)
+
+    @cached_property
+    def goals(self) -> dict[str, Array]:
+        """By the name of the body that has it: rows x 4, position (W) [m] and yaw [rad]."""
+        if not self._has("goal"):
+            return {}
+        goal = self._group["goal"]
+        return {name: goal[:, k] for k, name in enumerate(texts(goal.attrs["items"]))}
+
+    @cached_property
+    def touching(self) -> NDArray[np.bool_]:
+        """Whether something touches something, of each row."""
+        if not self._has("touching"):
+            return np.zeros(len(self.time), dtype=bool)
+        return np.asarray(self._group["touching"][:] == 1)
+
+    @cached_property
+    def drawn(self) -> dict[str, float]:
+        """Values of the episode's parameters by path."""
+        if "params" not in self._file or not self._has("params"):
+            return {}
+        paths = texts(self._file["params"]["paths"][:])
+        return dict(zip(paths, self._group["params"][:].tolist(), strict=True))
+
+    @cached_property
+    def events(self) -> list[Event]:
+        """What happened, in order."""
+        table = self._group["events"][:] if self._has("events") else []
+        return [Event(float(row["time"]), row["text"].decode()) for row in table]
+
+    def series(self, name: str) -> tuple[Array, str]:
+        """A value of each row by its name, and its unit.
+
+        Args:
+            name: a column of info, sensors, action, command, observation, q or u, or `reward`.
+
+        Raises:
+            InputError: there is no such column.
+        """
+        known = ["reward"]
+        if name == "reward":
+            return np.asarray(self._group["reward"][:]), ""
+        for dataset in ("info", "sensors", "command", "action", "observation", "q", "u"):
+            if not self._has(dataset):
+                continue
+            columns = texts(self._group[dataset].attrs["columns"])
+            if name in columns:
+                units = texts(self._group[dataset].attrs["units"])
+                k = columns.index(name)
+                return np.asarray(self._group[dataset][:, k], dtype=np.float64), units[k]
+            known += columns
+        raise InputError(f"{self.path}: no value `{name}`; there are: {', '.join(known[:40])}")
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """Poses between rows.
+
+        Args:
+            time: since the reset [s]; held at the ends.
+
+        Returns:
+            Positions (bodies, 3), W [m], and matrices (bodies, 3, 3), W from B.
+        """
+        row = int(np.clip(np.searchsorted(self.time, time) - 1, 0, max(len(self.time) - 2, 0)))
+        after = min(row + 1, len(self.time) - 1)
+        span = self.time[after] - self.time[row]
+        share = float(np.clip((time - self.time[row]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
+        a, b = self.bodies[row], self.bodies[after]
+        position = a[:, :3] + share * (b[:, :3] - a[:, :3])
+        nearer = np.where(np.sum(a[:, 3:7] * b[:, 3:7], axis=1, keepdims=True) < 0.0, -1.0, 1.0)
+        quaternion = a[:, 3:7] + share * (nearer * b[:, 3:7] - a[:, 3:7])
+        return position, rotation_of(quaternion)
+
+    def close(self) -> None:
+        """Closes the file; what was read stays."""
+        self._file.close()
+
+    def _has(self, dataset: str) -> bool:
+        return dataset in self._group
+
+
+def rotation_of(quaternions: Array) -> Array:
+    """Matrices of quaternions w x y z of any length above 0, along the last axis."""
+    w, x, y, z = np.moveaxis(quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def _open(path: Path) -> h5py.File:
+    try:
+        log = h5py.File(path)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; `skybody run` writes flight.h5") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as a flight log ({error})") from None
+    if not str(log.attrs.get("format", "")).startswith(FORMAT) or "episodes" not in log:
+        raise InputError(f"{path}: is no flight log; `skybody run` writes flight.h5")
+    return log
+
+
+def _compile(log: h5py.File, path: Path) -> CompiledScenario:
+    """The scenario's file if it still is the one that was flown, else the log's own text."""
+    file, wanted = Path(str(log.attrs["scenario_file"])), str(log.attrs["scenario_hash"])
+    for scenario in (file, str(log.attrs["scenario"])):
+        try:
+            compiled = CompiledScenario(scenario)
+        except InputError:
+            continue
+        if f"{compiled.scenario_hash:016x}" == wanted:
+            return compiled
+    text = FILE_KEYS.sub(lambda found: _absolute(found, file.parent), str(log.attrs["scenario_text"]))
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / file.name
+        copy.write_text(text)
+        try:
+            return CompiledScenario(copy)
+        except InputError as error:
+            raise InputError(f"{path}: its scenario cannot be loaded any more: {error}") from None
+
+
+def _absolute(found: re.Match[str], folder: Path) -> str:
+    file = folder / found.group(2).strip("\"'")
+    return f"{found.group(1)}: {file if file.exists() else found.group(2)}"
