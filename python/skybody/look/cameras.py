@@ -49,9 +49,7 @@ def fixed(scene: Scene, field_of_view: float) -> Camera:
 
 def orbit(scene: Scene, field_of_view: float) -> Camera:
     """Goes about the middle of the robots, a turn in 24 s."""
-    low, high = scene.box()
-    spread = float(np.linalg.norm(high - low)) / 2
-    away = max(5.0 * scene.size(), min(0.9 * spread, 14.0 * scene.size()))
+    away = 5.0 * scene.size() + 2.3 * scene.reach()
 
     def view(time: float) -> View:
         azimuth = np.radians(-125.0 + 15.0 * time)

@@ -182,9 +182,16 @@ class Scene:
         return moving + len(self._obstacles) + 1 + len(self.robots) * (2 * TRAIL_PARTS + 8)
 
     def center(self, time: float) -> Array:
-        """Middle of the robots' bases, W [m]."""
+        """Middle of the box about all bodies, W [m]."""
         position, _ = self.flight.at(time)
-        return position[[first for first, _ in self.robots.values()]].mean(axis=0)
+        return 0.5 * (position.min(axis=0) + position.max(axis=0))
+
+    def reach(self) -> float:
+        """Distance of the bodies from their middle, the 95th percentile over the flight [m]."""
+        place = self.flight.bodies[:, :, :3]
+        middle = 0.5 * (place.min(axis=1) + place.max(axis=1))
+        apart = np.linalg.norm(place - middle[:, None], axis=-1).max(axis=1)
+        return float(np.nanpercentile(apart, 95.0))
 
     def box(self) -> tuple[Array, Array]:
         """Corners of a box about all bodies at all times, W [m]."""
@@ -273,7 +280,7 @@ class Scene:
             place = row_at(self.flight, goal, time)[:3]
             if not np.isfinite(place).all():
                 continue
-            arm = 0.6 * self.size()
+            arm = 0.3 * self.size()
             for axis in IDENTITY:
                 shapes.add_line(place - arm * axis, place + arm * axis, 0.03 * arm, GOAL, shadow=False)
 
