@@ -147,7 +147,8 @@ void bind_render(nb::module_& m) {
           [](Picture& self, const Doubles1& position, const Axes& axes, const Numbers& kinds,
              const Doubles2& positions, const Doubles3& shape_axes, const Doubles2& halves,
              const Floats2& colors, const Floats2& checkers, const Floats1& squares,
-             const Marks& shadows, const nb::list& meshes, const Doubles1& sun, Rgb rgb) {
+             const Marks& shadows, const nb::typed<nb::list, nb::object>& meshes,
+             const Doubles1& sun, Rgb rgb) {
             std::vector<const Mesh*> used;
             for (const nb::handle mesh : meshes) {
               used.push_back(mesh.is_none() ? nullptr : nb::cast<const Mesh*>(mesh));

@@ -1,24 +1,23 @@
 """`skybody render`: films and pictures of flights.
 
-    skybody render flights/racing/flight.h5 -o racing.mp4
-    skybody render a/flight.h5 b/flight.h5 -o both.mp4 --ghost
-    skybody render flights/payload/flight.h5 -o still.png --at 3
+skybody render flights/racing/flight.h5 -o racing.mp4
+skybody render a/flight.h5 b/flight.h5 -o both.mp4 --ghost
+skybody render flights/payload/flight.h5 -o still.png --at 3
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-
 from skybody import InputError
 from skybody.command_line import CommandLine, report_error
 
 from .cameras import CAMERAS
-from .film import Film, Frame, Panel, Size, writer
+from .film import Film, Frame, Panel, Size, write
 from .flight import Flight
 from .scene import TRAILS, Scene, Style
 from .strip import Strip
@@ -36,7 +35,11 @@ def parser() -> argparse.ArgumentParser:
     add = made.add_argument
     add("logs", nargs="+", metavar="LOG[:EPISODE]", help="flight.h5, or its folder")
     add("-o", "--out", type=Path, required=True, help="file to write")
-    add("--camera", default="orbit", help=f"views, side by side: {', '.join(CAMERAS)}, or several with commas")
+    add(
+        "--camera",
+        default="orbit",
+        help=f"views, side by side: {', '.join(CAMERAS)}, or several with commas",
+    )
     add("--ghost", action="store_true", help="several logs in one world, the first one in full")
     add("--size", default="1920x1080", metavar="WxH", help="[pixels], even numbers")
     add("--rate", type=float, default=30.0, help="frames per second")
@@ -58,9 +61,7 @@ def scenes_of(options: argparse.Namespace) -> list[Scene]:
     scenes = []
     for k, log in enumerate(options.logs):
         ghost = TRAILS[k % len(TRAILS)] if options.ghost and k > 0 else None
-        style = Style(
-            trail=options.trail, trail_value=color, thrust=options.thrust, ghost=ghost
-        )
+        style = Style(trail=options.trail, trail_value=color, thrust=options.thrust, ghost=ghost)
         scenes.append(Scene(open_log(log), style))
     return scenes
 
@@ -95,7 +96,9 @@ def size_of(options: argparse.Namespace) -> Size:
     return Size(width, height, options.rate, float(np.radians(options.field_of_view)))
 
 
-def panels_of(scenes: list[Scene], cameras: list[str], ghost: bool, size: Size, height: int) -> list[Panel]:
+def panels_of(
+    scenes: list[Scene], cameras: list[str], ghost: bool, size: Size, height: int
+) -> list[Panel]:
     """A grid: a column for each world, or each camera of the only one."""
     worlds = [tuple(scenes)] if ghost else [(scene,) for scene in scenes]
     cells = [(world, name) for world in worlds for name in cameras]
@@ -108,11 +111,14 @@ def panels_of(scenes: list[Scene], cameras: list[str], ghost: bool, size: Size, 
     ]
 
 
-def progress(done: int, of: int) -> None:
-    """A line that replaces itself on a terminal."""
-    if sys.stderr.isatty():
-        bar = "#" * (30 * done // of)
-        print(f"\r[{bar:<30}] {done} of {of} frames", end="\n" if done == of else "", file=sys.stderr)
+def counted(frames: Iterator[Frame], of: int) -> Iterator[Frame]:
+    """The frames, with a bar on a terminal."""
+    for done, frame in enumerate(frames, start=1):
+        yield frame
+        if sys.stderr.isatty():
+            bar = "#" * (30 * done // of)
+            end = "\n" if done == of else ""
+            print(f"\r[{bar:<30}] {done} of {of} frames", end=end, file=sys.stderr, flush=True)
 
 
 def render(options: argparse.Namespace) -> int:
@@ -139,11 +145,7 @@ def render(options: argparse.Namespace) -> int:
         times = np.array([0.5 * (options.first + last)])
     if len(times) == 0:
         raise InputError(f"no frames between --from {options.first:g} and --to {last:g}")
-    file = writer(options.out, size)
-    for done, frame in enumerate(film.frames(list(times), finish), start=1):
-        file.add(frame)
-        progress(done, len(times))
-    file.close()
+    write(options.out, size, counted(film.frames(list(times), finish), len(times)))
     print(f"film     {options.out}" if len(times) > 1 else f"picture  {options.out}")
     return 0
 

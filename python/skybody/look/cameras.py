@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
 from skybody import InputError
 
 from .flight import Array
@@ -120,7 +119,7 @@ def direction(azimuth: float, elevation: float) -> Array:
 def smooth_center(scene: Scene, time: float) -> Array:
     """Mean of the robots' middle over 1.5 s about a time, W [m]."""
     times = np.clip(time + np.linspace(-0.75, 0.75, 7), 0.0, scene.flight.duration)
-    return np.mean([scene.center(float(t)) for t in times], axis=0)
+    return np.asarray(np.mean([scene.center(float(t)) for t in times], axis=0))
 
 
 def headings(place: Array, axes: Array) -> Array:

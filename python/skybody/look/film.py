@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-
 from skybody import InputError
 from skybody._native import Renderer
 
 from .cameras import Camera, camera
-from .scene import Scene, Shapes
+from .scene import Scene
+from .shapes import Shapes
 
 FARTHEST = 500.0  # of surfaces that are seen [m]
 Frame = NDArray[np.uint8]  # (height, width, 3)
@@ -101,123 +101,106 @@ def _prepare(panel: Panel, size: Size) -> tuple[Renderer, Camera]:
 # --- files --------------------------------------------------------------------------------------
 
 
-class Writer(Protocol):
-    """Takes frames, one after another."""
+def write(path: Path, size: Size, frames: Iterable[Frame]) -> None:
+    """Writes frames by the file's ending; nothing is left of a film that could not be finished.
 
-    def add(self, frame: Frame) -> None: ...
-
-    def close(self) -> None: ...
-
-
-class VideoWriter:
-    """An MP4 by ffmpeg, H.264; the same frames give the same bytes."""
-
-    def __init__(self, path: Path, size: Size) -> None:
-        self.path = path
-        self._part = path.with_name(f".{path.stem}.part{path.suffix}")
-        command = [
-            ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
-            "-s", f"{size.width}x{size.height}", "-r", f"{size.rate:g}", "-i", "-",
-            "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p",
-            "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact",
-            "-movflags", "+faststart", str(self._part),
-        ]  # fmt: skip
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
-
-    def add(self, frame: Frame) -> None:
-        assert self._process.stdin is not None
-        try:
-            self._process.stdin.write(frame.tobytes())
-        except BrokenPipeError:
-            self.close()
-
-    def close(self) -> None:
-        _, message = self._process.communicate()
-        if self._process.returncode != 0:
-            self._part.unlink(missing_ok=True)
-            raise InputError(f"{self.path}: ffmpeg failed: {message.decode().strip()}")
-        self._part.replace(self.path)
-
-
-class PictureWriter:
-    """An animated GIF or WebP, or a folder or file of PNG."""
-
-    def __init__(self, path: Path, size: Size) -> None:
-        self.path, self._size = path, size
-        self._frames: list[Image.Image] = []
-        self._palette: Image.Image | None = None
-
-    def add(self, frame: Frame) -> None:
-        image = Image.fromarray(frame)
-        if self.path.suffix == ".gif":
-            self._palette = self._palette or image.quantize(200, Image.Quantize.MEDIANCUT)
-            image = image.quantize(palette=self._palette, dither=Image.Dither.NONE)
-        self._frames.append(image)
-
-    def close(self) -> None:
-        part = self.path.with_name(f".{self.path.stem}.part{self.path.suffix}")
-        more = {"quality": 80, "method": 4} if self.path.suffix == ".webp" else {}
-        self._frames[0].save(
-            part,
-            save_all=len(self._frames) > 1,
-            append_images=self._frames[1:],
-            duration=round(1000 / self._size.rate),
-            loop=0,
-            **more,
-        )
-        part.replace(self.path)
-
-
-class FolderWriter:
-    """Numbered PNG files in a folder."""
-
-    def __init__(self, path: Path, size: Size) -> None:
-        self.path = path
-        path.mkdir(parents=True, exist_ok=True)
-        self._next = 0
-
-    def add(self, frame: Frame) -> None:
-        Image.fromarray(frame).save(self.path / f"frame_{self._next:06d}.png")
-        self._next += 1
-
-    def close(self) -> None:
-        pass
-
-
-def writer(path: Path, size: Size) -> Writer:
-    """A writer by the file's ending.
+    Args:
+        path: .mp4, .gif, .webp, .png, or without ending a folder of numbered PNG files.
 
     Raises:
         InputError: unknown ending, no ffmpeg, or a folder that cannot be written.
     """
+    kind = KINDS.get(path.suffix)
+    if kind is None:
+        raise InputError(
+            f"{path}: unknown ending `{path.suffix}`; allowed: .mp4, .gif, .webp, .png, or none "
+            "for a folder of PNG files"
+        )
+    part = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        if path.suffix == "":
-            return FolderWriter(path, size)
+        kind(part if path.suffix else path, size, frames)
+        if path.suffix:
+            part.replace(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
-    if not os.access(path.parent, os.W_OK):
-        raise InputError(f"{path}: the folder {path.parent} cannot be written; choose another")
-    if path.suffix == ".mp4":
-        return VideoWriter(path, size)
-    if path.suffix in (".gif", ".webp", ".png"):
-        return PictureWriter(path, size)
-    raise InputError(
-        f"{path}: unknown ending `{path.suffix}`; allowed: .mp4, .gif, .webp, .png, or none for a "
-        "folder of PNG files"
+        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+    finally:
+        if path.suffix:
+            part.unlink(missing_ok=True)
+
+
+def write_video(path: Path, size: Size, frames: Iterable[Frame]) -> None:
+    """An MP4, H.264, by ffmpeg; the same frames give the same bytes."""
+    command = [
+        ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+        "-s", f"{size.width}x{size.height}", "-r", f"{size.rate:g}", "-i", "-",
+        "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p",
+        "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact",
+        "-movflags", "+faststart", str(path),
+    ]  # fmt: skip
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        try:
+            for frame in frames:
+                process.stdin.write(frame.tobytes())
+        except BrokenPipeError:
+            pass  # ffmpeg has ended, and says why
+        _, message = process.communicate()
+    if process.returncode != 0:
+        raise OSError(f"ffmpeg: {message.decode().strip()}")
+
+
+def write_animation(path: Path, size: Size, frames: Iterable[Frame]) -> None:
+    """An animated GIF or WebP, or one PNG."""
+    images: Iterator[Image.Image] = (Image.fromarray(frame) for frame in frames)
+    if path.suffix == ".gif":
+        images = with_palette(images)
+    first = next(images)
+    if path.suffix == ".png":
+        first.save(path)
+        return
+    pause = round(1000 / size.rate)  # [ms]
+    first.save(
+        path, save_all=True, append_images=images, duration=pause, loop=0, quality=80, method=4
     )
 
 
+def write_folder(path: Path, size: Size, frames: Iterable[Frame]) -> None:
+    """Numbered PNG files."""
+    path.mkdir(exist_ok=True)
+    for number, frame in enumerate(frames):
+        Image.fromarray(frame).save(path / f"frame_{number:06d}.png")
+
+
+KINDS: dict[str, Callable[[Path, Size, Iterable[Frame]], None]] = {
+    ".mp4": write_video,
+    ".gif": write_animation,
+    ".webp": write_animation,
+    ".png": write_animation,
+    "": write_folder,
+}
+
+
+def with_palette(images: Iterator[Image.Image]) -> Iterator[Image.Image]:
+    """The images in 200 colours of the first one, so that colours stay."""
+    palette: Image.Image | None = None
+    for image in images:
+        palette = palette or image.quantize(200, Image.Quantize.MEDIANCUT)
+        yield image.quantize(palette=palette, dither=Image.Dither.NONE)
+
+
 def ffmpeg() -> str:
-    """The program's path.
+    """The program: the system's, or that of the package imageio-ffmpeg.
 
     Raises:
-        InputError: it is not installed.
+        InputError: there is none.
     """
-    found = shutil.which("ffmpeg")
-    if found is None:
+    if found := shutil.which("ffmpeg"):
+        return found
+    try:
+        return str(importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
         raise InputError(
-            "an MP4 needs the program ffmpeg: `apt install ffmpeg`; or write .gif, .webp, or a "
-            "folder of PNG files, which need nothing more"
-        )
-    return found
+            "an MP4 needs ffmpeg: `pip install imageio-ffmpeg` or `apt install ffmpeg`; or write "
+            ".gif, .webp, or a folder of PNG files, which need nothing more"
+        ) from None

@@ -11,7 +11,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 from numpy.typing import NDArray
-
 from skybody import CompiledScenario, InputError
 
 FORMAT = "skybody flight log"
@@ -108,7 +107,9 @@ class Flight:
     @cached_property
     def rotor_names(self) -> list[str]:
         """ROBOT.ROTOR of each rotor; empty: none was recorded."""
-        return texts(self._group["rotor_speed"].attrs["columns"]) if self._has("rotor_speed") else []
+        return (
+            texts(self._group["rotor_speed"].attrs["columns"]) if self._has("rotor_speed") else []
+        )
 
     @cached_property
     def rotor_speed(self) -> Array:
@@ -198,7 +199,9 @@ class Flight:
 
 def rotation_of(quaternions: Array) -> Array:
     """Matrices of quaternions w x y z of any length above 0, along the last axis."""
-    w, x, y, z = np.moveaxis(quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True), -1, 0)
+    w, x, y, z = np.moveaxis(
+        quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True), -1, 0
+    )
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
@@ -229,7 +232,9 @@ def _compile(log: h5py.File, path: Path) -> CompiledScenario:
             continue
         if f"{compiled.scenario_hash:016x}" == wanted:
             return compiled
-    text = FILE_KEYS.sub(lambda found: _absolute(found, file.parent), str(log.attrs["scenario_text"]))
+    text = FILE_KEYS.sub(
+        lambda found: _absolute(found, file.parent), str(log.attrs["scenario_text"])
+    )
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / file.name
         copy.write_text(text)

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-
-from skybody._native import Mesh, Renderer, Shape, Visual
+from skybody._native import Mesh, Rotor, Shape, Visual
 
 from .flight import Array, Flight, rotation_of
+from .shapes import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    GROUND,
+    IDENTITY,
+    MESH,
+    SPHERE,
+    Color,
+    Shapes,
+    towards,
+)
 
-BOX, SPHERE, CYLINDER, CAPSULE, GROUND, MESH = range(6)
 KINDS = {
     "box": BOX,
     "sphere": SPHERE,
@@ -21,10 +31,6 @@ KINDS = {
     "plane": GROUND,
     "mesh": MESH,
 }
-IDENTITY = np.eye(3)
-SUN = np.array([-0.48, -0.36, 0.8])
-
-Color = tuple[float, float, float]
 GRASS: tuple[Color, Color] = ((0.42, 0.45, 0.43), (0.50, 0.53, 0.51))
 OBSTACLES: dict[str, Color] = {
     "gate": (0.95, 0.42, 0.10),
@@ -46,93 +52,6 @@ TRAILS: tuple[Color, ...] = (
     (0.93, 0.66, 0.10),
     (0.10, 0.62, 0.68),
 )
-
-
-@dataclass
-class Shapes:
-    """A growing list of shapes, as the renderer takes it."""
-
-    kinds: list[int] = field(default_factory=list)
-    positions: list[Array] = field(default_factory=list)
-    axes: list[Array] = field(default_factory=list)
-    halves: list[tuple[float, float, float]] = field(default_factory=list)
-    colors: list[Color] = field(default_factory=list)
-    checkers: list[Color] = field(default_factory=list)
-    squares: list[float] = field(default_factory=list)
-    shadows: list[bool] = field(default_factory=list)
-    meshes: list[Mesh | None] = field(default_factory=list)
-
-    def add(
-        self,
-        kind: int,
-        position: Array,
-        axes: Array,
-        half: tuple[float, float, float],
-        color: Color,
-        *,
-        shadow: bool = True,
-        mesh: Mesh | None = None,
-        checker: tuple[Color, float] | None = None,
-    ) -> None:
-        """Adds a shape.
-
-        Args:
-            position, axes: of its frame, W [m], and W from it.
-            half: half the edges of a box; radius in x and half the length in z [m].
-            shadow: whether it casts one.
-            checker: colour and edge [m] of every other square of the ground.
-        """
-        self.kinds.append(kind)
-        self.positions.append(position)
-        self.axes.append(axes)
-        self.halves.append(half)
-        self.colors.append(color)
-        self.checkers.append(checker[0] if checker else color)
-        self.squares.append(checker[1] if checker else 0.0)
-        self.shadows.append(shadow)
-        self.meshes.append(mesh)
-
-    def add_line(self, start: Array, end: Array, radius: float, color: Color, *, shadow: bool) -> None:
-        """Adds a capsule from point to point, W [m]."""
-        along = end - start
-        length = float(np.linalg.norm(along))
-        axes = towards(along / length) if length > 0.0 else IDENTITY
-        half = (radius, radius, 0.5 * length)
-        self.add(CAPSULE, 0.5 * (start + end), axes, half, color, shadow=shadow)
-
-    def __len__(self) -> int:
-        return len(self.kinds)
-
-    def draw(self, renderer: Renderer, eye: Array, axes: Array, rgb: NDArray[np.uint8]) -> None:
-        """Draws a picture.
-
-        Args:
-            eye, axes: position of the camera, W [m], and W from right, down, forward.
-            rgb: the result (height, width, 3).
-        """
-        renderer.draw(
-            eye,
-            np.ascontiguousarray(axes),
-            np.array(self.kinds, np.int32),
-            np.array(self.positions).reshape(-1, 3),
-            np.array(self.axes).reshape(-1, 3, 3),
-            np.array(self.halves, np.float64).reshape(-1, 3),
-            np.array(self.colors, np.float32).reshape(-1, 3),
-            np.array(self.checkers, np.float32).reshape(-1, 3),
-            np.array(self.squares, np.float32),
-            np.array(self.shadows, np.uint8),
-            self.meshes,
-            SUN,
-            rgb,
-        )
-
-
-def towards(z: Array) -> Array:
-    """A rotation whose third column is a unit vector."""
-    aside = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    x = np.cross(aside, z)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
 
 
 @dataclass(frozen=True)
@@ -184,7 +103,7 @@ class Scene:
     def center(self, time: float) -> Array:
         """Middle of the box about all bodies, W [m]."""
         position, _ = self.flight.at(time)
-        return 0.5 * (position.min(axis=0) + position.max(axis=0))
+        return np.asarray(0.5 * (position.min(axis=0) + position.max(axis=0)))
 
     def reach(self) -> float:
         """Distance of the bodies from their middle, the 95th percentile over the flight [m]."""
@@ -201,17 +120,15 @@ class Scene:
 
     def size(self) -> float:
         """Radius of the largest robot [m]."""
-        reach = [np.linalg.norm(r.position) + self._radii.get(r.name, 0.0) for r in self._rotors]
+        reach = [float(np.linalg.norm(r.position)) + self._radii[r.name] for r in self._rotors]
         half = [float(np.max(s.half)) + float(np.linalg.norm(s.position)) for s in self._bodies]
-        return float(max([*reach, *half, 0.05]))
+        return max([*reach, *half, 0.05])
 
     def add_to(self, shapes: Shapes, time: float) -> None:
         """Adds all shapes at a time since the reset [s]."""
         position, axes = self.flight.at(time)
         if not self.style.ghost:
-            shapes.add(
-                GROUND, np.zeros(3), IDENTITY, (0, 0, 0), GRASS[0], checker=(GRASS[1], 1.0)
-            )
+            shapes.add(GROUND, np.zeros(3), IDENTITY, (0, 0, 0), GRASS[0], checker=(GRASS[1], 1.0))
         for shape in (*self._obstacles, *self._bodies):
             add_fixed(shapes, shape, position, axes, self.style.ghost)
         self._add_rotors(shapes, time, position, axes)
@@ -234,9 +151,7 @@ class Scene:
             color = self.style.ghost or BLADE
             half = (radius, 0.09 * radius, 0.012 * radius + 1e-4)
             shapes.add(BOX, hub + 0.006 * z, spun, half, color, shadow=False)
-            shapes.add(
-                CYLINDER, hub, frame, (0.13 * radius, 0.13 * radius, 0.1 * radius), color
-            )
+            shapes.add(CYLINDER, hub, frame, (0.13 * radius, 0.13 * radius, 0.1 * radius), color)
             if self.style.thrust and k < len(speeds_now):
                 force = rotor.thrust_constant * speeds_now[k] ** 2
                 tip = hub + z * force * ARROW
@@ -253,7 +168,7 @@ class Scene:
             ]
             length = self.flight.drawn.get(path + "length", 0.0)
             points = sagging(ends[0], ends[1], length) if coupling.kind == "rope" else ends
-            for a, b in zip(points, points[1:], strict=False):
+            for a, b in pairwise(points):
                 shapes.add_line(a, b, 0.006, self.style.ghost or ROPE, shadow=True)
 
     def _add_trails(self, shapes: Shapes, time: float, position: Array) -> None:
@@ -264,7 +179,7 @@ class Scene:
         rows = np.unique(np.linspace(first, max(last - 1, first), TRAIL_PARTS).astype(int))
         for k, (body, _) in enumerate(self.robots.values()):
             points = [*self.flight.bodies[rows, body, :3], position[body]]
-            for n, (a, b) in enumerate(zip(points, points[1:], strict=False)):
+            for n, (a, b) in enumerate(pairwise(points)):
                 color = self.style.ghost or self._trail_color(k, rows[min(n, len(rows) - 1)])
                 radius = 0.05 * self.size() * (0.3 + 0.7 * (n + 1) / len(points))
                 shapes.add_line(a, b, radius, color, shadow=False)
@@ -282,7 +197,9 @@ class Scene:
                 continue
             arm = 0.3 * self.size()
             for axis in IDENTITY:
-                shapes.add_line(place - arm * axis, place + arm * axis, 0.03 * arm, GOAL, shadow=False)
+                shapes.add_line(
+                    place - arm * axis, place + arm * axis, 0.03 * arm, GOAL, shadow=False
+                )
 
 
 ARROW = 0.03  # length of arrows of thrust [m/N]
@@ -292,7 +209,9 @@ BLADES_SHOWN = 0.04  # speed of drawn blades over that of the rotors: else they 
 
 def blend(share: float) -> Color:
     """From blue (0) over green and yellow to red (1)."""
-    stops = np.array([[0.13, 0.35, 0.85], [0.12, 0.68, 0.55], [0.95, 0.80, 0.15], [0.90, 0.18, 0.12]])
+    stops = np.array(
+        [[0.13, 0.35, 0.85], [0.12, 0.68, 0.55], [0.95, 0.80, 0.15], [0.90, 0.18, 0.12]]
+    )
     at = float(np.clip(share, 0.0, 1.0)) * (len(stops) - 1)
     k = min(int(at), len(stops) - 2)
     red, green, blue = stops[k] + (at - k) * (stops[k + 1] - stops[k])
@@ -312,10 +231,11 @@ def blade_angle(flight: Flight, rotor: int, time: float) -> float:
         return 0.0
     row = int(np.clip(np.searchsorted(flight.time, time) - 1, 0, len(speed) - 1))
     past = float(np.sum(speed[:row, rotor] * np.diff(flight.time[: row + 1])))
-    return BLADES_SHOWN * (past + float(speed[row, rotor]) * (time - flight.time[row])) + rotor
+    angle = past + float(speed[row, rotor]) * (time - float(flight.time[row]))
+    return BLADES_SHOWN * angle + rotor
 
 
-def blade_radii(rotors: Sequence[object]) -> dict[str, float]:
+def blade_radii(rotors: Sequence[Rotor]) -> dict[str, float]:
     """Radius of each rotor's drawn blades [m]: rotors of a robot do not meet."""
     radii = {}
     for rotor in rotors:
@@ -343,7 +263,7 @@ def robots_of(flight: Flight) -> dict[str, tuple[int, int]]:
 def speeds(flight: Flight) -> Array:
     """Speed of each robot's base [m/s], rows x robots."""
     bases = [first for first, _ in robots_of(flight).values()]
-    return np.linalg.norm(flight.bodies[:, bases, 7:10], axis=-1)
+    return np.asarray(np.linalg.norm(flight.bodies[:, bases, 7:10], axis=-1))
 
 
 def errors(flight: Flight) -> Array:
@@ -352,7 +272,9 @@ def errors(flight: Flight) -> Array:
     for first, _ in robots_of(flight).values():
         goal = flight.goals.get(flight.body_names[first])
         place = flight.bodies[:, first, :3]
-        columns.append(np.zeros(len(place)) if goal is None else np.linalg.norm(place - goal[:, :3], axis=1))
+        columns.append(
+            np.zeros(len(place)) if goal is None else np.linalg.norm(place - goal[:, :3], axis=1)
+        )
     return np.stack(columns, axis=1)
 
 
@@ -388,7 +310,9 @@ def standing(flight: Flight) -> list[Fixed]:
         drawn = flight.drawn
         if not drawn.get(path + "present", 1.0):
             continue
-        position = np.array([drawn.get(f"{path}position[{k}]", shape.position[k]) for k in range(3)])
+        position = np.array(
+            [drawn.get(f"{path}position[{k}]", shape.position[k]) for k in range(3)]
+        )
         turn = np.array([drawn.get(f"{path}rotation[{k}]", shape.rotation[k]) for k in range(4)])
         size = [drawn.get(f"{path}size[{k}]", value) for k, value in enumerate(shape.size)]
         found += of_obstacle(flight, shape, position, rotation_of(turn), size)

@@ -18,7 +18,9 @@ DPI = 100
 class Strip:
     """Curves of named values of one or several flights."""
 
-    def __init__(self, flights: Sequence[Flight], names: Sequence[str], width: int, height: int) -> None:
+    def __init__(
+        self, flights: Sequence[Flight], names: Sequence[str], width: int, height: int
+    ) -> None:
         """Draws the curves.
 
         Args:
@@ -40,8 +42,9 @@ class Strip:
             axis.tick_params(labelsize=8)
             axis.grid(alpha=0.3)
         canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        self._picture = np.asarray(canvas.buffer_rgba())[:height, :width, :3].copy()
+        canvas.draw()  # type: ignore[no-untyped-call]
+        drawn = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+        self._picture = drawn[:height, :width, :3].copy()
         self._spans = [_span(axis, height) for axis in axes]
 
     def at(self, time: float) -> NDArray[np.uint8]:

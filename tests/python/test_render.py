@@ -1,0 +1,218 @@
+"""`skybody render` draws the flights of a log as they were."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from skybody import InputError
+from skybody.look.cameras import CAMERAS, camera
+from skybody.look.film import Film, Panel, Size
+from skybody.look.flight import Flight
+from skybody.look.scene import Scene, Style, sagging
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build/release/bin/skybody"
+SMALL = Size(width=160, height=96, rate=10.0)
+PLAIN = Style(trail=0.0, goal=False)
+
+Render = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def skybody(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [str(PROGRAM), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+        env=more or None,
+    )
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A log of each of some scenarios."""
+    found = {}
+    for name in ("racing", "cooperative_payload_ropes", "arm"):
+        folder = tmp_path_factory.mktemp(name)
+        done = skybody("run", name, "--steps", "40", "--no-picture", "--out", str(folder))
+        assert done.returncode == 0, done.stderr
+        found[name] = folder / "flight.h5"
+    return found
+
+
+def picture(scene: Scene, time: float, view: str = "fixed") -> NDArray[np.uint8]:
+    film = Film([Panel((scene,), view, 0, 0, SMALL.width, SMALL.height)], SMALL)
+    return film.frame(time)
+
+
+# --- pictures -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["racing", "cooperative_payload_ropes", "arm"])
+@pytest.mark.parametrize("view", sorted(CAMERAS))
+def test_every_camera_draws_the_same_picture_twice(
+    logs: dict[str, Path], name: str, view: str
+) -> None:
+    first = picture(Scene(Flight(logs[name])), 0.3, view)
+    assert first.std() > 5.0  # not of one colour
+    np.testing.assert_array_equal(first, picture(Scene(Flight(logs[name])), 0.3, view))
+
+
+def test_a_vehicle_is_drawn_where_it_is(logs: dict[str, Path]) -> None:
+    flight = Flight(logs["racing"])
+    scene = Scene(flight, PLAIN)
+    with_vehicle = picture(scene, 0.4)
+    scene._bodies, scene._rotors = [], []  # the world alone
+    changed = np.argwhere((with_vehicle != picture(scene, 0.4)).any(axis=2))
+    view = camera("fixed", Scene(flight, PLAIN), SMALL.field_of_view)(0.4)
+    ahead = view.axes.T @ (flight.at(0.4)[0][0] - view.eye)
+    focal = 0.5 * SMALL.width / np.tan(0.5 * SMALL.field_of_view)
+    at = focal * ahead[:2] / ahead[2] + [SMALL.width / 2, SMALL.height / 2]
+    nearest = np.linalg.norm(changed[:, ::-1] + 0.5 - at, axis=1).min()
+    assert nearest < 1.5  # pixels: the base's box is about its origin
+
+
+def test_gates_are_drawn_where_the_episode_has_them(logs: dict[str, Path]) -> None:
+    flight = Flight(logs["racing"])
+    scene = Scene(flight, PLAIN)
+    gates = [shape for shape in scene._obstacles if shape.color[0] > 0.9]
+    assert len(gates) == 5 * 4  # bars
+    drawn = [flight.drawn[f"obstacles.gate_1.position[{k}]"] for k in range(3)]
+    middle = np.mean([bar.position for bar in gates[:4]], axis=0)
+    np.testing.assert_allclose(middle, drawn, atol=1e-12)
+    assert not np.allclose(drawn, flight.compiled.obstacles[0].position)  # it was moved
+
+
+def test_ropes_hang_between_their_ends(logs: dict[str, Path]) -> None:
+    a, b = np.array([0.0, 0.0, 2.0]), np.array([0.6, 0.0, 2.0])
+    assert len(sagging(a, b, 0.6)) == 2  # taut
+    for length in (0.61, 0.7, 1.0, 2.0):
+        points = np.array(sagging(a, b, length))
+        np.testing.assert_array_equal(points[[0, -1]], [a, b])
+        drawn = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+        assert abs(drawn - length) < 0.2 * length  # a parabola, in place of a catenary
+        assert points[:, 2].min() < 2.0
+    shapes = Scene(Flight(logs["cooperative_payload_ropes"]), PLAIN)
+    assert len(shapes._couplings) == len(shapes.flight.compiled.couplings) > 0
+
+
+def test_poses_between_rows_are_between_them(logs: dict[str, Path]) -> None:
+    flight = Flight(logs["racing"])
+    for row in (0, 7, 39):
+        position, axes = flight.at(float(flight.time[row]))
+        np.testing.assert_allclose(position, flight.bodies[row, :, :3], atol=1e-12)
+        np.testing.assert_allclose(axes[0] @ axes[0].T, np.eye(3), atol=1e-12)
+    half = flight.at(float(flight.time[7:9].mean()))[0]
+    np.testing.assert_allclose(half, flight.bodies[7:9, :, :3].mean(axis=0), atol=1e-12)
+
+
+# --- files --------------------------------------------------------------------------------------
+
+
+def frames_of(path: Path) -> int:
+    with Image.open(path) as image:
+        return int(getattr(image, "n_frames", 1))
+
+
+def test_films_have_the_frames_of_their_time(logs: dict[str, Path], tmp_path: Path) -> None:
+    log, options = str(logs["racing"]), ["--size", "128x96", "--rate", "10"]
+    for name in ("film.gif", "film.webp"):
+        done = skybody("render", log, "-o", str(tmp_path / name), *options, "--to", "0.5")
+        assert (done.returncode, done.stdout) == (0, f"film     {tmp_path / name}\n"), done.stderr
+        assert frames_of(tmp_path / name) == 6  # 0, 0.1, ... 0.5 s
+    still = tmp_path / "still.png"
+    plots = ["--plot", "speed,gates_passed", "--camera", "chase,onboard", "--thrust"]
+    done = skybody("render", log, log, "-o", str(still), *options, "--at", "0.4", *plots)
+    assert done.returncode == 0, done.stderr
+    assert frames_of(still) == 1
+    folder = tmp_path / "frames"
+    assert skybody("render", log, "-o", str(folder), *options, "--to", "0.2").returncode == 0
+    assert len(list(folder.glob("frame_*.png"))) == 3
+    assert not list(tmp_path.glob(".*"))  # nothing half-written
+
+
+def test_a_video_has_the_same_bytes_in_two_runs(logs: dict[str, Path], tmp_path: Path) -> None:
+    options = ["--size", "128x96", "--rate", "10", "--to", "0.5", "--ghost"]
+    for name in ("a.mp4", "b.mp4"):
+        done = skybody("render", *[str(logs["arm"])] * 2, "-o", str(tmp_path / name), *options)
+        assert done.returncode == 0, done.stderr
+    first = (tmp_path / "a.mp4").read_bytes()
+    assert len(first) > 1000
+    assert first == (tmp_path / "b.mp4").read_bytes()
+
+
+# --- bad input ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--camera", "drone"], "no camera `drone`; there are: chase, fixed, orbit, onboard"),
+        (["--size", "101x96"], "--size is 101x96; allowed: even numbers, 64x64 to 3840x2160"),
+        (["--size", "big"], "--size is `big`; allowed: WIDTHxHEIGHT, such as 1280x720"),
+        (["--rate", "0"], "--rate is 0; allowed: 1 to 120"),
+        (["--plot", "sped"], "no value `sped`; there are: reward, gates_passed"),
+        (["--from", "9"], "no frames between --from 9 and --to"),
+        (["-o", "film.avi"], "film.avi: unknown ending `.avi`; allowed: .mp4, .gif, .webp, .png"),
+        (["-o", "/proc/none/film.gif"], "/proc/none/film.gif: cannot be written"),
+    ],
+)
+def test_wrong_options_are_errors(
+    logs: dict[str, Path], tmp_path: Path, options: list[str], message: str
+) -> None:
+    out = tmp_path / "film.gif"
+    done = skybody("render", str(logs["racing"]), "-o", str(out), "--size", "128x96", *options)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not out.exists()
+
+
+def test_files_that_are_no_flight_logs_are_errors(logs: dict[str, Path], tmp_path: Path) -> None:
+    text, other = tmp_path / "text.h5", tmp_path / "other.h5"
+    text.write_text("no log")
+    with h5py.File(other, "w") as file:
+        file.attrs["format"] = "another"
+    cut = tmp_path / "cut.h5"
+    cut.write_bytes(logs["racing"].read_bytes()[:4000])
+    for path in (text, other, cut, tmp_path / "none.h5"):
+        done = skybody("render", str(path), "-o", str(tmp_path / "film.gif"))
+        assert done.returncode == 2, path
+        assert done.stderr.startswith(f"error: {path}: "), done.stderr
+    with pytest.raises(InputError, match="no episode 7; it has 1"):
+        Flight(logs["racing"], 7)
+
+
+def test_without_ffmpeg_the_message_has_the_remedy(
+    logs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from skybody.look import film
+
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr(film.importlib, "import_module", missing)
+    with pytest.raises(InputError, match=r"an MP4 needs ffmpeg: `pip install imageio-ffmpeg`"):
+        film.write(tmp_path / "film.mp4", SMALL, [])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_flight_whose_scenario_has_changed_is_drawn_by_its_own_text(
+    logs: dict[str, Path], tmp_path: Path
+) -> None:
+    folder = tmp_path / "own"
+    own = tmp_path / "own.yaml"
+    own.write_text("include: racing.yaml\nname: own\n")
+    done = skybody("run", str(own), "--steps", "5", "--no-picture", "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    own.unlink()
+    assert [shape.kind for shape in Flight(folder).compiled.obstacles] == ["gate"] * 5
