@@ -50,12 +50,12 @@ class Picture {
   Picture(int width, int height, double focal, int shapes, int triangles, double farthest)
       : renderer_({width, height, focal, focal, 0.5 * width, 0.5 * height}, {shapes, triangles},
                   farthest, render::kernels_of(best_isa())),
-        most_shapes_(shapes) {}
+        most_shapes_(shapes),
+        most_triangles_(triangles) {}
 
   void draw(const render::Eye& eye, const std::vector<PlacedShape>& shapes, const render::Sky& sky,
             std::uint8_t* rgb) {
-    if (static_cast<int>(shapes.size()) > most_shapes_)
-      throw Error("too many shapes for the picture");
+    check(shapes);
     std::unique_ptr<SmoothRenderer::Scratch> scratch = take();
     renderer_.draw(eye, shapes, sky, *scratch, rgb);
     const std::lock_guard lock(mutex_);
@@ -66,6 +66,15 @@ class Picture {
   int height() const { return renderer_.height(); }
 
  private:
+  void check(const std::vector<PlacedShape>& shapes) const {
+    int triangles = 0;
+    for (const PlacedShape& shape : shapes) {
+      if (shape.solid == Solid::kMesh) triangles += shape.mesh->count();
+    }
+    if (static_cast<int>(shapes.size()) <= most_shapes_ && triangles <= most_triangles_) return;
+    throw Error("too many shapes or triangles for the picture");
+  }
+
   std::unique_ptr<SmoothRenderer::Scratch> take() {
     {
       const std::lock_guard lock(mutex_);
@@ -79,7 +88,7 @@ class Picture {
   }
 
   SmoothRenderer renderer_;
-  int most_shapes_;
+  int most_shapes_, most_triangles_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<SmoothRenderer::Scratch>> free_;
 };
@@ -121,6 +130,42 @@ std::vector<PlacedShape> placed(const Shapes& given, const std::vector<const Mes
   return shapes;
 }
 
+void draw_picture(Picture& self, const Doubles1& position, const Axes& axes, const Numbers& kinds,
+                  const Doubles2& positions, const Doubles3& shape_axes, const Doubles2& halves,
+                  const Floats2& colors, const Floats2& checkers, const Floats1& squares,
+                  const Marks& shadows, const nb::typed<nb::list, nb::object>& meshes,
+                  const Doubles1& sun, Rgb rgb) {
+  std::vector<const Mesh*> used;
+  for (const nb::handle mesh : meshes) {
+    used.push_back(mesh.is_none() ? nullptr : nb::cast<const Mesh*>(mesh));
+  }
+  const std::vector<PlacedShape> shapes =
+      placed({kinds, positions, shape_axes, halves, colors, checkers, squares, shadows}, used);
+  if (rgb.shape(0) != static_cast<std::size_t>(self.height()) ||
+      rgb.shape(1) != static_cast<std::size_t>(self.width())) {
+    throw nb::value_error("`rgb` has another size than the picture");
+  }
+  render::Sky sky;
+  sky.sun = vec3(sun.data());
+  const render::Eye eye{vec3(position.data()), mat3(axes.data())};
+  std::uint8_t* const pixels = rgb.data();
+  const nb::gil_scoped_release other_threads_run;
+  self.draw(eye, shapes, sky, pixels);
+}
+
+void make_picture(Picture* self, int width, int height, double focal, int shapes, int triangles,
+                  double farthest) {
+  constexpr int kMostShapes = 20000, kMostTriangles = 60000;  // numbered by 16 bits
+  if (width < 1 || height < 1 || width > 4096 || height > 4096 || !(focal > 0.0) ||
+      !(farthest > 0.0) || shapes < 0 || triangles < 0) {
+    throw nb::value_error("a picture has 1 to 4096 pixels each way and lengths above 0");
+  }
+  if (shapes > kMostShapes || triangles > kMostTriangles) {
+    throw nb::value_error("a picture has at most 20000 shapes and 60000 triangles");
+  }
+  new (self) Picture(width, height, focal, shapes, triangles, farthest);
+}
+
 }  // namespace
 
 void bind_render(nb::module_& m) {
@@ -135,55 +180,32 @@ void bind_render(nb::module_& m) {
           "scale: factors of x, y, z, (3,)")
       .def_prop_ro("count", &Mesh::count, "Number of triangles.");
   nb::class_<Picture>(m, "Renderer", "Draws coloured pictures with shadows, without jagged edges.")
-      .def(nb::init<int, int, double, int, int, double>(), nb::arg("width"), nb::arg("height"),
-           nb::arg("focal"), nb::arg("shapes"), nb::arg("triangles"), nb::arg("farthest"),
+      .def("__init__", &make_picture, nb::arg("width"), nb::arg("height"), nb::arg("focal"),
+           nb::arg("shapes"), nb::arg("triangles"), nb::arg("farthest"),
            "width, height, focal: of the picture and its focal length [pixels]\n"
            "shapes, triangles: most of a picture\n"
            "farthest: distance of surfaces that are not seen [m]")
       .def_prop_ro("width", &Picture::width, "[pixels]")
       .def_prop_ro("height", &Picture::height, "[pixels]")
-      .def(
-          "draw",
-          [](Picture& self, const Doubles1& position, const Axes& axes, const Numbers& kinds,
-             const Doubles2& positions, const Doubles3& shape_axes, const Doubles2& halves,
-             const Floats2& colors, const Floats2& checkers, const Floats1& squares,
-             const Marks& shadows, const nb::typed<nb::list, nb::object>& meshes,
-             const Doubles1& sun, Rgb rgb) {
-            std::vector<const Mesh*> used;
-            for (const nb::handle mesh : meshes) {
-              used.push_back(mesh.is_none() ? nullptr : nb::cast<const Mesh*>(mesh));
-            }
-            const std::vector<PlacedShape> shapes = placed(
-                {kinds, positions, shape_axes, halves, colors, checkers, squares, shadows}, used);
-            if (rgb.shape(0) != static_cast<std::size_t>(self.height()) ||
-                rgb.shape(1) != static_cast<std::size_t>(self.width())) {
-              throw nb::value_error("`rgb` has another size than the picture");
-            }
-            render::Sky sky;
-            sky.sun = vec3(sun.data());
-            const render::Eye eye{vec3(position.data()), mat3(axes.data())};
-            std::uint8_t* const pixels = rgb.data();
-            const nb::gil_scoped_release other_threads_run;
-            self.draw(eye, shapes, sky, pixels);
-          },
-          nb::arg("position"), nb::arg("axes"), nb::arg("kinds"), nb::arg("positions"),
-          nb::arg("shape_axes"), nb::arg("halves"), nb::arg("colors"), nb::arg("checkers"),
-          nb::arg("squares"), nb::arg("shadows"), nb::arg("meshes"), nb::arg("sun"), nb::arg("rgb"),
-          "Draws n shapes; other Python threads run meanwhile.\n\n"
-          "position: of the eye, W [m], (3,)\n"
-          "axes: W from right, down, forward, (3, 3)\n"
-          "kinds: 0 box, 1 sphere, 2 cylinder, 3 capsule, 4 half-space below z = 0, 5 mesh, (n,) "
-          "int32\n"
-          "positions: W [m], (n, 3)\n"
-          "shape_axes: W from the shape, (n, 3, 3)\n"
-          "halves: half the edges of a box; radius in x, half the length in z [m], (n, 3)\n"
-          "colors: red, green, blue in [0, 1], (n, 3) float32\n"
-          "checkers: colours of every other square of a plane, (n, 3) float32\n"
-          "squares: their edges [m]; 0: none, (n,) float32\n"
-          "shadows: 1 if a shape casts a shadow, (n,) uint8\n"
-          "meshes: a Mesh of each shape of kind 5, else None\n"
-          "sun: unit vector towards it, W, (3,)\n"
-          "rgb: the result, (height, width, 3) uint8");
+      .def("draw", &draw_picture, nb::arg("position"), nb::arg("axes"), nb::arg("kinds"),
+           nb::arg("positions"), nb::arg("shape_axes"), nb::arg("halves"), nb::arg("colors"),
+           nb::arg("checkers"), nb::arg("squares"), nb::arg("shadows"), nb::arg("meshes"),
+           nb::arg("sun"), nb::arg("rgb"),
+           "Draws n shapes; other Python threads run meanwhile.\n\n"
+           "position: of the eye, W [m], (3,)\n"
+           "axes: W from right, down, forward, (3, 3)\n"
+           "kinds: 0 box, 1 sphere, 2 cylinder, 3 capsule, 4 half-space below z = 0, 5 mesh, (n,) "
+           "int32\n"
+           "positions: W [m], (n, 3)\n"
+           "shape_axes: W from the shape, (n, 3, 3)\n"
+           "halves: half the edges of a box; radius in x, half the length in z [m], (n, 3)\n"
+           "colors: red, green, blue in [0, 1], (n, 3) float32\n"
+           "checkers: colours of every other square of a plane, (n, 3) float32\n"
+           "squares: their edges [m]; 0: none, (n,) float32\n"
+           "shadows: 1 if a shape casts a shadow, (n,) uint8\n"
+           "meshes: a Mesh of each shape of kind 5, else None\n"
+           "sun: unit vector towards it, W, (3,)\n"
+           "rgb: the result, (height, width, 3) uint8");
 }
 
 }  // namespace skybody::python
