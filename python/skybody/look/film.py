@@ -23,6 +23,7 @@ from .scene import Scene
 from .shapes import Shapes
 
 FARTHEST = 500.0  # of surfaces that are seen [m]
+MOST_TRIANGLES = 60_000  # of a picture: the renderer numbers them by 16 bits
 Frame = NDArray[np.uint8]  # (height, width, 3)
 
 
@@ -94,6 +95,11 @@ def _prepare(panel: Panel, size: Size) -> tuple[Renderer, Camera]:
     focal = 0.5 * size.width / np.tan(0.5 * size.field_of_view) * panel.width / size.width
     shapes = sum(scene.most for scene in panel.scenes)
     triangles = sum(scene.triangles for scene in panel.scenes)
+    if triangles > MOST_TRIANGLES:
+        raise InputError(
+            f"there are {triangles} triangles to draw; allowed: at most {MOST_TRIANGLES}; use "
+            "simpler meshes"
+        )
     renderer = Renderer(panel.width, panel.height, focal, shapes, triangles, FARTHEST)
     return renderer, camera(panel.camera, panel.scenes[0], size.field_of_view)
 

@@ -352,15 +352,14 @@ def add_fixed(
 
 
 def sagging(a: Array, b: Array, length: float) -> list[Array]:
-    """Points of a rope between its ends: straight if taut, else a parabola of about its length."""
-    apart = float(np.linalg.norm(b - a))
-    slack = length - apart
-    if slack <= 1e-4 * max(length, 1e-9):
+    """Points of a rope between its ends: straight if taut, else a parabola of its length."""
+    if length <= float(np.linalg.norm(b - a)) * (1.0 + 1e-4):
         return [a, b]
-    # Length of a shallow parabola: apart + 8 sag^2 / (3 apart); of a deep one about twice the sag.
-    sag = min(float(np.sqrt(3.0 / 8.0 * slack * max(apart, 1e-6))), 0.5 * length)
-    if apart < 0.5 * length:
-        sag = max(sag, 0.5 * (length - apart))
-    shares = np.linspace(0.0, 1.0, 17)
-    down = np.array([0.0, 0.0, -1.0])
-    return [a + s * (b - a) + 4.0 * s * (1.0 - s) * sag * down for s in shares]
+    shares = np.linspace(0.0, 1.0, 17)[:, None]
+    straight, below = a + shares * (b - a), 4.0 * shares * (1.0 - shares) * np.array([0, 0, -1.0])
+    low, high = 0.0, length  # of the sag [m]
+    for _ in range(30):
+        sag = 0.5 * (low + high)
+        drawn = np.linalg.norm(np.diff(straight + sag * below, axis=0), axis=1).sum()
+        low, high = (sag, high) if drawn < length else (low, sag)
+    return list(straight + low * below)
