@@ -279,8 +279,7 @@ const MapSpec& coupling_fields() {
 const MapSpec& observed_fields() {
   static const MapSpec spec{
       "observed",
-      "A sensor channel that is added to the task's observation, or a column of the task that only "
-      "the critic observes.",
+      "A sensor channel added to the observation, or a task's column for the critic alone.",
       {
           required(text_field("channel", "",
                               "the sensor and its channel: SENSOR.CHANNEL; or task.COLUMN")),
