@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import skybody
+from instruction_sets import hashes_of
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -194,22 +193,7 @@ def frames_hash(folder: str) -> int:
 
 
 def test_instruction_sets_leave_textures_alone(tmp_path: Path) -> None:
-    program = "import sys, test_camera_textures as t; print(t.frames_hash(sys.argv[1]))"
-    hashes = {}
-    for isa in ("v2", "v3", "v4"):
-        done = subprocess.run(
-            [sys.executable, "-c", program, str(tmp_path / "a")],
-            cwd=os.path.dirname(__file__),
-            env={**os.environ, "SKYBODY_ISA": isa},
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-        if "this machine has only" in done.stderr:
-            continue
-        assert done.returncode == 0, done.stderr
-        hashes[isa] = int(done.stdout)
+    hashes = hashes_of("test_camera_textures", "frames_hash", str(tmp_path / "a"))
     assert len(set(hashes.values())) == 1, hashes
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -20,6 +17,7 @@ from camera_scene import (
     envs_of,
     overrides,
 )
+from instruction_sets import hashes_of
 from reference import actions
 
 
@@ -183,22 +181,7 @@ def test_an_environment_sees_the_same_in_every_batch() -> None:
 
 
 def test_instruction_sets_leave_frames_alone() -> None:
-    program = "import test_cameras; print(test_cameras.frames_hash())"
-    hashes = {}
-    for isa in ("v2", "v3", "v4"):
-        done = subprocess.run(
-            [sys.executable, "-c", program],
-            cwd=os.path.dirname(__file__),
-            env={**os.environ, "SKYBODY_ISA": isa},
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-        if "this machine has only" in done.stderr:
-            continue
-        assert done.returncode == 0, done.stderr
-        hashes[isa] = int(done.stdout)
+    hashes = hashes_of("test_cameras", "frames_hash")
     assert len(set(hashes.values())) == 1, hashes
     assert frames_hash() in hashes.values()
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -147,6 +149,20 @@ def test_a_video_has_the_same_bytes_in_two_runs(logs: dict[str, Path], tmp_path:
     first = (tmp_path / "a.mp4").read_bytes()
     assert len(first) > 1000
     assert first == (tmp_path / "b.mp4").read_bytes()
+
+
+def test_ctrl_c_leaves_nothing_half_written(logs: dict[str, Path], tmp_path: Path) -> None:
+    command = [str(PROGRAM), "render", str(logs["racing"]), "-o", str(tmp_path / "film.webp")]
+    slow = ["--speed", "0.01"]  # some thousand frames
+    with subprocess.Popen([*command, *slow], stderr=subprocess.PIPE, text=True) as process:
+        for _ in range(600):  # until the first bytes are written
+            if list(tmp_path.iterdir()) or process.poll() is not None:
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=60)
+    assert (process.returncode, message) == (130, "interrupted\n")
+    assert not list(tmp_path.iterdir())
 
 
 # --- bad input ----------------------------------------------------------------------------------

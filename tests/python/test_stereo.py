@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
 import pytest
 import skybody
+from instruction_sets import hashes_of
 from numpy.typing import NDArray
 from reference import actions
 from skybody.camera import Camera
@@ -221,22 +219,7 @@ def test_threads_leave_images_alone(threads: int) -> None:
 
 
 def test_instruction_sets_leave_images_alone() -> None:
-    program = "import test_stereo; print(test_stereo.images_hash())"
-    hashes = {}
-    for isa in ("v2", "v3", "v4"):
-        done = subprocess.run(
-            [sys.executable, "-c", program],
-            cwd=os.path.dirname(__file__),
-            env={**os.environ, "SKYBODY_ISA": isa},
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-        if "this machine has only" in done.stderr:
-            continue
-        assert done.returncode == 0, done.stderr
-        hashes[isa] = int(done.stdout)
+    hashes = hashes_of("test_stereo", "images_hash")
     assert len(set(hashes.values())) == 1, hashes
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from skybody import InputError
 from skybody.command_line import CommandLine, report_error
+from skybody.program import run_program
 
 from .cameras import CAMERAS
 from .film import Film, Frame, Panel, Size, write
@@ -159,4 +160,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -24,14 +23,6 @@ def texts(values: object) -> list[str]:
     """Texts of an HDF5 attribute or dataset."""
     array = np.atleast_1d(np.asarray(values, dtype=object))
     return [v.decode() if isinstance(v, bytes) else str(v) for v in array]
-
-
-@dataclass(frozen=True)
-class Event:
-    """An entry of the log's table of events."""
-
-    time: float  # since the reset [s]
-    text: str
 
 
 class Flight:
@@ -65,11 +56,6 @@ class Flight:
     def scenario(self) -> str:
         """The scenario's name."""
         return str(self._file.attrs["scenario"])
-
-    @property
-    def policy(self) -> str:
-        """The policy as it was named to `skybody run`; empty: none."""
-        return str(self._file.attrs.get("policy", ""))
 
     @cached_property
     def compiled(self) -> CompiledScenario:
@@ -127,25 +113,12 @@ class Flight:
         return {name: goal[:, k] for k, name in enumerate(texts(goal.attrs["items"]))}
 
     @cached_property
-    def touching(self) -> NDArray[np.bool_]:
-        """Whether something touches something, of each row."""
-        if not self._has("touching"):
-            return np.zeros(len(self.time), dtype=bool)
-        return np.asarray(self._group["touching"][:] == 1)
-
-    @cached_property
     def drawn(self) -> dict[str, float]:
         """Values of the episode's parameters by path."""
         if "params" not in self._file or not self._has("params"):
             return {}
         paths = texts(self._file["params"]["paths"][:])
         return dict(zip(paths, self._group["params"][:].tolist(), strict=True))
-
-    @cached_property
-    def events(self) -> list[Event]:
-        """What happened, in order."""
-        table = self._group["events"][:] if self._has("events") else []
-        return [Event(float(row["time"]), row["text"].decode()) for row in table]
 
     def series(self, name: str) -> tuple[Array, str]:
         """A value of each row by its name, and its unit.

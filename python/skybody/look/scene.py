@@ -43,7 +43,6 @@ ROPE: Color = (0.13, 0.13, 0.14)
 BLADE: Color = (0.10, 0.10, 0.11)
 GOAL: Color = (0.10, 0.62, 0.28)
 THRUST: Color = (0.90, 0.72, 0.10)
-FORCE: Color = (0.85, 0.15, 0.45)
 TRAILS: tuple[Color, ...] = (
     (0.12, 0.42, 0.86),
     (0.90, 0.33, 0.14),
@@ -75,7 +74,6 @@ class Style:
     trail_value: str = "speed"  # colours trails: `speed`, `error` or empty: one colour a robot
     thrust: bool = False  # arrows of the rotors' thrust
     goal: bool = True
-    reference: bool = True  # the path of moving goals
     ghost: Color | None = None  # all bodies in this colour, without the world
 
 
