@@ -24,6 +24,9 @@ constexpr PythonCommand kCommands[] = {
     {"train", "skybody.train", "Train a policy in a scenario, reproducibly"},
     {"tune", "skybody.tune", "Fit the gains of a chain of controllers to a vehicle"},
     {"render", "skybody.look", "Draw flights as films or pictures"},
+    {"view", "skybody.view", "Show flights, or a running simulation, in a browser"},
+    {"export", "skybody.exports", "Write a flight or a policy in a format of other programs"},
+    {"import", "skybody.imports", "Make a flight log from the log of a real flight"},
     {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
 };
 
