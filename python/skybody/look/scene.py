@@ -64,6 +64,7 @@ class Fixed:
     half: tuple[float, float, float]
     color: Color
     mesh: Mesh | None = None
+    corners: Array | None = None  # of the mesh's triangles, (n, 3, 3), in the shape's frame [m]
 
 
 @dataclass(frozen=True)
@@ -293,11 +294,14 @@ def half_of(kind: int, size: Sequence[float]) -> tuple[float, float, float]:
 def fixed_to_body(visual: Visual) -> Fixed:
     """A shape of a body."""
     kind = KINDS[visual.kind]
-    mesh = Mesh(visual.corners, np.array(visual.size)) if kind == MESH else None
+    scale = np.array(visual.size)
+    mesh = Mesh(visual.corners, scale) if kind == MESH else None
+    corners = visual.corners * scale if kind == MESH else None
     red, green, blue, _ = visual.color
     axes = rotation_of(np.array(visual.rotation))
     half = half_of(kind, visual.size)
-    return Fixed(kind, visual.body, np.array(visual.position), axes, half, (red, green, blue), mesh)
+    place = np.array(visual.position)
+    return Fixed(kind, visual.body, place, axes, half, (red, green, blue), mesh, corners)
 
 
 def standing(flight: Flight) -> list[Fixed]:
@@ -332,8 +336,9 @@ def of_obstacle(
             for at, edges in posts + beams
         ]
     if shape.kind == "height_field":
-        mesh = Mesh(flight.compiled.height_field_corners(shape.obstacle), np.ones(3))
-        return [Fixed(MESH, -1, position, axes, (0.0, 0.0, 0.0), GRASS[0], mesh)]
+        corners = flight.compiled.height_field_corners(shape.obstacle)
+        mesh = Mesh(corners, np.ones(3))
+        return [Fixed(MESH, -1, position, axes, (0.0, 0.0, 0.0), GRASS[0], mesh, corners)]
     kind = KINDS[shape.kind]
     return [Fixed(kind, -1, position, axes, half_of(kind, size), color)]
 
