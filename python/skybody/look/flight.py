@@ -113,6 +113,19 @@ class Flight:
         return {name: goal[:, k] for k, name in enumerate(texts(goal.attrs["items"]))}
 
     @cached_property
+    def touching(self) -> NDArray[np.bool_]:
+        """Rows in which something touches the ground, an obstacle or another robot."""
+        if not self._has("touching"):
+            return np.zeros(len(self.time), bool)
+        return np.asarray(self._group["touching"][:] != 0)
+
+    @cached_property
+    def events(self) -> list[tuple[float, str]]:
+        """Times [s] and texts, such as `terminated` or `drawn: PATH = VALUE`."""
+        rows = self._group["events"][:] if self._has("events") else []
+        return [(float(row["time"]), texts(row["text"])[0]) for row in rows]
+
+    @cached_property
     def drawn(self) -> dict[str, float]:
         """Values of the episode's parameters by path."""
         if "params" not in self._file or not self._has("params"):
@@ -133,15 +146,20 @@ class Flight:
         if name == "reward":
             return np.asarray(self._group["reward"][:]), ""
         for dataset in ("info", "sensors", "command", "action", "observation", "q", "u"):
-            if not self._has(dataset):
-                continue
-            columns = texts(self._group[dataset].attrs["columns"])
-            if name in columns:
-                units = texts(self._group[dataset].attrs["units"])
-                k = columns.index(name)
-                return np.asarray(self._group[dataset][:, k], dtype=np.float64), units[k]
-            known += columns
+            columns = self.columns(dataset)
+            names = [column for column, _ in columns]
+            if name in names:
+                k = names.index(name)
+                return np.asarray(self._group[dataset][:, k], dtype=np.float64), columns[k][1]
+            known += names
         raise InputError(f"{self.path}: no value `{name}`; there are: {', '.join(known[:40])}")
+
+    def columns(self, dataset: str) -> list[tuple[str, str]]:
+        """Names and units of a dataset's columns; none if the log does not have it."""
+        if not self._has(dataset):
+            return []
+        attributes = self._group[dataset].attrs
+        return list(zip(texts(attributes["columns"]), texts(attributes["units"]), strict=True))
 
     def at(self, time: float) -> tuple[Array, Array]:
         """Poses between rows.
