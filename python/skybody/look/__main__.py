@@ -19,8 +19,9 @@ from skybody.program import run_program
 
 from .cameras import CAMERAS
 from .film import Film, Frame, Panel, Size, write
-from .flight import Flight
-from .scene import TRAILS, Scene, Style
+from .flight import open_flight
+from .palette import colors
+from .scene import Scene, Style
 from .strip import Strip
 
 STRIP_SHARE = 0.24  # height of the plots, as a share of the film's
@@ -59,20 +60,12 @@ def parser() -> argparse.ArgumentParser:
 def scenes_of(options: argparse.Namespace) -> list[Scene]:
     """One scene a log."""
     color = "" if options.trail_color == "robot" else options.trail_color
-    scenes = []
+    scenes, tints = [], colors(len(options.logs))
     for k, log in enumerate(options.logs):
-        ghost = TRAILS[k % len(TRAILS)] if options.ghost and k > 0 else None
+        ghost = tints[k] if options.ghost and k > 0 else None
         style = Style(trail=options.trail, trail_value=color, thrust=options.thrust, ghost=ghost)
-        scenes.append(Scene(open_log(log), style))
+        scenes.append(Scene(open_flight(log), style))
     return scenes
-
-
-def open_log(argument: str) -> Flight:
-    """Opens `LOG` or `LOG:EPISODE`."""
-    path, _, number = argument.rpartition(":")
-    if path and number.isdigit():
-        return Flight(path, int(number))
-    return Flight(argument)
 
 
 def size_of(options: argparse.Namespace) -> Size:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from skybody import CompiledScenario, InputError
 
 FORMAT = "skybody flight log"
+VERSION = 1
 # Keys of scenario files whose values name files, relative to the scenario's folder.
 FILE_KEYS = re.compile(r"^(\s*(?:- )?(?:model|rotors|file|reference)): (\S+)$", re.MULTILINE)
 
@@ -28,12 +29,15 @@ def texts(values: object) -> list[str]:
 class Flight:
     """One episode of a flight log. Rows are the states after the reset and after each action."""
 
-    def __init__(self, log: str | Path, episode: int | None = None) -> None:
+    def __init__(
+        self, log: str | Path, episode: int | None = None, *, has_bodies: bool = True
+    ) -> None:
         """Opens a log.
 
         Args:
             log: flight.h5 of `skybody run`, or a folder that contains it.
             episode: its number, from 1; None: the first one.
+            has_bodies: False: also opens a log of sensors alone (`skybody import`).
 
         Raises:
             InputError: the file is no flight log, or has no such episode.
@@ -47,7 +51,7 @@ class Flight:
             raise InputError(f"{self.path}: no episode {episode or 1}; {there}")
         self.episode = int(name)
         self._group = self._file["episodes"][name]
-        if "bodies" not in self._group:
+        if has_bodies and "bodies" not in self._group:
             raise InputError(f"{self.path}: episode {self.episode} has no bodies to draw")
 
     # --- identity -------------------------------------------------------------------------------
@@ -67,6 +71,16 @@ class Flight:
         return _compile(self._file, self.path)
 
     # --- data -----------------------------------------------------------------------------------
+
+    @property
+    def data(self) -> h5py.Group:
+        """The episode's datasets, to be read by parts; docs/flight-log.md describes them."""
+        return self._group
+
+    @property
+    def attributes(self) -> h5py.AttributeManager:
+        """The log's attributes, such as `policy` and `seed`."""
+        return self._file.attrs
 
     @cached_property
     def time(self) -> Array:
@@ -188,6 +202,14 @@ class Flight:
         return dataset in self._group
 
 
+def open_flight(argument: str, *, has_bodies: bool = True) -> Flight:
+    """Opens `LOG` or `LOG:EPISODE` of a command line; as Flight(), also for errors."""
+    path, _, number = argument.rpartition(":")
+    if path and number.isdigit():
+        return Flight(path, int(number), has_bodies=has_bodies)
+    return Flight(argument, has_bodies=has_bodies)
+
+
 def rotation_of(quaternions: Array) -> Array:
     """Matrices of quaternions w x y z of any length above 0, along the last axis."""
     w, x, y, z = np.moveaxis(
@@ -208,8 +230,15 @@ def _open(path: Path) -> h5py.File:
         raise InputError(f"{path}: no such file; `skybody run` writes flight.h5") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read as a flight log ({error})") from None
-    if not str(log.attrs.get("format", "")).startswith(FORMAT) or "episodes" not in log:
+    found = str(log.attrs.get("format", ""))
+    if not found.startswith(FORMAT) or "episodes" not in log:
         raise InputError(f"{path}: is no flight log; `skybody run` writes flight.h5")
+    if found != f"{FORMAT} {VERSION}":
+        version = found.removeprefix(FORMAT).strip() or "without a number"
+        raise InputError(
+            f"{path}: is a flight log of version {version}; allowed: {VERSION}; read it with the "
+            "Skybody that wrote it"
+        )
     return log
 
 
