@@ -10,6 +10,7 @@ import numpy as np
 from skybody._native import Mesh, Rotor, Shape, Visual
 
 from .flight import Array, Flight, rotation_of
+from .palette import colors
 from .shapes import (
     BOX,
     CAPSULE,
@@ -31,7 +32,8 @@ KINDS = {
     "plane": GROUND,
     "mesh": MESH,
 }
-GRASS: tuple[Color, Color] = ((0.42, 0.45, 0.43), (0.50, 0.53, 0.51))
+FLOOR: tuple[Color, Color] = ((0.74, 0.76, 0.77), (0.80, 0.82, 0.83))
+GRASS: Color = (0.52, 0.58, 0.48)
 OBSTACLES: dict[str, Color] = {
     "gate": (0.95, 0.42, 0.10),
     "cylinder": (0.47, 0.33, 0.21),
@@ -43,14 +45,6 @@ ROPE: Color = (0.13, 0.13, 0.14)
 BLADE: Color = (0.10, 0.10, 0.11)
 GOAL: Color = (0.10, 0.62, 0.28)
 THRUST: Color = (0.90, 0.72, 0.10)
-TRAILS: tuple[Color, ...] = (
-    (0.12, 0.42, 0.86),
-    (0.90, 0.33, 0.14),
-    (0.14, 0.62, 0.35),
-    (0.60, 0.25, 0.75),
-    (0.93, 0.66, 0.10),
-    (0.10, 0.62, 0.68),
-)
 
 
 @dataclass(frozen=True)
@@ -90,6 +84,7 @@ class Scene:
         self._obstacles = [] if style.ghost else list(standing(flight))
         self._radii = blade_radii(self._rotors)
         self.robots = robots_of(flight)
+        self._colors = colors(len(self.robots))
         self.triangles = sum(s.mesh.count for s in (*self._bodies, *self._obstacles) if s.mesh)
         self._marks = speeds(flight) if style.trail_value == "speed" else errors(flight)
 
@@ -127,13 +122,20 @@ class Scene:
         """Adds all shapes at a time since the reset [s]."""
         position, axes = self.flight.at(time)
         if not self.style.ghost:
-            shapes.add(GROUND, np.zeros(3), IDENTITY, (0, 0, 0), GRASS[0], checker=(GRASS[1], 1.0))
-        for shape in (*self._obstacles, *self._bodies):
+            shapes.add(GROUND, np.zeros(3), IDENTITY, (0, 0, 0), FLOOR[0], checker=(FLOOR[1], 1.0))
+        for shape in self._obstacles:
+            add_fixed(shapes, shape, position, axes, None)
+        self.add_robots(shapes, time)
+        self._add_trails(shapes, time, position)
+        self._add_goals(shapes, time)
+
+    def add_robots(self, shapes: Shapes, time: float) -> None:
+        """Adds bodies, rotors and couplings alone, at a time since the reset [s]."""
+        position, axes = self.flight.at(time)
+        for shape in self._bodies:
             add_fixed(shapes, shape, position, axes, self.style.ghost)
         self._add_rotors(shapes, time, position, axes)
         self._add_couplings(shapes, position, axes)
-        self._add_trails(shapes, time, position)
-        self._add_goals(shapes, time)
 
     # --- parts ----------------------------------------------------------------------------------
 
@@ -185,7 +187,7 @@ class Scene:
 
     def _trail_color(self, robot: int, row: int) -> Color:
         if not self.style.trail_value or robot >= self._marks.shape[1]:
-            return TRAILS[robot % len(TRAILS)]
+            return self._colors[robot]
         most = max(float(np.nanmax(self._marks)), 1e-9)
         return blend(float(self._marks[row, robot]) / most)
 
@@ -338,7 +340,7 @@ def of_obstacle(
     if shape.kind == "height_field":
         corners = flight.compiled.height_field_corners(shape.obstacle)
         mesh = Mesh(corners, np.ones(3))
-        return [Fixed(MESH, -1, position, axes, (0.0, 0.0, 0.0), GRASS[0], mesh, corners)]
+        return [Fixed(MESH, -1, position, axes, (0.0, 0.0, 0.0), GRASS, mesh, corners)]
     kind = KINDS[shape.kind]
     return [Fixed(kind, -1, position, axes, half_of(kind, size), color)]
 
