@@ -13,6 +13,8 @@ from .scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 LEAST_HEIGHT = 0.08  # of an eye above the ground [m]
+FAR_UP = 10.0 * UP
+MARGIN = 0.92  # share of the field of view in which a fixed camera has the whole flight
 
 
 @dataclass(frozen=True)
@@ -37,18 +39,47 @@ def look_at(eye: Array, target: Array) -> View:
     return View(eye, np.column_stack([right, np.cross(forward, right), forward]))
 
 
-def fixed(scene: Scene, field_of_view: float) -> Camera:
-    """Sees the whole flight from one place."""
-    low, high = scene.box()
-    middle, reach = 0.5 * (low + high), float(np.linalg.norm(high - low)) / 2 + 1.5 * scene.size()
-    away = reach / np.sin(0.5 * min(field_of_view, 1.0))
-    eye = middle + away * direction(np.radians(-125.0), np.radians(24.0))
-    return lambda time: look_at(eye, middle)
+def fit(points: Array, azimuth: float, elevation: float, half: tuple[float, float]) -> View:
+    """The nearest view from a direction that has all points in the picture.
+
+    Args:
+        points: (n, 3), W [m].
+        azimuth, elevation: of the eye, seen from the points [rad].
+        half: tangents of half the horizontal and half the vertical field of view.
+    """
+    view = look_at(direction(azimuth, elevation) + FAR_UP, FAR_UP)
+    seen = points @ view.axes
+    eye = np.empty(3)
+    away = 0.0
+    for k, tangent in enumerate(half):
+        low = float(np.min(seen[:, k] + tangent * seen[:, 2]))
+        high = float(np.max(seen[:, k] - tangent * seen[:, 2]))
+        eye[k] = 0.5 * (low + high)
+        away = max(away, (high - low) / (2.0 * tangent))
+    eye[2] = -away
+    return View(view.axes @ eye, view.axes)
 
 
-def orbit(scene: Scene, field_of_view: float) -> Camera:
+def fixed(scene: Scene, field_of_view: float, aspect: float) -> Camera:
+    """Sees the whole flight from one place, of several directions that of the nearest one."""
+    points = scene.points()
+    half = np.tan(0.5 * field_of_view) * MARGIN
+    views = [
+        fit(points, np.radians(azimuth), np.radians(24.0), (half, half * aspect))
+        for azimuth in range(-200, -80, 15)  # the sun behind
+    ]
+    middle = points.mean(axis=0)
+    nearest = min(views, key=lambda view: float(np.linalg.norm(view.eye - middle)))
+    return lambda time: nearest
+
+
+def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     """Goes about the middle of the robots, a turn in 24 s."""
-    away = 5.0 * scene.size() + 2.3 * scene.reach()
+    times = np.linspace(0.0, scene.flight.duration, 61)
+    middles = np.array([smooth_center(scene, float(t)) for t in times])
+    bodies = np.array([scene.flight.at(float(t))[0] for t in times])
+    apart = np.linalg.norm(bodies - middles[:, None], axis=-1).max(axis=1)
+    away = 5.0 * scene.size() + 2.3 * float(np.nanpercentile(apart, 95.0))
 
     def view(time: float) -> View:
         azimuth = np.radians(-125.0 + 15.0 * time)
@@ -58,7 +89,7 @@ def orbit(scene: Scene, field_of_view: float) -> Camera:
     return view
 
 
-def chase(scene: Scene, field_of_view: float) -> Camera:
+def chase(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     """Follows the first robot from behind, along its way."""
     away = 9.0 * scene.size()
     times = np.arange(0.0, scene.flight.duration + 0.1, 0.1)
@@ -75,7 +106,7 @@ def chase(scene: Scene, field_of_view: float) -> Camera:
     return view
 
 
-def onboard(scene: Scene, field_of_view: float) -> Camera:
+def onboard(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     """Looks ahead from the first robot."""
     first = next(iter(scene.robots.values()))[0]
     ahead = np.column_stack([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
@@ -88,7 +119,7 @@ def onboard(scene: Scene, field_of_view: float) -> Camera:
     return view
 
 
-CAMERAS: dict[str, Callable[[Scene, float], Camera]] = {
+CAMERAS: dict[str, Callable[[Scene, float, float], Camera]] = {
     "chase": chase,
     "fixed": fixed,
     "orbit": orbit,
@@ -96,18 +127,19 @@ CAMERAS: dict[str, Callable[[Scene, float], Camera]] = {
 }
 
 
-def camera(name: str, scene: Scene, field_of_view: float) -> Camera:
+def camera(name: str, scene: Scene, field_of_view: float, aspect: float = 0.5625) -> Camera:
     """A camera by its name.
 
     Args:
         field_of_view: horizontal [rad].
+        aspect: height of the picture over its width.
 
     Raises:
         InputError: there is no such camera.
     """
     if name not in CAMERAS:
         raise InputError(f"no camera `{name}`; there are: {', '.join(CAMERAS)}")
-    return CAMERAS[name](scene, field_of_view)
+    return CAMERAS[name](scene, field_of_view, aspect)
 
 
 def direction(azimuth: float, elevation: float) -> Array:

@@ -101,7 +101,8 @@ def _prepare(panel: Panel, size: Size) -> tuple[Renderer, Camera]:
             "simpler meshes"
         )
     renderer = Renderer(panel.width, panel.height, focal, shapes, triangles, FARTHEST)
-    return renderer, camera(panel.camera, panel.scenes[0], size.field_of_view)
+    aspect = panel.height / panel.width
+    return renderer, camera(panel.camera, panel.scenes[0], size.field_of_view, aspect)
 
 
 # --- files --------------------------------------------------------------------------------------

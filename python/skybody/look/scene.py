@@ -99,18 +99,21 @@ class Scene:
         position, _ = self.flight.at(time)
         return np.asarray(0.5 * (position.min(axis=0) + position.max(axis=0)))
 
-    def reach(self) -> float:
-        """Distance of the bodies from their middle, the 95th percentile over the flight [m]."""
-        place = self.flight.bodies[:, :, :3]
-        middle = 0.5 * (place.min(axis=1) + place.max(axis=1))
-        apart = np.linalg.norm(place - middle[:, None], axis=-1).max(axis=1)
-        return float(np.nanpercentile(apart, 95.0))
-
-    def box(self) -> tuple[Array, Array]:
-        """Corners of a box about all bodies at all times, W [m]."""
-        points = self.flight.bodies[:, :, :3].reshape(-1, 3)
-        points = points[np.isfinite(points).all(axis=1)]
-        return points.min(axis=0), points.max(axis=0)
+    def points(self) -> Array:
+        """Points about all bodies, goals and near obstacles of the flight, (n, 3), W [m]."""
+        rows = np.unique(np.linspace(0, len(self.flight.time) - 1, MOST_ROWS).astype(int))
+        bodies = self.flight.bodies[rows, :, :3].reshape(-1, 3)
+        places = [bodies + self.size() * sign * axis for axis in IDENTITY for sign in (-1.0, 1.0)]
+        places += [goal[rows, :3] for goal in self.flight.goals.values()]
+        near = np.concatenate(places)
+        near = near[np.isfinite(near).all(axis=1)]
+        low, high = near.min(axis=0), near.max(axis=0)
+        margin = 0.3 * float((high - low).max())
+        for shape in self._obstacles:
+            corners = np.clip(corners_of(shape), low - margin, high + margin)
+            if shape.kind != GROUND and np.ptp(corners, axis=0).all():
+                near = np.concatenate([near, corners])
+        return near
 
     def size(self) -> float:
         """Radius of the largest robot [m]."""
@@ -205,6 +208,7 @@ class Scene:
 
 ARROW = 0.03  # length of arrows of thrust [m/N]
 TRAIL_PARTS = 60  # of each robot's trail
+MOST_ROWS = 400  # of a flight that Scene.points() takes
 BLADES_SHOWN = 0.04  # speed of drawn blades over that of the rotors: else they seem to stand
 
 
@@ -343,6 +347,16 @@ def of_obstacle(
         return [Fixed(MESH, -1, position, axes, (0.0, 0.0, 0.0), GRASS, mesh, corners)]
     kind = KINDS[shape.kind]
     return [Fixed(kind, -1, position, axes, half_of(kind, size), color)]
+
+
+def corners_of(shape: Fixed) -> Array:
+    """Corners of a box about a shape in its frame: of a body, or W [m]."""
+    if shape.corners is not None:
+        flat = shape.corners.reshape(-1, 3)
+        return np.asarray(shape.position + flat @ shape.axes.T)
+    half = np.array(shape.half) + (shape.kind == CAPSULE) * np.array([0.0, 0.0, shape.half[0]])
+    signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+    return np.asarray(shape.position + (signs * half) @ shape.axes.T)
 
 
 def add_fixed(
