@@ -162,16 +162,7 @@ class Scene:
                 shapes.add_line(hub, tip, 0.05 * radius, THRUST, shadow=False)
 
     def _add_couplings(self, shapes: Shapes, position: Array, axes: Array) -> None:
-        for coupling in self._couplings:
-            path = f"couplings.{coupling.name}."
-            if not self.flight.drawn.get(path + "present", 1.0) or coupling.kind == "point":
-                continue
-            ends = [
-                np.array(point) if body < 0 else position[body] + axes[body] @ np.array(point)
-                for body, point in zip(coupling.bodies, coupling.points, strict=True)
-            ]
-            length = self.flight.drawn.get(path + "length", 0.0)
-            points = sagging(ends[0], ends[1], length) if coupling.kind == "rope" else ends
+        for points in lines_of_couplings(self.flight, position, axes).values():
             for a, b in pairwise(points):
                 shapes.add_line(a, b, 0.006, self.style.ghost or ROPE, shadow=True)
 
@@ -368,6 +359,31 @@ def add_fixed(
         place = position[shape.body] + axes[shape.body] @ place
         turn = axes[shape.body] @ turn
     shapes.add(shape.kind, place, turn, shape.half, color or shape.color, mesh=shape.mesh)
+
+
+def lines_of_couplings(flight: Flight, position: Array, axes: Array) -> dict[str, list[Array]]:
+    """Rods, springs and ropes as lines.
+
+    Args:
+        flight: the flight.
+        position: of all bodies, (bodies, 3), W [m].
+        axes: of all bodies, (bodies, 3, 3), W from B.
+
+    Returns:
+        Points of each coupling by its name, W [m]; couplings that are absent are left out.
+    """
+    found = {}
+    for coupling in flight.compiled.couplings:
+        path = f"couplings.{coupling.name}."
+        if not flight.drawn.get(path + "present", 1.0) or coupling.kind == "point":
+            continue
+        ends = [
+            np.array(point) if body < 0 else position[body] + axes[body] @ np.array(point)
+            for body, point in zip(coupling.bodies, coupling.points, strict=True)
+        ]
+        length = flight.drawn.get(path + "length", 0.0)
+        found[coupling.name] = sagging(*ends, length) if coupling.kind == "rope" else ends
+    return found
 
 
 def sagging(a: Array, b: Array, length: float) -> list[Array]:
