@@ -382,7 +382,9 @@ def lines_of_couplings(flight: Flight, position: Array, axes: Array) -> dict[str
             for body, point in zip(coupling.bodies, coupling.points, strict=True)
         ]
         length = flight.drawn.get(path + "length", 0.0)
-        found[coupling.name] = sagging(*ends, length) if coupling.kind == "rope" else ends
+        found[coupling.name] = (
+            sagging(ends[0], ends[1], length) if coupling.kind == "rope" else ends
+        )
     return found
 
 
