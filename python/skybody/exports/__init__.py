@@ -1,0 +1,1 @@
+"""Flights in formats of other programs: `skybody export`; docs/exports.md."""

@@ -1,0 +1,108 @@
+"""`skybody export`: flights in the formats of other programs.
+
+skybody export flights/racing --to mcap
+skybody export flights/racing/flight.h5:2 --to csv -o lap.csv --from 3 --until 6
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from skybody import InputError
+from skybody.command_line import CommandLine, real, report_error, whole
+from skybody.look.cameras import CAMERAS
+from skybody.look.flight import open_flight
+from skybody.program import run_program
+from skybody.whole_output import whole_output
+
+from .formats import FLIGHT, FORMATS, Format
+from .table import Span, Table
+
+STORAGES = ("sqlite3", "mcap")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of the command."""
+    made = CommandLine(
+        prog="skybody export",
+        description="Writes a flight in a format of other programs.\n\n"
+        + "\n".join(f"  --to {row.name:<9}{row.help}" for row in FORMATS.values()),
+    )
+    add = made.add_argument
+    add("source", metavar="LOG[:EPISODE]", help="flight.h5, or its folder")
+    add("--to", required=True, choices=list(FORMATS), help="format")
+    add("-o", "--out", type=Path, help="file to write (default: beside the log)")
+    add("--from", dest="start", type=real(0.0, 1e9), metavar="T", help="first time [s]")
+    add("--until", type=real(0.0, 1e9), metavar="T", help="last time [s]")
+    add("--every", type=whole(1, 10**9), metavar="N", help="each N-th row alone")
+    add("--datasets", metavar="NAMES", help="of the log, with commas (default: all)")
+    add(
+        "--images",
+        nargs="?",
+        const="onboard",
+        choices=sorted(CAMERAS),
+        help="also pictures of a camera, 10 a second (default: onboard)",
+    )
+    add("--storage", choices=STORAGES, help="of rosbag2's messages (default: sqlite3)")
+    return made
+
+
+def table_of(options: argparse.Namespace) -> Table:
+    """The rows of a flight that the options choose."""
+    span = Span(
+        first=options.start or 0.0,
+        last=float("inf") if options.until is None else options.until,
+        every=options.every or 1,
+    )
+    only = [name for name in (options.datasets or "").split(",") if name]
+    return Table(open_flight(options.source, has_bodies=False), span, only)
+
+
+SOURCES: dict[str, Callable[[argparse.Namespace], Table]] = {FLIGHT: table_of}
+
+
+def check_options(options: argparse.Namespace, form: Format) -> None:
+    """Raises InputError for an option that the format does not take."""
+    words = {"start": "--from"}
+    for name, value in vars(options).items():
+        if name not in ("source", "to", "out", *form.takes) and value is not None:
+            fit = ", ".join(row.name for row in FORMATS.values() if name in row.takes)
+            raise InputError(
+                f"{words.get(name, f'--{name}')} is not for --to {form.name}; allowed: {fit}"
+            )
+
+
+def default_out(source: str, form: Format) -> Path:
+    """The file beside the source: `flight.mcap`, or `flight-3.mcap` of episode 3."""
+    path, _, episode = source.rpartition(":")
+    log = Path(path if path and episode.isdigit() else source)
+    log = log / "flight.h5" if log.is_dir() else log
+    number = f"-{episode}" if path and episode.isdigit() else ""
+    return log.with_name(f"{log.stem}{number}{form.ending}")
+
+
+def export(options: argparse.Namespace) -> int:
+    """Writes the file."""
+    form = FORMATS[options.to]
+    check_options(options, form)
+    write = form.writer()
+    source = SOURCES[form.reads](options)
+    out = options.out or default_out(options.source, form)
+    with whole_output(out) as part:
+        write(source, part, options)
+    print(f"{form.name:<8} {out}")
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command."""
+    try:
+        return export(parser().parse_args(arguments))
+    except InputError as error:
+        return report_error(str(error))
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,31 @@
+"""Files and folders that appear under their name only when they are complete."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from skybody import InputError
+
+
+@contextlib.contextmanager
+def whole_output(path: Path) -> Iterator[Path]:
+    """A place for a file or a folder that moves to `path` at the end and replaces a file there.
+
+    Nothing is left of it if the body raises an exception.
+
+    Raises:
+        InputError: it cannot be written, or `path` is a folder.
+    """
+    try:
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder; remove it, or give another name")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=path.parent) as folder:
+            part = Path(folder) / path.name
+            yield part
+            part.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
