@@ -61,6 +61,17 @@ class Flight:
         """The scenario's name."""
         return str(self._file.attrs["scenario"])
 
+    @property
+    def episodes(self) -> list[int]:
+        """Numbers of the log's episodes, from 1."""
+        return sorted(int(name) for name in self._file["episodes"])
+
+    @property
+    def version(self) -> str:
+        """Of the Skybody that wrote the log; `?`: not in the log."""
+        versions = self._file.get("versions")
+        return str(versions.attrs.get("skybody", "?")) if versions is not None else "?"
+
     @cached_property
     def compiled(self) -> CompiledScenario:
         """The flight's scenario.
