@@ -186,6 +186,9 @@ void bind_looking(Class& c) {
   c.def_prop_ro(
       "body_names", [](const S& s) { return body_names(*s.compiled()); },
       "Names of all bodies, such as `quad.base_link`, in the world's numbering.");
+  c.def_prop_ro(
+      "goal_bodies", [](const S& s) { return goal_bodies(*s.compiled()); },
+      "The body of each goal of the task, as in `body_names`.");
   c.def("base", of(&Simulation::base), nb::arg("robot") = "", "Motion of a robot's base.");
   c.def(
       "accelerations",

@@ -38,4 +38,13 @@ std::vector<std::string> body_names(const CompiledScenario& compiled) {
   return names;
 }
 
+std::vector<std::string> goal_bodies(const CompiledScenario& compiled) {
+  const std::vector<std::string> names = body_names(compiled);
+  std::vector<std::string> found;
+  for (const Goal& goal : compiled.task().task.goals) {
+    found.push_back(names[static_cast<std::size_t>(goal.body)]);
+  }
+  return found;
+}
+
 }  // namespace skybody::python

@@ -31,6 +31,8 @@ class NewMotion {
 
 /// A name for every body of a world: "quad.base_link".
 std::vector<std::string> body_names(const CompiledScenario& compiled);
+/// The body of each goal of the task.
+std::vector<std::string> goal_bodies(const CompiledScenario& compiled);
 
 /// Takes physics steps in pieces, so that Python can interrupt in between. Calls `advance(piece)`
 /// until all are done or it returns false.
