@@ -1,8 +1,10 @@
 // The renderer, for pictures and films.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -29,6 +31,7 @@ using Doubles2 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::d
 using Doubles3 = nb::ndarray<const double, nb::shape<-1, 3, 3>, nb::c_contig, nb::device::cpu>;
 using Axes = nb::ndarray<const double, nb::shape<3, 3>, nb::c_contig, nb::device::cpu>;
 using Floats2 = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Floats4 = nb::ndarray<const float, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
 using Floats1 = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Marks = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -44,6 +47,12 @@ Mat3<double> mat3(const double* v) {
   return m;
 }
 
+/// The light of a picture, and its air.
+struct Air {
+  render::Sky sky;
+  float haze = 0.0f;
+};
+
 /// A camera of films and its memory for each thread that draws at the same time.
 class Picture {
  public:
@@ -53,11 +62,11 @@ class Picture {
         most_shapes_(shapes),
         most_triangles_(triangles) {}
 
-  void draw(const render::Eye& eye, const std::vector<PlacedShape>& shapes, const render::Sky& sky,
-            std::uint8_t* rgb) {
+  void draw(const render::Eye& eye, const std::vector<PlacedShape>& shapes,
+            const std::vector<render::LinePoint>& lines, const Air& air, std::uint8_t* rgb) {
     check(shapes);
     std::unique_ptr<SmoothRenderer::Scratch> scratch = take();
-    renderer_.draw(eye, shapes, sky, *scratch, rgb);
+    renderer_.draw(eye, shapes, air.sky, *scratch, rgb, {air.haze, lines});
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(scratch));
   }
@@ -130,27 +139,64 @@ std::vector<PlacedShape> placed(const Shapes& given, const std::vector<const Mes
   return shapes;
 }
 
+struct Lines {
+  Doubles2 points;
+  Floats1 widths;
+  Floats4 colors;
+  Marks firsts;
+};
+
+std::vector<render::LinePoint> points_of(const Lines& given) {
+  const std::size_t count = given.points.shape(0);
+  if (given.widths.shape(0) != count || given.colors.shape(0) != count ||
+      given.firsts.shape(0) != count) {
+    throw nb::value_error("the arrays of lines differ in length");
+  }
+  std::vector<render::LinePoint> points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const color = given.colors.data() + 4 * i;
+    points[i] = {vec3(given.points.data() + 3 * i),
+                 {color[0], color[1], color[2]},
+                 color[3],
+                 given.widths.data()[i],
+                 given.firsts.data()[i] != 0};
+  }
+  return points;
+}
+
 void draw_picture(Picture& self, const Doubles1& position, const Axes& axes, const Numbers& kinds,
                   const Doubles2& positions, const Doubles3& shape_axes, const Doubles2& halves,
                   const Floats2& colors, const Floats2& checkers, const Floats1& squares,
                   const Marks& shadows, const nb::typed<nb::list, nb::object>& meshes,
-                  const Doubles1& sun, Rgb rgb) {
+                  const Doubles2& line_points, const Floats1& line_widths,
+                  const Floats4& line_colors, const Marks& line_firsts, const Air& air, Rgb rgb) {
   std::vector<const Mesh*> used;
   for (const nb::handle mesh : meshes) {
     used.push_back(mesh.is_none() ? nullptr : nb::cast<const Mesh*>(mesh));
   }
   const std::vector<PlacedShape> shapes =
       placed({kinds, positions, shape_axes, halves, colors, checkers, squares, shadows}, used);
+  const std::vector<render::LinePoint> lines =
+      points_of({line_points, line_widths, line_colors, line_firsts});
   if (rgb.shape(0) != static_cast<std::size_t>(self.height()) ||
       rgb.shape(1) != static_cast<std::size_t>(self.width())) {
     throw nb::value_error("`rgb` has another size than the picture");
   }
-  render::Sky sky;
-  sky.sun = vec3(sun.data());
   const render::Eye eye{vec3(position.data()), mat3(axes.data())};
   std::uint8_t* const pixels = rgb.data();
   const nb::gil_scoped_release other_threads_run;
-  self.draw(eye, shapes, sky, pixels);
+  self.draw(eye, shapes, lines, air, pixels);
+}
+
+void make_air(Air* self, const Doubles1& sun, float direct, float ambient,
+              const std::array<float, 3>& zenith, const std::array<float, 3>& horizon, float haze) {
+  if (!(haze >= 0.0f)) throw nb::value_error("`haze` is a distance of 0 m or more");
+  new (self) Air{{.sun = vec3(sun.data()),
+                  .direct = direct,
+                  .ambient = ambient,
+                  .zenith = zenith,
+                  .horizon = horizon},
+                 haze};
 }
 
 void make_picture(Picture* self, int width, int height, double focal, int shapes, int triangles,
@@ -179,6 +225,13 @@ void bind_render(nb::module_& m) {
           "corners: of each triangle [m], (triangles, 3, 3) float32\n"
           "scale: factors of x, y, z, (3,)")
       .def_prop_ro("count", &Mesh::count, "Number of triangles.");
+  nb::class_<Air>(m, "Sky", "Light and air of a picture.")
+      .def("__init__", &make_air, nb::arg("sun"), nb::arg("direct"), nb::arg("ambient"),
+           nb::arg("zenith"), nb::arg("horizon"), nb::arg("haze"),
+           "sun: unit vector towards it, W, (3,)\n"
+           "direct, ambient: brightness of a white surface that faces the sun, and in shadow\n"
+           "zenith, horizon: colours of the sky: red, green, blue in [0, 1]\n"
+           "haze: depth at which surfaces have half the horizon's colour [m]; 0: none");
   nb::class_<Picture>(m, "Renderer", "Draws coloured pictures with shadows, without jagged edges.")
       .def("__init__", &make_picture, nb::arg("width"), nb::arg("height"), nb::arg("focal"),
            nb::arg("shapes"), nb::arg("triangles"), nb::arg("farthest"),
@@ -190,8 +243,9 @@ void bind_render(nb::module_& m) {
       .def("draw", &draw_picture, nb::arg("position"), nb::arg("axes"), nb::arg("kinds"),
            nb::arg("positions"), nb::arg("shape_axes"), nb::arg("halves"), nb::arg("colors"),
            nb::arg("checkers"), nb::arg("squares"), nb::arg("shadows"), nb::arg("meshes"),
-           nb::arg("sun"), nb::arg("rgb"),
-           "Draws n shapes; other Python threads run meanwhile.\n\n"
+           nb::arg("line_points"), nb::arg("line_widths"), nb::arg("line_colors"),
+           nb::arg("line_firsts"), nb::arg("sky"), nb::arg("rgb"),
+           "Draws n shapes, and lines through m points; other Python threads run meanwhile.\n\n"
            "position: of the eye, W [m], (3,)\n"
            "axes: W from right, down, forward, (3, 3)\n"
            "kinds: 0 box, 1 sphere, 2 cylinder, 3 capsule, 4 half-space below z = 0, 5 mesh, (n,) "
@@ -204,7 +258,11 @@ void bind_render(nb::module_& m) {
            "squares: their edges [m]; 0: none, (n,) float32\n"
            "shadows: 1 if a shape casts a shadow, (n,) uint8\n"
            "meshes: a Mesh of each shape of kind 5, else None\n"
-           "sun: unit vector towards it, W, (3,)\n"
+           "line_points: W [m], (m, 3)\n"
+           "line_widths: [pixels], (m,) float32\n"
+           "line_colors: red, green, blue, opacity in [0, 1], (m, 4) float32\n"
+           "line_firsts: 1 if no line leads to a point from the one before, (m,) uint8\n"
+           "sky: a Sky\n"
            "rgb: the result, (height, width, 3) uint8");
 }
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from PIL import Image
 from skybody import InputError
 from skybody.look.cameras import CAMERAS, camera
+from skybody.look.couplings import hanging
 from skybody.look.film import Film, Panel, Size
 from skybody.look.flight import Flight
-from skybody.look.scene import Scene, Style, sagging
+from skybody.look.scene import Scene, Style
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bin/skybody"
@@ -68,11 +69,13 @@ def test_every_camera_draws_the_same_picture_twice(
     np.testing.assert_array_equal(first, picture(Scene(Flight(logs[name])), 0.3, view))
 
 
-def test_a_vehicle_is_drawn_where_it_is(logs: dict[str, Path]) -> None:
+def test_a_vehicle_is_drawn_where_it_is(
+    logs: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
     flight = Flight(logs["racing"])
     scene = Scene(flight, PLAIN)
     with_vehicle = picture(scene, 0.4)
-    scene._bodies, scene._rotors = [], []  # the world alone
+    monkeypatch.setattr(scene, "add_robots", lambda shapes, time: None)  # the world alone
     changed = np.argwhere((with_vehicle != picture(scene, 0.4)).any(axis=2))
     view = camera("fixed", Scene(flight, PLAIN), SMALL.field_of_view)(0.4)
     ahead = view.axes.T @ (flight.at(0.4)[0][0] - view.eye)
@@ -85,7 +88,7 @@ def test_a_vehicle_is_drawn_where_it_is(logs: dict[str, Path]) -> None:
 def test_gates_are_drawn_where_the_episode_has_them(logs: dict[str, Path]) -> None:
     flight = Flight(logs["racing"])
     scene = Scene(flight, PLAIN)
-    gates = [shape for shape in scene._obstacles if shape.color[0] > 0.9]
+    gates = [shape for shape in scene.obstacles if shape.color[0] > 0.9]
     assert len(gates) == 5 * 4  # bars
     drawn = [flight.drawn[f"obstacles.gate_1.position[{k}]"] for k in range(3)]
     middle = np.mean([bar.position for bar in gates[:4]], axis=0)
@@ -95,15 +98,15 @@ def test_gates_are_drawn_where_the_episode_has_them(logs: dict[str, Path]) -> No
 
 def test_ropes_hang_between_their_ends(logs: dict[str, Path]) -> None:
     a, b = np.array([0.0, 0.0, 2.0]), np.array([0.6, 0.0, 2.0])
-    assert len(sagging(a, b, 0.6)) == 2  # taut
+    assert len(hanging(a[None], b[None], [0.6])[0]) == 2  # taut
     for length in (0.61, 0.7, 1.0, 2.0):
-        points = np.array(sagging(a, b, length))
+        points = hanging(a[None], b[None], [length])[0]
         np.testing.assert_array_equal(points[[0, -1]], [a, b])
         drawn = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
         assert abs(drawn - length) < 1e-6 * length  # 30 halvings of the sag
         assert points[:, 2].min() < 2.0
     shapes = Scene(Flight(logs["cooperative_payload_ropes"]), PLAIN)
-    assert len(shapes._couplings) == len(shapes.flight.compiled.couplings) > 0
+    assert len(shapes.couplings.names) == len(shapes.flight.compiled.couplings) > 0
 
 
 def test_poses_between_rows_are_between_them(logs: dict[str, Path]) -> None:

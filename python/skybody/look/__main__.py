@@ -19,7 +19,7 @@ from skybody.program import run_program
 
 from .cameras import CAMERAS
 from .film import Film, Frame, Panel, Size, write
-from .flight import open_flight
+from .flight import Flight, open_flight
 from .palette import colors
 from .scene import Scene, Style
 from .strip import Strip
@@ -57,14 +57,14 @@ def parser() -> argparse.ArgumentParser:
     return made
 
 
-def scenes_of(options: argparse.Namespace) -> list[Scene]:
-    """One scene a log."""
+def scenes_of(flights: list[Flight], options: argparse.Namespace) -> list[Scene]:
+    """One scene a flight."""
     color = "" if options.trail_color == "robot" else options.trail_color
-    scenes, tints = [], colors(len(options.logs))
-    for k, log in enumerate(options.logs):
+    scenes, tints = [], colors(len(flights))
+    for k, flight in enumerate(flights):
         ghost = tints[k] if options.ghost and k > 0 else None
         style = Style(trail=options.trail, trail_value=color, thrust=options.thrust, ghost=ghost)
-        scenes.append(Scene(open_flight(log), style))
+        scenes.append(Scene(flight, style))
     return scenes
 
 
@@ -118,10 +118,11 @@ def counted(frames: Iterator[Frame], of: int) -> Iterator[Frame]:
 def render(options: argparse.Namespace) -> int:
     """Writes the film."""
     size = size_of(options)
-    scenes = scenes_of(options)
+    flights = [open_flight(log) for log in options.logs]
+    scenes = scenes_of(flights, options)
     names = [name for name in options.plot.split(",") if name]
     below = 2 * int(STRIP_SHARE * size.height / 2) if names else 0
-    strip = Strip([s.flight for s in scenes], names, size.width, below) if names else None
+    strip = Strip(flights, names, size.width, below) if names else None
     cameras = options.camera.split(",")
     film = Film(panels_of(scenes, cameras, options.ghost, size, size.height - below), size)
 

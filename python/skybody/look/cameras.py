@@ -8,12 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from skybody import InputError
 
-from .flight import Array
+from .motion import Array, rotation_of
 from .scene import Scene
+from .shapes import IDENTITY
 
 UP = np.array([0.0, 0.0, 1.0])
 LEAST_HEIGHT = 0.08  # of an eye above the ground [m]
 FAR_UP = 10.0 * UP
+FILLED = 0.62  # share of the picture that robots fill for an orbit camera
+SMOOTH = 0.6  # half the time over which cameras are smooth [s]
+SLOW = 0.5  # speed at which travel and attitude count equally for the chase camera [m/s]
 MARGIN = 0.92  # share of the field of view in which a fixed camera has the whole flight
 
 
@@ -30,13 +34,18 @@ Camera = Callable[[float], View]
 
 def look_at(eye: Array, target: Array) -> View:
     """A level view of a point."""
-    eye = np.array([eye[0], eye[1], max(eye[2], LEAST_HEIGHT)])
+    eye = raised(eye)
     forward = target - eye
     forward = forward / max(float(np.linalg.norm(forward)), 1e-9)
     right = np.cross(forward, UP)
     aside = float(np.linalg.norm(right))
     right = right / aside if aside > 1e-6 else np.array([0.0, -1.0, 0.0])
     return View(eye, np.column_stack([right, np.cross(forward, right), forward]))
+
+
+def raised(eye: Array) -> Array:
+    """A place that is not below the ground."""
+    return np.array([eye[0], eye[1], max(eye[2], LEAST_HEIGHT)])
 
 
 def fit(points: Array, azimuth: float, elevation: float, half: tuple[float, float]) -> View:
@@ -61,47 +70,48 @@ def fit(points: Array, azimuth: float, elevation: float, half: tuple[float, floa
 
 
 def fixed(scene: Scene, field_of_view: float, aspect: float) -> Camera:
-    """Sees the whole flight from one place, of several directions that of the nearest one."""
+    """Sees the whole flight from one place: the one from which it is most spread out."""
     points = scene.points()
     half = np.tan(0.5 * field_of_view) * MARGIN
     views = [
         fit(points, np.radians(azimuth), np.radians(24.0), (half, half * aspect))
-        for azimuth in range(-200, -80, 15)  # the sun behind
+        for azimuth in range(-200, -80, 10)  # the sun behind
     ]
-    middle = points.mean(axis=0)
-    nearest = min(views, key=lambda view: float(np.linalg.norm(view.eye - middle)))
-    return lambda time: nearest
+    best = max(views, key=lambda view: spread(points, view))
+    return lambda time: best
+
+
+def spread(points: Array, view: View) -> float:
+    """A measure of the area of points (n, 3), W [m], in a picture."""
+    seen = (points - view.eye) @ view.axes
+    return float(np.linalg.det(np.cov((seen[:, :2] / seen[:, 2:]).T)))
 
 
 def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
-    """Goes about the middle of the robots, a turn in 24 s."""
-    times = np.linspace(0.0, scene.flight.duration, 61)
-    middles = np.array([smooth_center(scene, float(t)) for t in times])
-    bodies = np.array([scene.flight.at(float(t))[0] for t in times])
-    apart = np.linalg.norm(bodies - middles[:, None], axis=-1).max(axis=1)
-    away = 5.0 * scene.size() + 2.3 * float(np.nanpercentile(apart, 95.0))
+    """Goes about the robots, a turn in 24 s, as near as they allow, farther where they are fast."""
+    half = np.tan(0.5 * field_of_view) * FILLED
 
     def view(time: float) -> View:
         azimuth = np.radians(-125.0 + 15.0 * time)
-        middle = smooth_center(scene, time)
-        return look_at(middle + away * direction(azimuth, np.radians(22.0)), middle)
+        places = places_about(scene, time)
+        views = [fit(at, azimuth, np.radians(22.0), (half, half * aspect)) for at in places]
+        middles = places.mean(axis=1)
+        way = float(np.linalg.norm(np.diff(middles, axis=0), axis=1).sum())
+        eye = np.mean([view.eye for view in views], axis=0) - 0.8 * way * views[0].axes[:, 2]
+        return View(raised(eye), views[0].axes)
 
     return view
 
 
 def chase(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     """Follows the first robot from behind, along its way."""
-    away = 9.0 * scene.size()
-    times = np.arange(0.0, scene.flight.duration + 0.1, 0.1)
     first = next(iter(scene.robots.values()))[0]
-    place = np.array([scene.flight.at(t)[0][first] for t in times])
-    heading = headings(place, scene.flight.at(0.0)[1][first])
+    away = 9.0 * max(float(scene.extents()[first]), 0.05)
 
     def view(time: float) -> View:
         target = scene.flight.at(time)[0][first]
-        angle = np.interp(time, times, heading)
-        back = -np.array([np.cos(angle), np.sin(angle), 0.0]) + 0.38 * UP
-        return look_at(target + away * back, target + 0.1 * away * UP)
+        ahead = heading(scene, first, time)
+        return look_at(target + away * (0.38 * UP - ahead), target + 0.1 * away * UP)
 
     return view
 
@@ -148,20 +158,25 @@ def direction(azimuth: float, elevation: float) -> Array:
     return np.array([c * np.cos(azimuth), c * np.sin(azimuth), np.sin(elevation)])
 
 
-def smooth_center(scene: Scene, time: float) -> Array:
-    """Mean of the robots' middle over 1.5 s about a time, W [m]."""
-    times = np.clip(time + np.linspace(-0.75, 0.75, 7), 0.0, scene.flight.duration)
-    return np.asarray(np.mean([scene.center(float(t)) for t in times], axis=0))
+def places_about(scene: Scene, time: float) -> Array:
+    """Points about all bodies at some times about a time, (times, n, 3), W [m]."""
+    flight = scene.flight
+    times = np.clip(time + np.linspace(-SMOOTH, SMOOTH, 9), 0.0, flight.duration)
+    position, _ = flight.poses(times)
+    position = position[np.isfinite(position).all(axis=(1, 2))]
+    if len(position) == 0:
+        return np.zeros((1, 1, 3))
+    arms = np.concatenate([IDENTITY, -IDENTITY]) * scene.extents()[:, None, None]
+    return (position[:, :, None] + arms).reshape(len(position), -1, 3)
 
 
-def headings(place: Array, axes: Array) -> Array:
-    """Direction of travel at equal times [rad], smooth; while it stands still the last one."""
-    angle = float(np.arctan2(axes[1, 0], axes[0, 0]))
-    found = [angle]
-    for step in np.diff(place[:, :2], axis=0):
-        if np.linalg.norm(step) > 0.02:
-            turn = np.arctan2(step[1], step[0]) - angle
-            turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
-            angle += float(np.clip(0.25 * turn, -0.35, 0.35))
-        found.append(angle)
-    return np.array(found)
+def heading(scene: Scene, body: int, time: float) -> Array:
+    """Level direction of travel about a time, unit, W; of a body that stands, where it looks."""
+    flight = scene.flight
+    times = np.clip(time + np.linspace(-1.2, 0.4, 17), 0.0, flight.duration)
+    position, quaternion = flight.poses(times)
+    way = position[-1, body] - position[0, body]
+    looks = rotation_of(quaternion[:, body])[:, :, 0].mean(axis=0)
+    along = (way / (times[-1] - times[0] + 1e-9) + SLOW * looks) * [1.0, 1.0, 0.0]
+    length = float(np.linalg.norm(along))
+    return along / length if length > 1e-9 else np.array([1.0, 0.0, 0.0])

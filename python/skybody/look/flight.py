@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 from skybody import CompiledScenario, InputError
 
+from .motion import Array as Array
+from .motion import Motion, Overview
+from .motion import rotation_of as rotation_of
+from .rows import Rows
+
 FORMAT = "skybody flight log"
 VERSION = 1
 # Keys of scenario files whose values name files, relative to the scenario's folder.
 FILE_KEYS = re.compile(r"^(\s*(?:- )?(?:model|rotors|file|reference)): (\S+)$", re.MULTILINE)
-
-Array = NDArray[np.float64]
 
 
 def texts(values: object) -> list[str]:
@@ -26,7 +29,7 @@ def texts(values: object) -> list[str]:
     return [v.decode() if isinstance(v, bytes) else str(v) for v in array]
 
 
-class Flight:
+class Flight(Motion):
     """One episode of a flight log. Rows are the states after the reset and after each action."""
 
     def __init__(
@@ -50,6 +53,7 @@ class Flight:
             there = f"it has {', '.join(str(int(n)) for n in names)}" if names else "it has none"
             raise InputError(f"{self.path}: no episode {episode or 1}; {there}")
         self.episode = int(name)
+        self._rows: dict[str, Rows] = {}
         self._group = self._file["episodes"][name]
         if has_bodies and "bodies" not in self._group:
             raise InputError(f"{self.path}: episode {self.episode} has no bodies to draw")
@@ -98,11 +102,6 @@ class Flight:
         """Of each row, since the reset [s]."""
         return np.asarray(self._group["time"][:], dtype=np.float64)
 
-    @property
-    def duration(self) -> float:
-        """[s]"""
-        return float(self.time[-1])
-
     @cached_property
     def body_names(self) -> list[str]:
         """ROBOT.LINK of each body."""
@@ -132,10 +131,42 @@ class Flight:
     @cached_property
     def goals(self) -> dict[str, Array]:
         """By the name of the body that has it: rows x 4, position (W) [m] and yaw [rad]."""
+        if not self.goal_columns:
+            return {}
+        goal = self._group["goal"][:]
+        return {name: goal[:, k] for name, k in self.goal_columns.items()}
+
+    @cached_property
+    def goal_columns(self) -> dict[str, int]:
+        """Index of the goal of each body that has one; of several the first counts."""
         if not self._has("goal"):
             return {}
-        goal = self._group["goal"]
-        return {name: goal[:, k] for k, name in enumerate(texts(goal.attrs["items"]))}
+        names = texts(self._group["goal"].attrs["items"])
+        return {name: names.index(name) for name in names}
+
+    def rows(self, name: str) -> Rows:
+        """Rows of a dataset of numbers, read by parts; of width 0 if the log does not have it."""
+        if name not in self._rows:
+            known = self._group[name] if self._has(name) else np.zeros((len(self.time), 0))
+            self._rows[name] = Rows(known)
+        return self._rows[name]
+
+    @cached_property
+    def overview(self) -> Overview:
+        """Rows of all of it, at most MOST."""
+        return super().overview
+
+    def turns(self, time: float) -> Array:
+        """Angle of each rotor since the reset [rad], from the speeds of the overview."""
+        seen, angles = self.overview, self._turns
+        row = int(np.clip(np.searchsorted(seen.time, time) - 1, 0, len(angles) - 1))
+        return np.asarray(angles[row] + seen.rotor_speed[row] * (time - seen.time[row]))
+
+    @cached_property
+    def _turns(self) -> Array:
+        seen = self.overview
+        steps = seen.rotor_speed[:-1] * np.diff(seen.time)[:, None]
+        return np.concatenate([np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)])
 
     @cached_property
     def touching(self) -> NDArray[np.bool_]:
@@ -186,25 +217,6 @@ class Flight:
         attributes = self._group[dataset].attrs
         return list(zip(texts(attributes["columns"]), texts(attributes["units"]), strict=True))
 
-    def at(self, time: float) -> tuple[Array, Array]:
-        """Poses between rows.
-
-        Args:
-            time: since the reset [s]; held at the ends.
-
-        Returns:
-            Positions (bodies, 3), W [m], and matrices (bodies, 3, 3), W from B.
-        """
-        row = int(np.clip(np.searchsorted(self.time, time) - 1, 0, max(len(self.time) - 2, 0)))
-        after = min(row + 1, len(self.time) - 1)
-        span = self.time[after] - self.time[row]
-        share = float(np.clip((time - self.time[row]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
-        a, b = self.bodies[row], self.bodies[after]
-        position = a[:, :3] + share * (b[:, :3] - a[:, :3])
-        nearer = np.where(np.sum(a[:, 3:7] * b[:, 3:7], axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-        quaternion = a[:, 3:7] + share * (nearer * b[:, 3:7] - a[:, 3:7])
-        return position, rotation_of(quaternion)
-
     def close(self) -> None:
         """Closes the file; what was read stays."""
         self._file.close()
@@ -219,19 +231,6 @@ def open_flight(argument: str, *, has_bodies: bool = True) -> Flight:
     if path and number.isdigit():
         return Flight(path, int(number), has_bodies=has_bodies)
     return Flight(argument, has_bodies=has_bodies)
-
-
-def rotation_of(quaternions: Array) -> Array:
-    """Matrices of quaternions w x y z of any length above 0, along the last axis."""
-    w, x, y, z = np.moveaxis(
-        quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True), -1, 0
-    )
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def _open(path: Path) -> h5py.File:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from skybody import CompiledScenario
 from skybody._native import Mesh, Rotor, Shape, Visual
 
 from .contacts import Contacts
@@ -23,7 +24,7 @@ from .rotors import BLADE as BLADE
 from .rotors import BLADES_SHOWN as BLADES_SHOWN
 from .rotors import Rotors
 from .shapes import BOX, CAPSULE, CYLINDER, GROUND, IDENTITY, MESH, SPHERE, Color, Shapes
-from .trails import Trails, add_goals, distances, path_adder
+from .trails import Paths, Trails, add_goals, distances
 
 KINDS = {
     "box": BOX,
@@ -77,7 +78,7 @@ class Scene:
         self.radii = blade_radii(self.rotors)  # of the drawn blades, by the rotors' names [m]
         self.couplings = Couplings(flight, ghost)
         self.bodies = [fixed_to_body(visual) for visual in compiled.visuals]
-        self.obstacles = [] if ghost else list(standing(flight))
+        self.obstacles = [] if ghost else standing(compiled, flight.drawn)
         self.robots = robots_of(flight)
         self.triangles = sum(s.mesh.count for s in (*self.bodies, *self.obstacles) if s.mesh)
         self._moving = Fixtures(self.bodies, ghost)
@@ -131,9 +132,7 @@ class Scene:
         for add in self._parts:
             add(shapes.lines, time)
 
-    def add_robots(
-        self, shapes: Shapes, time: float, names: Collection[str] | None = None
-    ) -> None:
+    def add_robots(self, shapes: Shapes, time: float, names: Collection[str] | None = None) -> None:
         """Adds bodies, rotors and couplings alone.
 
         Args:
@@ -162,7 +161,7 @@ def parts_of(scene: Scene) -> list[Callable[[Lines, float], None]]:
     flight, style = scene.flight, scene.style
     found: list[Callable[[Lines, float], None]] = []
     if style.reference:
-        found.append(path_adder(flight, style.ghost))
+        found.append(Paths(flight, style.ghost).add)
     if style.trail > 0.0:
         bases = [first for first, _ in scene.robots.values()]
         tints = [style.ghost] * len(bases) if style.ghost else colors(len(bases))
@@ -245,12 +244,15 @@ def fixed_to_body(visual: Visual) -> Fixed:
     return Fixed(kind, visual.body, place, axes, half, (red, green, blue), mesh, corners)
 
 
-def standing(flight: Motion) -> list[Fixed]:
-    """The obstacles as drawn in the flight's episode; of gates the bars."""
+def standing(compiled: CompiledScenario, drawn: Mapping[str, float]) -> list[Fixed]:
+    """The obstacles of an episode; of gates the bars.
+
+    Args:
+        drawn: values of the episode's parameters by path.
+    """
     found: list[Fixed] = []
-    for shape in flight.compiled.obstacles:
+    for shape in compiled.obstacles:
         path = f"obstacles.{shape.name}."
-        drawn = flight.drawn
         if not drawn.get(path + "present", 1.0):
             continue
         position = np.array(
@@ -258,12 +260,12 @@ def standing(flight: Motion) -> list[Fixed]:
         )
         turn = np.array([drawn.get(f"{path}rotation[{k}]", shape.rotation[k]) for k in range(4)])
         size = [drawn.get(f"{path}size[{k}]", value) for k, value in enumerate(shape.size)]
-        found += of_obstacle(flight, shape, position, rotation_of(turn), size)
+        found += of_obstacle(compiled, shape, position, rotation_of(turn), size)
     return found
 
 
 def of_obstacle(
-    flight: Motion, shape: Shape, position: Array, axes: Array, size: list[float]
+    compiled: CompiledScenario, shape: Shape, position: Array, axes: Array, size: list[float]
 ) -> list[Fixed]:
     """The shapes of an obstacle in W."""
     color = OBSTACLES.get(shape.kind, STONE)
@@ -277,7 +279,7 @@ def of_obstacle(
             for at, edges in posts + beams
         ]
     if shape.kind == "height_field":
-        corners = flight.compiled.height_field_corners(shape.obstacle)
+        corners = compiled.height_field_corners(shape.obstacle)
         mesh = Mesh(corners, np.ones(3))
         return [Fixed(MESH, -1, position, axes, (0.0, 0.0, 0.0), GRASS, mesh, corners)]
     kind = KINDS[shape.kind]
