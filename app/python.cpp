@@ -34,13 +34,10 @@ std::string interpreter() {
 
 std::vector<std::string> python_command() { return {interpreter(), "-P"}; }
 
-std::filesystem::path plot_script() {
-  return shipped_data("scripts", "scripts") / "plot_flight.py";
-}
-
 void set_python_environment() {
-  // Scripts are beside the package in the source tree, and in share/skybody of an installation.
-  const std::filesystem::path package = shipped_data("scripts", "scripts").parent_path() / "python";
+  // Scenarios are beside the package in the source tree, and in share/skybody of an installation.
+  const std::filesystem::path package =
+      shipped_data("scenarios", "scenarios").parent_path() / "python";
   std::error_code ignored;
   std::string path;
   if (std::filesystem::exists(package / "skybody", ignored)) path = package.string();

@@ -1,7 +1,6 @@
 // The Python interpreter that draws pictures, trains and tunes gains.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,9 +10,6 @@ namespace skybody {
 /// `python3`; then -P, which keeps Python from importing from the working folder, where a
 /// stranger's `numpy.py` would run.
 std::vector<std::string> python_command();
-
-/// The script that draws flight logs.
-std::filesystem::path plot_script();
 
 /// Sets environment variables for child programs:
 ///   - PYTHONPATH: in a source tree its folder `python` comes first, so that child programs find

@@ -16,7 +16,7 @@ namespace {
 
 struct PythonCommand {
   const char* name;
-  const char* module;  ///< null: plot_script()
+  const char* module;
   const char* help;
 };
 
@@ -27,18 +27,14 @@ constexpr PythonCommand kCommands[] = {
     {"view", "skybody.view", "Show flights, or a running simulation, in a browser"},
     {"export", "skybody.exports", "Write a flight or a policy in a format of other programs"},
     {"import", "skybody.imports", "Make a flight log from the log of a real flight"},
-    {"plot", nullptr, "Draw the flights of a log, as PNG or PDF"},
+    {"plot", "skybody.plot", "Draw the flights of a log, as PNG, PDF or SVG"},
 };
 
-/// Replaces this process by `python -P -m MODULE ARGUMENTS`, or by the plot script, whose exit
-/// status becomes the program's.
+/// Replaces this process by `python -P -m MODULE ARGUMENTS`, whose exit status becomes the
+/// program's.
 int become_python(const char* module, const std::vector<std::string>& arguments) {
   std::vector<std::string> command = python_command();
-  if (module == nullptr) {
-    command.push_back(plot_script().string());
-  } else {
-    command.insert(command.end(), {"-m", module});
-  }
+  command.insert(command.end(), {"-m", module});
   command.insert(command.end(), arguments.begin(), arguments.end());
   std::vector<char*> words;
   for (std::string& word : command) words.push_back(word.data());

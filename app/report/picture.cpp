@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPicturePrefix = "picture ";
+constexpr const char* kPlot = "skybody.plot";  // the Python module
 
 /// Result of a program that has ended.
 struct Outcome {
@@ -31,7 +32,7 @@ struct Outcome {
 
 std::vector<std::string> command_line(const fs::path& log) {
   std::vector<std::string> command = python_command();
-  command.insert(command.end(), {plot_script().string(), log.string()});
+  command.insert(command.end(), {"-m", kPlot, log.string()});
   return command;
 }
 
@@ -96,14 +97,14 @@ Pictures draw_pictures(const fs::path& log) {
   set_python_environment();
   const Outcome outcome = run(command);
   if (outcome.spawn_error != 0) {
-    return {{},
-            "cannot start " + command[0] + ": " + std::strerror(outcome.spawn_error) +
-                "; name a Python with matplotlib and h5py in SKYBODY_PYTHON"};
+    return {
+        {},
+        "cannot start " + command[0] + ": " + std::strerror(outcome.spawn_error) +
+            "; name a Python that has the package skybody, matplotlib and h5py in SKYBODY_PYTHON"};
   }
   std::string last;
   Pictures pictures{picture_paths(outcome.output, last), ""};
-  if (outcome.status != 0)
-    pictures.failure = last.empty() ? plot_script().string() + " failed" : last;
+  if (outcome.status != 0) pictures.failure = last.empty() ? std::string(kPlot) + " failed" : last;
   return pictures;
 }
 

@@ -1,4 +1,4 @@
-// Pictures of a flight, drawn by scripts/plot_flight.py in a separate Python process.
+// Pictures of a flight, drawn by the Python module skybody.plot in a separate Python process.
 #pragma once
 
 #include <filesystem>

@@ -34,7 +34,7 @@ std::string python() {
 
 bool python_can_draw() {
   try {
-    return run_program(python(), {"-c", "import h5py, matplotlib, numpy"}).exit_code == 0;
+    return run_program(python(), {"-c", "import h5py, matplotlib, skybody"}).exit_code == 0;
   } catch (const std::runtime_error&) {
     return false;
   }
@@ -285,7 +285,7 @@ TEST(Run, KeepsWhatWasFlownWhenItIsInterrupted) {
 }
 
 TEST(Run, DrawsAPicture) {
-  if (!python_can_draw()) GTEST_SKIP() << "no Python with matplotlib and h5py";
+  if (!python_can_draw()) GTEST_SKIP() << "no Python with skybody, matplotlib and h5py";
   const TemporaryFolder folder;
   const Outcome outcome = run_skybody(
       {"run", kHover, "--steps", "50", "--episodes", "2", "--out", folder.path().string()},
@@ -322,7 +322,7 @@ TEST(Run, SucceedsWithoutAPictureWhereThereIsNoPython) {
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.err,
             "warning: no picture: cannot start /nowhere/python3: No such file or directory; name a "
-            "Python with matplotlib and h5py in SKYBODY_PYTHON\n");
+            "Python that has the package skybody, matplotlib and h5py in SKYBODY_PYTHON\n");
   EXPECT_THAT(folder.names(), ElementsAre("flight.h5"));
 }
 

@@ -75,7 +75,7 @@ def fixed(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     half = np.tan(0.5 * field_of_view) * MARGIN
     views = [
         fit(points, np.radians(azimuth), np.radians(24.0), (half, half * aspect))
-        for azimuth in range(-200, -80, 10)  # the sun behind
+        for azimuth in range(-165, -104, 15)  # the sun behind; no axis points at the eye
     ]
     best = max(views, key=lambda view: spread(points, view))
     return lambda time: best

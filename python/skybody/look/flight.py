@@ -19,6 +19,7 @@ from .rows import Rows
 
 FORMAT = "skybody flight log"
 VERSION = 1
+RECORDING = "skybody-replay"  # format of `skybody hash --record`
 # Keys of scenario files whose values name files, relative to the scenario's folder.
 FILE_KEYS = re.compile(r"^(\s*(?:- )?(?:model|rotors|file|reference)): (\S+)$", re.MULTILINE)
 
@@ -240,7 +241,12 @@ def _open(path: Path) -> h5py.File:
         raise InputError(f"{path}: no such file; `skybody run` writes flight.h5") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read as a flight log ({error})") from None
-    found = str(log.attrs.get("format", ""))
+    (found,) = texts(log.attrs.get("format", ""))
+    if found == RECORDING:
+        raise InputError(
+            f"{path}: a recording of many environments has no flight; `skybody run` writes "
+            "flight.h5"
+        )
     if not found.startswith(FORMAT) or "episodes" not in log:
         raise InputError(f"{path}: is no flight log; `skybody run` writes flight.h5")
     if found != f"{FORMAT} {VERSION}":
