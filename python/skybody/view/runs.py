@@ -1,0 +1,70 @@
+"""Policies of a training run, flown for its page: some checkpoints, and the learning curve."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from skybody import CompiledScenario, FlightPolicy, Simulation
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.run_folder import Config, load_recorded, read_table
+
+from .page import Curve, Shown
+from .sampler import fly
+from .samples import Samples
+
+MOST_SHOWN = 4  # checkpoints
+MOST_SECONDS = 30.0  # of a flight
+SEED = 2_000  # of the flights' draws: those of no training
+
+
+def is_run(path: Path) -> bool:
+    """Whether a folder is that of a training run."""
+    return (path / "config.json").exists()
+
+
+def flights_of(run: Path) -> list[Shown]:
+    """Flights of at most MOST_SHOWN checkpoints, the newest first.
+
+    Raises:
+        UsageError: the scenario cannot be loaded, or there is no checkpoint.
+        ValueError: a checkpoint is damaged.
+    """
+    config = Config.read(run)
+    compiled = load_recorded(
+        run / "config.json", config.scenario, config.overrides, config.plugin_path
+    )
+    folders = spread(checkpoint_folders(run), MOST_SHOWN)
+    return [Shown(fly_checkpoint(compiled, folder), label_of(folder)) for folder in folders]
+
+
+def fly_checkpoint(compiled: CompiledScenario, folder: Path) -> Samples:
+    """An episode flown by a checkpoint's policy."""
+    step = compiled.dt * compiled.action_repeat
+    simulation = Simulation(compiled, seed=SEED)
+    return fly(simulation, FlightPolicy(compiled, str(folder)), round(MOST_SECONDS / step))
+
+
+def label_of(folder: Path) -> str:
+    """The checkpoint's number of steps in words."""
+    return f"{read_meta(folder)['steps']:,} steps"
+
+
+def spread(folders: list[Path], most: int) -> list[Path]:
+    """At most `most` of them, the newest first, the others at equal distances."""
+    if len(folders) <= most:
+        return folders[::-1]
+    last = len(folders) - 1
+    return [folders[round(last * (1.0 - k / (most - 1)))] for k in range(most)]
+
+
+def curve_of(run: Path, shown: list[Shown]) -> Curve | None:
+    """The mean return over the steps of a run; None before its first row."""
+    rows = read_table(run / "progress.csv")
+    points = [(float(row["steps"]), float(row["recent_return_mean"])) for row in rows]
+    points = [(x, y) for x, y in points if math.isfinite(y)]
+    if not points:
+        return None
+    thin = points[:: max(1, len(points) // 400)]
+    marks = [(float(one.label.split()[0].replace(",", "")), one.label) for one in shown]
+    return Curve("Learning curve", "environment steps", "return", thin, marks)
