@@ -12,7 +12,6 @@ from pathlib import Path
 
 from skybody import InputError
 from skybody.command_line import CommandLine, real, report_error, whole
-from skybody.look.cameras import CAMERAS
 from skybody.look.flight import open_flight
 from skybody.program import run_program
 from skybody.whole_output import whole_output
@@ -42,8 +41,8 @@ def parser() -> argparse.ArgumentParser:
         "--images",
         nargs="?",
         const="onboard",
-        choices=sorted(CAMERAS),
-        help="also pictures of a camera, 10 a second (default: onboard)",
+        metavar="CAMERA",
+        help="also pictures, 10 a second, by a camera of `skybody render` (default: onboard)",
     )
     add("--storage", choices=STORAGES, help="of rosbag2's messages (default: sqlite3)")
     return made

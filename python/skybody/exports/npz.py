@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .about import about
+from .about import SCENARIO, about
 from .table import Table
 
 
@@ -26,7 +26,7 @@ def write(table: Table, path: Path, options: argparse.Namespace) -> None:
                     add(file, f"{name}.{key}", np.array(names))
         add(file, "events.time", np.array([time for time, _ in events], np.float64))
         add(file, "events.text", np.array([text for _, text in events], np.str_))
-        for key, text in about(table).items():
+        for key, text in about(table, SCENARIO).items():
             add(file, key, np.array(text))
 
 

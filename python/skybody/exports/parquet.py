@@ -8,7 +8,7 @@ from pathlib import Path
 import pyarrow
 import pyarrow.parquet
 
-from .about import about
+from .about import SCENARIO, about
 from .table import Table
 
 
@@ -31,4 +31,4 @@ def schema_of(table: Table) -> pyarrow.Schema:
         kind = pyarrow.from_numpy_dtype(series.type)
         for name, unit in zip(series.paths, series.unit_of_each, strict=True):
             fields.append(pyarrow.field(name, kind, False, {"unit": unit}))
-    return pyarrow.schema(fields, about(table))
+    return pyarrow.schema(fields, about(table, SCENARIO))

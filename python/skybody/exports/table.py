@@ -94,6 +94,11 @@ class Table:
         """Number of rows."""
         return len(self._rows)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Times of the first and the last row [s]."""
+        return float(self.flight.time[self._rows[0]]), float(self.flight.time[self._rows[-1]])
+
     @cached_property
     def robots(self) -> dict[str, list[int]]:
         """Indices of each robot's bodies by its name, the base first."""
