@@ -57,6 +57,7 @@ struct RunOptions {
   std::string policy = "hold";
   std::filesystem::path out;
   bool no_picture = false;
+  bool view = false;
 };
 
 /// Accepts a baseline's name, or a file or folder that exists.
@@ -112,12 +113,11 @@ void print_summary(const CompiledScenario& compiled, const FlightResult& result)
   if (redraws > 0) std::printf("starts drawn again: %s\n", std::to_string(redraws).c_str());
 }
 
-void draw_and_print(const std::filesystem::path& log) {
-  const Pictures pictures = draw_pictures(log);
-  for (const std::filesystem::path& file : pictures.files)
-    std::printf("picture  %s\n", file.c_str());
+/// Prints a line for each file, or a warning.
+void print_made(const char* word, const MadeFiles& made) {
+  for (const std::filesystem::path& file : made.files) std::printf("%-8s %s\n", word, file.c_str());
   std::fflush(stdout);
-  if (!pictures.failure.empty()) spdlog::warn("no picture: {}", pictures.failure);
+  if (!made.failure.empty()) spdlog::warn("no {}: {}", word, made.failure);
 }
 
 int run(const RunOptions& options) {
@@ -140,7 +140,8 @@ int run(const RunOptions& options) {
                  std::max<std::size_t>(1, result.episodes.size()), plan.episodes);
     return kExitSignal + result.signal;
   }
-  if (!options.no_picture) draw_and_print(folder.log());
+  if (!options.no_picture) print_made("picture", draw_pictures(folder.log()));
+  if (options.view) print_made("page", write_view(folder.log()));
   return kExitDone;
 }
 
@@ -177,6 +178,8 @@ void add_run_command(CLI::App& app, Action& chosen) {
   command->add_option("--out", options->out, "Folder for the log and the pictures")
       ->type_name("DIR");
   command->add_flag("--no-picture", options->no_picture, "Draw no pictures");
+  command->add_flag("--view", options->view,
+                    "Also write a page that plays the flight in a browser");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include "app/python.h"
@@ -19,9 +20,15 @@ namespace skybody {
 namespace {
 
 namespace fs = std::filesystem;
+using std::string_literals::operator""s;
 
-constexpr const char* kPicturePrefix = "picture ";
-constexpr const char* kPlot = "skybody.plot";  // the Python module
+/// A Python module that makes files from a log, and prints a line `WORD PATH` for each.
+struct Tool {
+  const char* module;
+  const char* word;
+};
+constexpr Tool kPlot{"skybody.plot", "picture "};
+constexpr Tool kView{"skybody.view", "page "};
 
 /// Result of a program that has ended.
 struct Outcome {
@@ -30,9 +37,9 @@ struct Outcome {
   std::string output;   ///< stdout and stderr
 };
 
-std::vector<std::string> command_line(const fs::path& log) {
+std::vector<std::string> command_line(const Tool& tool, const fs::path& log) {
   std::vector<std::string> command = python_command();
-  command.insert(command.end(), {"-m", kPlot, log.string()});
+  command.insert(command.end(), {"-m", tool.module, log.string()});
   return command;
 }
 
@@ -76,13 +83,13 @@ Outcome run(const std::vector<std::string>& command) {
   return outcome;
 }
 
-/// The paths among the script's output lines; `last` is set to the last other line.
-std::vector<fs::path> picture_paths(const std::string& output, std::string& last) {
+/// The paths among the tool's output lines; `last` is set to the last other line.
+std::vector<fs::path> paths_in(const Tool& tool, const std::string& output, std::string& last) {
   std::vector<fs::path> files;
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) {
-    if (line.rfind(kPicturePrefix, 0) == 0) {
-      files.emplace_back(line.substr(std::strlen(kPicturePrefix)));
+    if (line.rfind(tool.word, 0) == 0) {
+      files.emplace_back(line.substr(line.find_first_not_of(' ', std::strlen(tool.word))));
     } else if (!line.empty()) {
       last = line;
     }
@@ -90,10 +97,8 @@ std::vector<fs::path> picture_paths(const std::string& output, std::string& last
   return files;
 }
 
-}  // namespace
-
-Pictures draw_pictures(const fs::path& log) {
-  const std::vector<std::string> command = command_line(log);
+MadeFiles make_files(const Tool& tool, const fs::path& log) {
+  const std::vector<std::string> command = command_line(tool, log);
   set_python_environment();
   const Outcome outcome = run(command);
   if (outcome.spawn_error != 0) {
@@ -103,9 +108,15 @@ Pictures draw_pictures(const fs::path& log) {
             "; name a Python that has the package skybody, matplotlib and h5py in SKYBODY_PYTHON"};
   }
   std::string last;
-  Pictures pictures{picture_paths(outcome.output, last), ""};
-  if (outcome.status != 0) pictures.failure = last.empty() ? std::string(kPlot) + " failed" : last;
-  return pictures;
+  MadeFiles made{paths_in(tool, outcome.output, last), ""};
+  if (outcome.status != 0) made.failure = last.empty() ? tool.module + " failed"s : last;
+  return made;
 }
+
+}  // namespace
+
+MadeFiles draw_pictures(const fs::path& log) { return make_files(kPlot, log); }
+
+MadeFiles write_view(const fs::path& log) { return make_files(kView, log); }
 
 }  // namespace skybody

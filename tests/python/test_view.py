@@ -158,6 +158,19 @@ def test_a_run_shows_its_checkpoints_and_its_learning_curve(
     tab.page.close()
 
 
+def test_train_ends_with_the_page_of_its_run_and_run_with_that_of_its_flight(
+    tmp_path: Path,
+) -> None:
+    run, flight = tmp_path / "run", tmp_path / "flight"
+    small = ("--total-steps", 4_000, "--checkpoint-every", 4_000, "--eval-episodes", 1)
+    trained = skybody("train", "hover_learn", *small, "--out", run)
+    assert trained.stdout.endswith(f"see it  {run / 'flight.html'}\n")
+    assert (run / "flight.html").exists()
+    done = skybody("run", "hover", "--steps", 20, "--no-picture", "--view", "--out", flight)
+    assert done.stdout.endswith(f"page     {flight / 'flight.html'}\n")
+    assert (flight / "flight.html").exists()
+
+
 # --- the file -----------------------------------------------------------------------------------
 
 

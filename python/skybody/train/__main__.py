@@ -324,9 +324,24 @@ def run_to_end(trainer: Trainer) -> int:
     print(trainer.summary())
     if complete:
         print(f"fly it  {fly_command(trainer.config, trainer.run)}")
+        if trainer.config.eval_episodes > 0:
+            show_page(trainer.run)
     else:
         print(f"go on  {resume_command(trainer.config, trainer.run)}")
     return 0 if complete else INTERRUPTED
+
+
+def show_page(run: Path) -> None:
+    """Writes the page of a run that has ended, or says why there is none."""
+    from skybody.view.runs import write_run_page  # takes longer to load than some runs
+
+    page = run / "flight.html"
+    try:
+        write_run_page(run, page)
+    except (OSError, Error, UsageError, ValueError) as error:
+        print(f"warning: no page: {error}", file=sys.stderr)
+    else:
+        print(f"see it  {page}")
 
 
 def fly_command(config: Config, run: Path) -> str:

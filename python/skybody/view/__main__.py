@@ -16,17 +16,18 @@ from pathlib import Path
 
 from skybody import CompiledScenario, Error
 from skybody.command_line import CommandLine, report_error, whole
-from skybody.look.flight import open_flight
+from skybody.look.flight import Flight, open_flight
 from skybody.program import run_program
 from skybody.train.hyperparameters import UsageError
 
 from .live import Live
 from .page import Shown, write_page
-from .runs import curve_of, flights_of, is_run
+from .runs import is_run, write_run_page
 from .samples import of_flight
 from .server import Server
 
 MOST_FLIGHTS = 12
+MOST_EPISODES = 4  # of a log that is given without a number
 
 
 def parser() -> argparse.ArgumentParser:
@@ -70,15 +71,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def write(options: argparse.Namespace) -> int:
     """Writes the page of flights or of a run."""
     first = Path(options.shown[0])
-    if is_run(first):
-        shown = flights_of(first)
-        curve = curve_of(first, shown)
-    else:
-        shown = [Shown(of_flight(open_flight(name)), name) for name in options.shown]
-        curve = None
     out = options.out or page_beside(first)
-    title = shown[0].samples.compiled.name
-    write_page(out, title, labelled(shown), curve)
+    if is_run(first):
+        write_run_page(first, out)
+    else:
+        shown = [flight for name in options.shown for flight in flights_in(name)]
+        write_page(out, shown[0].samples.compiled.name, shown[:MOST_FLIGHTS])
     print(f"page     {out}")
     if options.open:
         webbrowser.open(out.resolve().as_uri())
@@ -90,11 +88,13 @@ def page_beside(first: Path) -> Path:
     return (first if first.is_dir() else first.parent) / "flight.html"
 
 
-def labelled(shown: Sequence[Shown]) -> list[Shown]:
-    """Flights with the shortest labels that differ: folders, without the common start."""
-    if len(shown) == 1:
-        return [Shown(shown[0].samples, f"episode {shown[0].samples.episode}")]
-    return list(shown)
+def flights_in(argument: str) -> list[Shown]:
+    """The episode that LOG:EPISODE names, or the first ones of LOG."""
+    flight = open_flight(argument)
+    others = [] if argument.endswith(f":{flight.episode}") else flight.episodes[1:MOST_EPISODES]
+    flights = [flight, *(Flight(flight.path, number) for number in others)]
+    name = flight.path.parent.name or flight.path.name
+    return [Shown(of_flight(one), f"{name}, episode {one.episode}") for one in flights]
 
 
 # --- a running simulation -----------------------------------------------------------------------

@@ -7,14 +7,15 @@ from pathlib import Path
 
 from skybody import CompiledScenario, FlightPolicy, Simulation
 from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.hyperparameters import UsageError
 from skybody.train.run_folder import Config, load_recorded, read_table
 
-from .page import Curve, Shown
+from .page import Curve, Shown, write_page
 from .sampler import fly
 from .samples import Samples
 
 MOST_SHOWN = 4  # checkpoints
-MOST_SECONDS = 30.0  # of a flight
+MOST_SECONDS = 20.0  # of a flight
 SEED = 2_000  # of the flights' draws: those of no training
 
 
@@ -23,19 +24,23 @@ def is_run(path: Path) -> bool:
     return (path / "config.json").exists()
 
 
-def flights_of(run: Path) -> list[Shown]:
-    """Flights of at most MOST_SHOWN checkpoints, the newest first.
+def write_run_page(run: Path, out: Path) -> None:
+    """Writes the page of a run: flights of some checkpoints, and the learning curve.
 
     Raises:
         UsageError: the scenario cannot be loaded, or there is no checkpoint.
         ValueError: a checkpoint is damaged.
+        OSError: the page cannot be written.
     """
     config = Config.read(run)
     compiled = load_recorded(
         run / "config.json", config.scenario, config.overrides, config.plugin_path
     )
     folders = spread(checkpoint_folders(run), MOST_SHOWN)
-    return [Shown(fly_checkpoint(compiled, folder), label_of(folder)) for folder in folders]
+    if not folders:
+        raise UsageError(f"{run}: there is no checkpoint yet; `skybody train` writes them")
+    shown = [Shown(fly_checkpoint(compiled, folder), label_of(folder)) for folder in folders]
+    write_page(out, compiled.name, shown, curve_of(run, shown))
 
 
 def fly_checkpoint(compiled: CompiledScenario, folder: Path) -> Samples:
