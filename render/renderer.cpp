@@ -64,6 +64,7 @@ Light light_of(const Sky& sky, const Eye& eye, double pixel) {
   light.ambient = sky.ambient;
   std::copy(sky.zenith.begin(), sky.zenith.end(), light.zenith);
   std::copy(sky.horizon.begin(), sky.horizon.end(), light.horizon);
+  light.haze = sky.haze * sky.haze;
   light.pixel = static_cast<float>(pixel);
   set_sides(light);
   return light;
@@ -182,7 +183,7 @@ Light Renderer::light(const Eye& eye, std::span<const PlacedShape> shapes, const
   Light light = light_of(sky, eye, pixel_);
   light.casters = scratch.casters;
   light.bounds = scratch.bounds;
-  for (std::size_t i = 0; frame.rgb != nullptr && sky.has_shadows && i < shapes.size(); ++i) {
+  for (std::size_t i = 0; frame.has_colors() && sky.has_shadows && i < shapes.size(); ++i) {
     if (!shapes[i].casts_shadow) continue;
     cast(shapes[i], static_cast<int>(i), eye, light, scratch.casters);
   }
@@ -206,9 +207,10 @@ void Renderer::draw_grid(const Eye& eye, std::span<const PlacedShape> shapes, co
       scratch.triangle_tiles[k] = {x.first, x.last, y.first, y.last};
     }
   }
-  if (frame.rgb != nullptr) lay_textures(eye, shapes, scratch, seen.parts);
+  if (frame.has_colors()) lay_textures(eye, shapes, scratch, seen.parts);
   const Light lit = light(eye, shapes, sky, scratch, frame);
-  for (int band = 0; band < bands_; ++band) draw_band(band, scratch, seen, lit, frame);
+  Frame rest = frame;  // `packed` moves from tile to tile
+  for (int band = 0; band < bands_; ++band) draw_band(band, scratch, seen, lit, rest);
 }
 
 /// @param eye  with the axes of the face
@@ -223,7 +225,7 @@ void Renderer::draw_face(const RayFace& face, const Eye& eye, std::span<const Pl
     scratch.covers[part] = kNowhere;  // the mesh's triangles are listed instead
     seen.triangles += list_triangles(shapes[i], eye, part, scratch, seen.triangles);
   }
-  if (frame.rgb != nullptr) lay_textures(eye, shapes, scratch, seen.parts);
+  if (frame.has_colors()) lay_textures(eye, shapes, scratch, seen.parts);
   const Light lit = light(eye, shapes, sky, scratch, frame);
   for (const RayTile& tile : face.tiles) {
     int shapes_listed = 0, triangles_listed = 0;
@@ -337,15 +339,18 @@ void Renderer::list_band(int band, const TileRange* ranges, int count, int most,
 }
 
 void Renderer::draw_band(int band, const Scratch& scratch, const Seen& seen, const Light& light,
-                         const Frame& frame) const {
+                         Frame& frame) const {
+  const std::uint8_t* wanted = frame.tiles;
+  if (wanted != nullptr) {
+    wanted += static_cast<std::ptrdiff_t>(band) * columns_;
+    if (std::find(wanted, wanted + columns_, 1) == wanted + columns_) return;
+  }
   list_band(band, scratch.tiles, seen.parts, most_parts_, scratch.counts, scratch.lists);
   if (seen.triangles > 0) {
     list_band(band, scratch.triangle_tiles, seen.triangles, most_triangles_,
               scratch.triangle_counts, scratch.triangle_lists);
   }
   const int top = band * kTileHeight;
-  const std::uint8_t* wanted = frame.tiles;
-  if (wanted != nullptr) wanted += static_cast<std::ptrdiff_t>(band) * columns_;
   for (int column = 0; column < columns_; ++column) {
     if (wanted != nullptr && wanted[column] == 0) continue;
     const int left = column * kTileWidth;
@@ -367,6 +372,7 @@ void Renderer::draw_band(int band, const Scratch& scratch, const Seen& seen, con
     call.x = pixels.x;
     call.y = pixels.y;
     draw_tile(call, pixels, light, scratch, frame);
+    if (frame.packed != nullptr) frame.packed += kTilePixels;
   }
 }
 
@@ -387,7 +393,8 @@ void Renderer::draw_tile(TileCall& call, const Pixels& pixels, const Light& ligh
   if (frame.shape != nullptr) write_shapes(pixels, tile, scratch.parts, scratch.triangles, frame);
   if (!frame.is_shaded()) return;
   kernels_->shade({&call, &light, scratch.shadows, frame.normal != nullptr ? tile.normal : nullptr,
-                   frame.rgb != nullptr ? tile.color : nullptr, most_textured_ > 0});
+                   frame.has_colors() ? tile.color : nullptr, most_textured_ > 0});
+  if (frame.packed != nullptr) std::copy_n(tile.color, kTilePixels, frame.packed);
   write_shades(pixels, tile, frame);
 }
 

@@ -32,8 +32,12 @@ struct Frame {
   std::int32_t* shape = nullptr;  ///< index of the shape in the list of draw(); -1: nothing
   /// Of a grid: 1 for tiles to draw, kTileWidth x kTileHeight pixels each, row by row; null: all.
   const std::uint8_t* tiles = nullptr;
+  /// Colours of the drawn tiles of a grid, one after the other, kTilePixels each: red, green << 8,
+  /// blue << 16. Tiles are whole also at the image's right and bottom.
+  std::uint32_t* packed = nullptr;
 
-  bool is_shaded() const { return normal != nullptr || rgb != nullptr; }
+  bool has_colors() const { return rgb != nullptr || packed != nullptr; }
+  bool is_shaded() const { return normal != nullptr || has_colors(); }
 };
 
 /// Limits of a scene.
@@ -90,7 +94,7 @@ class Renderer {
   void draw_face(const RayFace& face, const Eye& eye, std::span<const PlacedShape> shapes,
                  const Sky& sky, const Scratch& scratch, const Frame& frame) const;
   void draw_band(int band, const Scratch& scratch, const Seen& seen, const Light& light,
-                 const Frame& frame) const;
+                 Frame& frame) const;
   template <class Pixels>
   void draw_tile(TileCall& call, const Pixels& pixels, const Light& light, const Scratch& scratch,
                  const Frame& frame) const;

@@ -83,6 +83,9 @@ struct Sky {
   bool has_shadows = true;            ///< shapes shade each other and the ground
   Color zenith{0.25f, 0.45f, 0.8f};
   Color horizon{0.75f, 0.85f, 0.95f};
+  /// Depth d at which surfaces have half the colour of the horizon [m]; its share is
+  /// d^2 / (d^2 + haze^2). 0: none.
+  float haze = 0.0f;
 };
 
 }  // namespace skybody::render

@@ -4,25 +4,27 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "render/haze.h"
 #include "render/kernels/kernel_table.h"
+#include "render/tile_images.h"
 
 namespace skybody::render {
 namespace {
 
 /// Rays along each edge of a pixel.
-constexpr int kFine = 3;
+constexpr int kFine = 4;
+/// Pixels of the image that a fine tile covers: a part of one row.
+constexpr int kCovered = kTileWidth / kFine;
+static_assert(kTileWidth % kFine == 0 && kTileHeight == kFine);
 /// Least difference of a colour between neighbouring pixels that is an edge.
 constexpr int kEdge = 10;
 /// Pixels that are searched for edges at once.
 constexpr int kRun = 16;
+static_assert(kRun % kCovered == 0);
 
 Pinhole finer(const Pinhole& camera) {
   return {kFine * camera.width,   kFine * camera.height,   kFine * camera.focal_x,
           kFine * camera.focal_y, kFine * camera.center_x, kFine * camera.center_y};
 }
-
-int tiles_for(int pixels, int size) { return (pixels + size - 1) / size; }
 
 bool differs(const std::uint8_t* a, const std::uint8_t* b) {
   return std::abs(a[0] - b[0]) > kEdge || std::abs(a[1] - b[1]) > kEdge ||
@@ -45,47 +47,61 @@ bool may_differ(const std::uint8_t* a, const std::uint8_t* b) {
   return (halves[0] | halves[1]) != 0;
 }
 
+/// The mean of a pixel's rays, rounded.
+/// @param rays  the first of them in a fine tile
+std::uint32_t mean_of(const std::uint32_t* rays) {
+  constexpr std::uint32_t kEven = 0x00ff00ff, kHalf = kFine * kFine / 2;
+  std::uint32_t even = kHalf | kHalf << 16, odd = kHalf;  // red and blue, green
+  for (int row = 0; row < kFine; ++row) {
+    for (int column = 0; column < kFine; ++column) {
+      const std::uint32_t ray = rays[row * kTileWidth + column];
+      even += ray & kEven;
+      odd += ray >> 8 & 0xff;
+    }
+  }
+  constexpr int kShift = 4;
+  static_assert(1 << kShift == kFine * kFine);
+  return (even >> kShift & kEven) | odd >> kShift << 8;
+}
+
 }  // namespace
 
 SmoothRenderer::SmoothRenderer(const Pinhole& camera, const Capacity& most, double farthest,
                                const KernelTable& kernels)
     : camera_(camera),
-      farthest_(static_cast<float>(farthest)),
       coarse_(camera, most, farthest, kernels),
-      fine_(finer(camera), most, farthest, kernels) {}
+      fine_(finer(camera), most, farthest, kernels),
+      columns_((camera.width + kCovered - 1) / kCovered) {}
 
 SmoothRenderer::Scratch::Scratch(const SmoothRenderer& renderer)
     : memory_(std::max(renderer.coarse_.scratch_size(), renderer.fine_.scratch_size())),
-      tiles_(static_cast<std::size_t>(renderer.fine_columns()) *
-             static_cast<std::size_t>(renderer.fine_bands())),
-      rgb_(3 * static_cast<std::size_t>(renderer.fine_.width()) *
-           static_cast<std::size_t>(renderer.fine_.height())),
+      tiles_(static_cast<std::size_t>(renderer.columns_) *
+             static_cast<std::size_t>(renderer.height())),
       depth_(static_cast<std::size_t>(renderer.width()) *
              static_cast<std::size_t>(renderer.height())) {}
 
-int SmoothRenderer::fine_columns() const { return tiles_for(fine_.width(), kTileWidth); }
-int SmoothRenderer::fine_bands() const { return tiles_for(fine_.height(), kTileHeight); }
-
 void SmoothRenderer::draw(const Eye& eye, std::span<const PlacedShape> shapes, const Sky& sky,
-                          Scratch& scratch, std::uint8_t* rgb, const Overlay& overlay) const {
-  const Haze haze(sky.horizon, overlay.haze, farthest_);
+                          Scratch& scratch, std::uint8_t* rgb,
+                          std::span<const LinePoint> lines) const {
   Frame coarse;
   coarse.rgb = rgb;
-  coarse.depth = haze.is_none() && overlay.lines.empty() ? nullptr : scratch.depth_.data();
+  coarse.depth = lines.empty() ? nullptr : scratch.depth_.data();
   coarse_.draw(eye, shapes, sky, scratch.memory_.data(), coarse);
-  haze.fade(scratch.depth_.data(), static_cast<std::ptrdiff_t>(width()) * height(), rgb);
-  mark_edges(rgb, scratch.tiles_.data());
+  const std::size_t tiles = mark_edges(rgb, scratch.tiles_.data());
+  if (scratch.rays_.size() < tiles * kTilePixels) scratch.rays_.resize(tiles * kTilePixels);
   Frame fine;
-  fine.rgb = scratch.rgb_.data();
+  fine.packed = scratch.rays_.data();
   fine.tiles = scratch.tiles_.data();
-  fine_.draw(eye, shapes, sky, scratch.memory_.data(), fine);
-  average(scratch, haze, rgb);
-  draw_lines(camera_, eye, overlay.lines, scratch.depth_.data(), rgb);
+  if (tiles > 0) fine_.draw(eye, shapes, sky, scratch.memory_.data(), fine);
+  average(scratch, rgb);
+  draw_lines(camera_, eye, lines, scratch.depth_.data(), rgb);
 }
 
 /// Marks the fine tiles of all pixels that differ from the one to the right or below.
-void SmoothRenderer::mark_edges(const std::uint8_t* rgb, std::uint8_t* tiles) const {
-  std::fill_n(tiles, fine_columns() * fine_bands(), std::uint8_t{0});
+/// @returns their number
+std::size_t SmoothRenderer::mark_edges(const std::uint8_t* rgb, std::uint8_t* tiles) const {
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(columns_) * height();
+  std::fill_n(tiles, count, std::uint8_t{0});
   const std::ptrdiff_t row = 3 * static_cast<std::ptrdiff_t>(width());
   for (int y = 0; y < height(); ++y) {
     const bool has_below = y + 1 < height();
@@ -97,56 +113,31 @@ void SmoothRenderer::mark_edges(const std::uint8_t* rgb, std::uint8_t* tiles) co
       for (int x = first; x < last; ++x, pixel += 3) {
         const bool right = x + 1 < width() && differs(pixel, pixel + 3);
         const bool below = has_below && differs(pixel, pixel + row);
-        if (right || below) mark(x, y, tiles);
-        if (right) mark(x + 1, y, tiles);
-        if (below) mark(x, y + 1, tiles);
+        std::uint8_t* const tile = tiles + y * columns_ + x / kCovered;
+        if (right || below) tile[0] = 1;
+        if (right) tiles[y * columns_ + (x + 1) / kCovered] = 1;
+        if (below) tile[columns_] = 1;
       }
     }
   }
+  return static_cast<std::size_t>(std::count(tiles, tiles + count, 1));
 }
 
-/// Marks the fine tiles of a pixel.
-void SmoothRenderer::mark(int x, int y, std::uint8_t* tiles) const {
-  for (const int column : {kFine * x / kTileWidth, (kFine * x + kFine - 1) / kTileWidth}) {
-    for (const int band : {kFine * y / kTileHeight, (kFine * y + kFine - 1) / kTileHeight}) {
-      tiles[band * fine_columns() + column] = 1;
-    }
-  }
-}
-
-/// Replaces the pixels whose rays were all drawn finely by the mean of these.
-void SmoothRenderer::average(const Scratch& scratch, const Haze& haze, std::uint8_t* rgb) const {
-  const int columns = fine_columns();
+/// Replaces the pixels of marked tiles by the means of their rays.
+void SmoothRenderer::average(const Scratch& scratch, std::uint8_t* rgb) const {
+  const std::uint32_t* rays = scratch.rays_.data();
+  const std::uint8_t* tile = scratch.tiles_.data();
   for (int y = 0; y < height(); ++y) {
-    const std::uint8_t* first = scratch.tiles_.data() + (kFine * y / kTileHeight) * columns;
-    const std::uint8_t* last =
-        scratch.tiles_.data() + ((kFine * y + kFine - 1) / kTileHeight) * columns;
-    for (int column = 0; column < columns; ++column) {
-      if ((first[column] & last[column]) == 0) continue;
-      // The pixels that begin in this tile.
-      const int begin = (column * kTileWidth + kFine - 1) / kFine;
-      const int end = std::min(((column + 1) * kTileWidth + kFine - 1) / kFine, width());
-      for (int x = begin; x < end; ++x) {
-        const int right = (kFine * x + kFine - 1) / kTileWidth;
-        if ((first[right] & last[right]) != 0) average_pixel(scratch, haze, x, y, rgb);
+    std::uint8_t* const row = rgb + 3 * static_cast<std::ptrdiff_t>(y) * width();
+    for (int first = 0; first < width(); first += kCovered, ++tile) {
+      if (*tile == 0) continue;
+      const int last = std::min(first + kCovered, width());
+      for (int x = first; x < last; ++x) {
+        write_color(mean_of(rays + kFine * (x - first)), row + 3 * x);
       }
+      rays += kTilePixels;
     }
   }
-}
-
-void SmoothRenderer::average_pixel(const Scratch& scratch, const Haze& haze, int x, int y,
-                                   std::uint8_t* rgb) const {
-  const std::ptrdiff_t fine_row = 3 * static_cast<std::ptrdiff_t>(fine_.width());
-  const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y) * width() + x;
-  const std::uint8_t* rays = scratch.rgb_.data() + kFine * (y * fine_row + 3 * x);
-  for (int c = 0; c < 3; ++c) {
-    int sum = kFine * kFine / 2;
-    for (int j = 0; j < kFine; ++j) {
-      for (int i = 0; i < kFine; ++i) sum += rays[j * fine_row + 3 * i + c];
-    }
-    rgb[3 * at + c] = static_cast<std::uint8_t>(sum / (kFine * kFine));
-  }
-  haze.fade(scratch.depth_.data() + at, 1, rgb + 3 * at);
 }
 
 }  // namespace skybody::render

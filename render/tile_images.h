@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "render/kernels/kernel_table.h"
 #include "render/ray_tiles.h"
@@ -20,6 +22,11 @@ struct DrawnTile {
   float normal[3 * kTilePixels];
   std::uint32_t color[kTilePixels];
 };
+
+/// Red, green and blue of a kernel's colour.
+inline void write_color(std::uint32_t color, std::uint8_t* rgb) {
+  for (int k = 0; k < 3; ++k) rgb[k] = static_cast<std::uint8_t>(color >> (8 * k));
+}
 
 /// Distance from the eye at a depth along the optical axis, for the direction (x, y, 1).
 inline float range_at(float depth, float x, float y) {
@@ -50,6 +57,18 @@ struct GridPixels {
     if (tile.id[at] == 0) return farthest;
     return std::min(range_at(tile.depth[at], x[at % kTileWidth], y[at / kTileWidth]), farthest);
   }
+  void write_rgb(const DrawnTile& tile, std::uint8_t* rgb) const {
+    for (int r = 0; r < height; ++r) {
+      const std::size_t row =
+          first + static_cast<std::size_t>(r) * static_cast<std::size_t>(image_width);
+      std::uint8_t* to = rgb + 3 * row;
+      const std::uint32_t* from = tile.color + r * kTileWidth;
+      // Four bytes at a time: the next pixel overwrites the fourth.
+      static_assert(std::endian::native == std::endian::little);
+      for (int c = 0; c + 1 < width; ++c, to += 3) std::memcpy(to, from++, sizeof(*from));
+      write_color(*from, to);
+    }
+  }
   /// Component `axis` of the normal, camera axes.
   float normal(const DrawnTile& tile, int at, int axis) const {
     return tile.normal[axis * kTilePixels + at];
@@ -67,6 +86,9 @@ struct RayPixels {
     for (int at = 0; at < tile.count; ++at) {
       function(static_cast<std::size_t>(tile.pixel[at]), at);
     }
+  }
+  void write_rgb(const DrawnTile& drawn, std::uint8_t* rgb) const {
+    each([&](std::size_t to, int at) { write_color(drawn.color[at], rgb + 3 * to); });
   }
   float depth(const DrawnTile& drawn, int at) const {
     return drawn.id[at] == 0 ? farthest : range(drawn, at) * tile.axial[at];
@@ -127,12 +149,7 @@ void write_shades(const Pixels& pixels, const DrawnTile& tile, const Frame& fram
       }
     });
   }
-  if (frame.rgb == nullptr) return;
-  pixels.each([&](std::size_t to, int at) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      frame.rgb[3 * to + k] = static_cast<std::uint8_t>(tile.color[at] >> (8 * k));
-    }
-  });
+  if (frame.rgb != nullptr) pixels.write_rgb(tile, frame.rgb);
 }
 
 }  // namespace skybody::render

@@ -47,12 +47,6 @@ Mat3<double> mat3(const double* v) {
   return m;
 }
 
-/// The light of a picture, and its air.
-struct Air {
-  render::Sky sky;
-  float haze = 0.0f;
-};
-
 /// A camera of films and its memory for each thread that draws at the same time.
 class Picture {
  public:
@@ -63,10 +57,11 @@ class Picture {
         most_triangles_(triangles) {}
 
   void draw(const render::Eye& eye, const std::vector<PlacedShape>& shapes,
-            const std::vector<render::LinePoint>& lines, const Air& air, std::uint8_t* rgb) {
+            const std::vector<render::LinePoint>& lines, const render::Sky& sky,
+            std::uint8_t* rgb) {
     check(shapes);
     std::unique_ptr<SmoothRenderer::Scratch> scratch = take();
-    renderer_.draw(eye, shapes, air.sky, *scratch, rgb, {air.haze, lines});
+    renderer_.draw(eye, shapes, sky, *scratch, rgb, lines);
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(scratch));
   }
@@ -169,7 +164,8 @@ void draw_picture(Picture& self, const Doubles1& position, const Axes& axes, con
                   const Floats2& colors, const Floats2& checkers, const Floats1& squares,
                   const Marks& shadows, const nb::typed<nb::list, nb::object>& meshes,
                   const Doubles2& line_points, const Floats1& line_widths,
-                  const Floats4& line_colors, const Marks& line_firsts, const Air& air, Rgb rgb) {
+                  const Floats4& line_colors, const Marks& line_firsts, const render::Sky& sky,
+                  Rgb rgb) {
   std::vector<const Mesh*> used;
   for (const nb::handle mesh : meshes) {
     used.push_back(mesh.is_none() ? nullptr : nb::cast<const Mesh*>(mesh));
@@ -185,18 +181,18 @@ void draw_picture(Picture& self, const Doubles1& position, const Axes& axes, con
   const render::Eye eye{vec3(position.data()), mat3(axes.data())};
   std::uint8_t* const pixels = rgb.data();
   const nb::gil_scoped_release other_threads_run;
-  self.draw(eye, shapes, lines, air, pixels);
+  self.draw(eye, shapes, lines, sky, pixels);
 }
 
-void make_air(Air* self, const Doubles1& sun, float direct, float ambient,
+void make_sky(render::Sky* self, const Doubles1& sun, float direct, float ambient,
               const std::array<float, 3>& zenith, const std::array<float, 3>& horizon, float haze) {
-  if (!(haze >= 0.0f)) throw nb::value_error("`haze` is a distance of 0 m or more");
-  new (self) Air{{.sun = vec3(sun.data()),
-                  .direct = direct,
-                  .ambient = ambient,
-                  .zenith = zenith,
-                  .horizon = horizon},
-                 haze};
+  if (!(haze >= 0.0f)) throw nb::value_error("`haze` is a depth of 0 m or more");
+  new (self) render::Sky{.sun = vec3(sun.data()),
+                         .direct = direct,
+                         .ambient = ambient,
+                         .zenith = zenith,
+                         .horizon = horizon,
+                         .haze = haze};
 }
 
 void make_picture(Picture* self, int width, int height, double focal, int shapes, int triangles,
@@ -225,8 +221,8 @@ void bind_render(nb::module_& m) {
           "corners: of each triangle [m], (triangles, 3, 3) float32\n"
           "scale: factors of x, y, z, (3,)")
       .def_prop_ro("count", &Mesh::count, "Number of triangles.");
-  nb::class_<Air>(m, "Sky", "Light and air of a picture.")
-      .def("__init__", &make_air, nb::arg("sun"), nb::arg("direct"), nb::arg("ambient"),
+  nb::class_<render::Sky>(m, "Sky", "Light and air of a picture.")
+      .def("__init__", &make_sky, nb::arg("sun"), nb::arg("direct"), nb::arg("ambient"),
            nb::arg("zenith"), nb::arg("horizon"), nb::arg("haze"),
            "sun: unit vector towards it, W, (3,)\n"
            "direct, ambient: brightness of a white surface that faces the sun, and in shadow\n"

@@ -187,6 +187,7 @@ struct Light {
   float ambient;     ///< brightness of a white surface in shadow
   float zenith[3];   ///< colours of the sky: red, green, blue, linear, in [0, 1]
   float horizon[3];
+  float haze;   ///< squared depth at which surfaces have half the colour of the horizon; 0: none
   float pixel;  ///< tangent of the widest angle between neighbouring pixels
 
   const Caster* casters;

@@ -138,12 +138,20 @@ SKYBODY_RENDER Ints byte_of(const Floats& share) {
   return __builtin_convertvector(clamp_to_one(share) * 255.0f + 0.5f, Ints);
 }
 
+/// A colour at a depth.
+SKYBODY_RENDER Triple hazy(const Triple& color, const Light& light, const Floats& depth) {
+  const Floats square = depth * depth, share = square / (square + light.haze);
+  return {color.x + share * (light.horizon[0] - color.x),
+          color.y + share * (light.horizon[1] - color.y),
+          color.z + share * (light.horizon[2] - color.z)};
+}
+
 SKYBODY_RENDER Ints color_of(const Surfaces& seen, const Light& light, const Floats& lit,
                              const Floats& x, const Floats& y) {
   const Floats slope = max(dot(seen.normal, light.sun), floats(0.0f));
   const Floats brightness = slope * (light.direct * lit) + light.ambient;
-  const Triple shaded{seen.paint.x * brightness, seen.paint.y * brightness,
-                      seen.paint.z * brightness};
+  Triple shaded{seen.paint.x * brightness, seen.paint.y * brightness, seen.paint.z * brightness};
+  if (light.haze > 0.0f) shaded = hazy(shaded, light, seen.point.z);
   const Floats length = sqrt((x * x + y * y) + 1.0f);
   const Floats rise = ((x * light.up[0] + y * light.up[1]) + light.up[2]) / length;
   const Triple color = select(equal(seen.shape, ints(-1)), sky_at(light, rise), shaded);

@@ -110,5 +110,47 @@ TEST_F(ShadesTest, TheSkyChangesFromTheHorizonToTheZenith) {
   EXPECT_EQ(red_at(16, 16), 0);
 }
 
+TEST_F(ShadesTest, HazeMixesTheHorizonInByTheDepth) {
+  shapes[0].paint.color = {0.0f, 0.0f, 0.0f};
+  sky.horizon = {0.8f, 0.8f, 0.8f};
+  look_down();  // from a depth of 2 m
+  EXPECT_EQ(red_at(16, 16), 0);
+  for (const double haze : {0.5, 2.0, 30.0}) {
+    sky.haze = static_cast<float>(haze);
+    look_down();
+    EXPECT_NEAR(red_at(16, 16), byte_of(0.8 * 4.0 / (4.0 + haze * haze)), 1);
+  }
+  sky.haze = 2.0f;
+  shapes.clear();
+  camera.draw({{0.0, 0.0, 2.0}, looking(0.0, -0.5 * kPi, 0.0)}, shapes, sky);
+  EXPECT_EQ(red_at(16, 16), byte_of(static_cast<double>(sky.zenith[0])));  // the sky stays
+}
+
+TEST_F(ShadesTest, PackedColorsAreThoseOfTheWantedTiles) {
+  RandomScenes random(9);
+  shapes = random.scene(12);
+  const Eye eye = random.eye(4.0);
+  camera.draw(eye, shapes, sky);  // 3 x 9 tiles of 33 x 33 pixels
+  std::vector<std::uint8_t> wanted(3 * 9);
+  wanted[4] = wanted[7] = wanted[26] = 1;
+  std::vector<std::uint32_t> packed(3 * kTilePixels);
+  Frame frame;
+  frame.tiles = wanted.data();
+  frame.packed = packed.data();
+  camera.renderer.draw(eye, shapes, sky, camera.scratch.data(), frame);
+  const std::size_t columns[] = {1, 1, 2}, bands[] = {1, 2, 8};
+  for (std::size_t tile = 0; tile < 3; ++tile) {
+    for (std::size_t at = 0; at < kTilePixels; ++at) {
+      const std::size_t x = 16 * columns[tile] + at % 16, y = 4 * bands[tile] + at / 16;
+      if (x >= 33 || y >= 33) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_EQ(packed[tile * kTilePixels + at] >> (8 * c) & 255,
+                  camera.rgb[3 * (33 * y + x) + c])
+            << tile << " " << at;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace skybody::testing

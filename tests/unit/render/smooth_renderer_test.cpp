@@ -1,4 +1,4 @@
-// Smooth images are those of the plain renderer, with the mean of nine rays beside edges.
+// Smooth images are those of the plain renderer, with the mean of 16 rays beside edges.
 #include "render/smooth_renderer.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 using namespace testing;
 
 constexpr Pinhole kCoarse{70, 50, 40.0, 40.0, 35.0, 25.0};
-constexpr Pinhole kFine{210, 150, 120.0, 120.0, 105.0, 75.0};
+constexpr Pinhole kFine{280, 200, 160.0, 160.0, 140.0, 100.0};
 
 std::vector<std::uint8_t> smooth(const Eye& eye, const std::vector<PlacedShape>& shapes,
                                  const KernelTable& kernels = kernels_of(best_isa())) {
@@ -25,18 +25,18 @@ std::vector<std::uint8_t> smooth(const Eye& eye, const std::vector<PlacedShape>&
   return rgb;
 }
 
-/// Of the nine rays of a pixel.
+/// Of the 16 rays of a pixel.
 int mean_of(const Camera& fine, int x, int y, int color) {
-  int sum = 4;
-  for (int j = 0; j < 3; ++j) {
-    for (int i = 0; i < 3; ++i) {
-      sum += fine.rgb[static_cast<std::size_t>(3 * ((3 * y + j) * 210 + 3 * x + i) + color)];
+  int sum = 8;
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      sum += fine.rgb[static_cast<std::size_t>(3 * ((4 * y + j) * 280 + 4 * x + i) + color)];
     }
   }
-  return sum / 9;
+  return sum / 16;
 }
 
-TEST(SmoothRendererTest, APixelIsThatOfItsRayOrTheMeanOfNine) {
+TEST(SmoothRendererTest, APixelIsThatOfItsRayOrTheMeanOf16) {
   RandomScenes random(1);
   for (int k = 0; k < 20; ++k) {
     const std::vector<PlacedShape> shapes = random.scene(12);
