@@ -49,7 +49,7 @@ def flown(folder: Path, *arguments: object) -> Path:
 @pytest.fixture(scope="module")
 def racing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("racing")
-    return flown(folder, "racing", "--policy", "shipped", "--steps", 150)
+    return flown(folder, "racing", "--policy", "shipped", "--steps", 150, "--episodes", 2)
 
 
 @pytest.fixture(scope="module")
@@ -132,12 +132,12 @@ def test_several_flights_are_shown_beside_each_other(
     browser: Browser, racing: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "two.html"
-    assert skybody("view", racing, f"{racing}/flight.h5:1", "-o", out).returncode == 0
+    assert skybody("view", racing, "-o", out).returncode == 0  # all episodes of a log
     tab = Tab(browser, out.as_uri())
     assert tab.value("skybody.stage.worlds.length") == 2
     tab.page.get_by_role("button", name="Side by side").click()
     assert tab.value("skybody.stage.apart")
-    tab.page.get_by_label("flight.h5").uncheck()
+    tab.page.get_by_label("episode 2").uncheck()
     assert tab.value("skybody.stage.shown") == [True, False]
     assert tab.said == []
     tab.page.close()
