@@ -15,7 +15,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 python3 scripts/plugin_reference.py
 PYTHONPATH=python .venv/bin/python -m research run control_page
 PYTHONPATH=python .venv/bin/python scripts/python_options.py
-PYTHONPATH=python .venv/bin/python scripts/scenario_index.py
+PYTHONPATH=python .venv/bin/python -m research run scenario_index
 PYTHONPATH=python .venv/bin/python -m research run hyperparameters
 PYTHONPATH=python .venv/bin/python -m research run task_tables
 PYTHONPATH=python .venv/bin/python -m research run learned_tables

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 from pathlib import Path
 
 import pytest
@@ -11,9 +9,9 @@ import yaml
 from skybody import CompiledScenario
 from skybody._native import scenario_file, shipped_policies, shipped_scenarios
 
+from research.documents import scenario_index
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
-index = importlib.import_module("scenario_index")
 
 
 def test_every_file_of_a_folder_is_a_scenarios_its_presets_or_its_policy() -> None:
@@ -58,4 +56,5 @@ def test_an_include_by_name_is_the_scenario_beside_a_folder_of_its_name(tmp_path
 
 
 def test_the_page_lists_the_scenarios_of_today() -> None:
-    assert index.page() == index.PAGE.read_text(encoding="utf-8"), "scripts/scenario_index.py"
+    written = scenario_index.TARGET.read_text(encoding="utf-8")
+    assert scenario_index.page() == written, "python -m research run scenario_index"

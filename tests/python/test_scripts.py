@@ -100,6 +100,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "reference_figures": QUICK,
     "rotorpy_tracking": QUICK,
     "scalability": QUICK,
+    "scenario_index": Elsewhere("test_scenario_folders.py"),
     "sensor_cost": Call("--quick --only imu --out {out}"),
     "step_profile": Call("--quick --out {out}", tool="perf"),
     "task_speed": Call("hover --quick --out {out}"),
@@ -117,7 +118,6 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "scripts/plain_words.py": Call("--table"),
     "scripts/plugin_reference.py": Call("--check"),
     "scripts/python_options.py": Elsewhere("test_options.py"),
-    "scripts/scenario_index.py": Elsewhere("test_scenario_folders.py"),
     "task_tables": Elsewhere("test_task_tables.py"),
     "scripts/update_docs.sh": Elsewhere(
         "test_scripts.py"

@@ -1,6 +1,6 @@
 """Writes the table of scenarios/README.md from the scenarios' heads.
 
-.venv/bin/python scripts/scenario_index.py
+    python -m research run scenario_index
 """
 
 from __future__ import annotations
@@ -10,8 +10,12 @@ from pathlib import Path
 
 from skybody._native import scenario_file, shipped_scenarios
 
-PAGE = Path(__file__).resolve().parents[1] / "scenarios/README.md"
-BEGIN, END = "<!-- written by scripts/scenario_index.py -->\n", "<!-- end of scenarios -->\n"
+from research.common.places import ROOT
+
+PAGE = "scenarios/README.md"
+TARGET = ROOT / PAGE
+BEGIN = "<!-- written by research/documents/scenario_index.py -->\n"
+END = "<!-- end of scenarios -->\n"
 SENTENCE = re.compile(r"(?<=[a-z0-9)%])\.(?: |$)")
 
 
@@ -50,9 +54,10 @@ def table() -> str:
 
 def page() -> str:
     """scenarios/README.md with the updated table."""
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+    before, rest = TARGET.read_text(encoding="utf-8").split(BEGIN)
     return before + BEGIN + table() + END + rest.split(END)[1]
 
 
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+def main() -> None:
+    """Writes the table."""
+    TARGET.write_text(page(), encoding="utf-8")
