@@ -1,13 +1,14 @@
-// Error covariance of an inertial navigation filter, in lanes. Order of the 15 errors: position,
-// velocity (W), rotation (body axes), bias of accelerometer, bias of gyroscope.
+// Error covariance of an inertial navigation filter, in lanes. Order of the 16 errors: position,
+// velocity (W), rotation (body axes), bias of accelerometer, bias of gyroscope, altitude of W's
+// origin as the barometer shows it.
 #pragma once
 
 #include <skybody/plugin.h>
 
 namespace skybody::ekf {
 
-inline constexpr int kErrors = 15, kPosition = 0, kVelocity = 3, kRotation = 6, kForceBias = 9,
-                     kRateBias = 12;
+inline constexpr int kErrors = 16, kPosition = 0, kVelocity = 3, kRotation = 6, kForceBias = 9,
+                     kRateBias = 12, kOrigin = 15;
 /// Words of the upper triangle.
 inline constexpr int kCovarianceWords = kErrors * (kErrors + 1) / 2;
 
@@ -30,12 +31,19 @@ struct Row {
 template <class Real>
 class Covariance {
  public:
-  /// Diagonal, from standard deviations of the five parts.
-  explicit Covariance(const Real (&deviations)[5]) {
+  /// From standard deviations of the five vectors, and of the first altitude, from which the
+  /// origin follows by the first height: their errors are opposite.
+  Covariance(const Vec3<Real> (&deviations)[5], const Real& altitude) {
     for (int i = 0; i < kErrors; ++i) {
       for (int j = 0; j < kErrors; ++j) p_[i][j] = Real(0.0);
-      p_[i][i] = deviations[i / 3] * deviations[i / 3];
     }
+    for (int i = 0; i < kOrigin; ++i) {
+      const Vec3<Real>& d = deviations[i / 3];
+      p_[i][i] = square(i % 3 == 0 ? d.x : i % 3 == 1 ? d.y : d.z);
+    }
+    const int height = kPosition + 2;
+    p_[kOrigin][kOrigin] = p_[height][height] + square(altitude);
+    p_[kOrigin][height] = p_[height][kOrigin] = -p_[height][height];
   }
   Covariance(const Values<Real>& words, int first) {
     for (int i = 0, k = first; i < kErrors; ++i) {
@@ -51,9 +59,9 @@ class Covariance {
 
   /// P = F P F^T + Q over `dt`. F of an error e: position += dt velocity, velocity -= dt R (force x
   /// rotation + force bias), rotation -= dt (rate x rotation + rate bias).
-  /// @param density  variances per second of velocity, rotation and both biases
+  /// @param density  variances per second of velocity, rotation, both biases and the origin
   void predict(const Mat3<Real>& axes, const Vec3<Real>& force, const Vec3<Real>& rate,
-               const Real& dt, const Real (&density)[4]) {
+               const Real& dt, const Real (&density)[5]) {
     for (int j = 0; j < kErrors; ++j) {
       advance(axes, force, rate, dt, [&](int i) -> Real& { return p_[i][j]; });
     }

@@ -18,6 +18,7 @@ struct Estimate {
   Quat<Real> rotation;            ///< W from the IMU's axes
   Vec3<Real> force_bias, rate_bias;
   Vec3<Real> rate;  ///< [rad/s], IMU axes
+  Real origin;      ///< altitude of W's origin as the barometer shows it [m]
 };
 
 class Ekf : public sensor::TimedSensor {
@@ -52,12 +53,12 @@ class Ekf : public sensor::TimedSensor {
   }
 
  private:
-  // Buffer words: the estimate, its covariance, stamps of the last measurements, the altitude of
-  // W's origin as the barometer showed it, the time of the last call.
-  static constexpr int kEstimate = 0, kCovariance = 19,
+  // Buffer words: the estimate, its covariance, stamps of the last measurements, the time of the
+  // last call.
+  static constexpr int kEstimate = 0, kOrigin = 19, kCovariance = kOrigin + 1,
                        kStamps = kCovariance + ekf::kCovarianceWords, kPose = 0, kGnss = 1,
-                       kBarometer = 2, kMagnetometer = 3, kOrigin = kStamps + 4,
-                       kLast = kOrigin + 1, kWords = kLast + 1, kOutputs = 22;
+                       kBarometer = 2, kMagnetometer = 3, kLast = kStamps + 4, kWords = kLast + 1,
+                       kOutputs = 22;
 
   static bool has(const TextParameter& source) { return !source.value().empty(); }
 
@@ -119,7 +120,8 @@ class Ekf : public sensor::TimedSensor {
   void begin(const EnvView<Real>& env, const MaskOf<Real>& fresh,
              const Values<Real>& buffer) const {
     const Vec3<Real> zero{Real(0.0), Real(0.0), Real(0.0)};
-    Estimate<Real> state{zero, zero, Quat<Real>::identity(), zero, zero, seen(env, rate_)};
+    Estimate<Real> state{zero,     zero, Quat<Real>::identity(), zero, zero, seen(env, rate_),
+                         Real(0.0)};
     const int source = has(pose_) ? kPose : kGnss;
     state.position = seen(env, value_[source]);
     if (has(gnss_)) state.velocity = seen(env, gnss_velocity_);
@@ -129,18 +131,29 @@ class Ekf : public sensor::TimedSensor {
     } else {
       state.rotation = level(env);
     }
-    const Real deviations[5] = {tuning_.first_position(env), tuning_.first_velocity(env),
-                                tuning_.first_rotation(env), tuning_.first_force_bias(env),
-                                tuning_.first_rate_bias(env)};
-    save(fresh, state, Covariance<Real>(deviations), buffer);
+    if (has(barometer_)) state.origin = env.sensor(value_[kBarometer]) - state.position.z;
+    save(fresh, state, first_covariance(env), buffer);
     const auto put = [&](int word, const Real& value) {
       buffer.set(word, select(fresh, value, buffer[word]));
     };
     for (int k = 0; k < 4; ++k) {
       if (stamp_[k] >= 0) put(kStamps + k, env.sensor(stamp_[k]));
     }
-    if (has(barometer_)) put(kOrigin, env.sensor(value_[kBarometer]) - state.position.z);
     put(kLast, Real(0.0));
+  }
+
+  /// A position of satellites is not better than their assumed noise.
+  template <class Real>
+  Covariance<Real> first_covariance(const EnvView<Real>& env) const {
+    const auto equal = [](const Real& d) { return Vec3<Real>{d, d, d}; };
+    Vec3<Real> place = equal(tuning_.first_position(env));
+    if (!has(pose_)) {
+      const Real level = max(place.x, tuning_.horizontal_noise(env));
+      place = {level, level, max(place.z, tuning_.vertical_noise(env))};
+    }
+    return {{place, equal(tuning_.first_velocity(env)), equal(tuning_.first_rotation(env)),
+             equal(tuning_.first_force_bias(env)), equal(tuning_.first_rate_bias(env))},
+            tuning_.altitude_noise(env)};
   }
 
   /// Rotation by two directions: specific force for up, magnetic field for north (TRIAD).
@@ -173,8 +186,9 @@ class Ekf : public sensor::TimedSensor {
     const Vec3<Real> before = state.velocity;
     state.velocity += (axes * force + gravity) * dt;
     state.position += (before + state.velocity) * (0.5 * dt);
-    const Real densities[4] = {square(tuning_.force_noise(env)), square(tuning_.rate_noise(env)),
-                               square(tuning_.force_walk(env)), square(tuning_.rate_walk(env))};
+    const Real densities[5] = {square(tuning_.force_noise(env)), square(tuning_.rate_noise(env)),
+                               square(tuning_.force_walk(env)), square(tuning_.rate_walk(env)),
+                               square(tuning_.altitude_walk(env))};
     covariance.predict(axes, force, state.rate, dt, densities);
   }
 
@@ -208,9 +222,10 @@ class Ekf : public sensor::TimedSensor {
       take_parts(on, wrong, ekf::kVelocity, tuning_.velocity_noise(env), covariance, errors);
     }
     if (const auto on = is_new(env, due, kBarometer, buffer); any(on)) {
-      const Real height = env.sensor(value_[kBarometer]) - buffer[kOrigin];
+      const Real height = env.sensor(value_[kBarometer]) - state.origin;
       const Real late = age(kBarometer);
-      const Row<Real> row{2, {ekf::kPosition + 2, ekf::kVelocity + 2, 0}, {Real(1.0), -late, late}};
+      const Row<Real> row{
+          3, {ekf::kPosition + 2, ekf::kVelocity + 2, ekf::kOrigin}, {Real(1.0), -late, Real(1.0)}};
       covariance.update(on, row, height - (state.position.z - state.velocity.z * late),
                         square(tuning_.altitude_noise(env)), errors);
     }
@@ -285,6 +300,7 @@ class Ekf : public sensor::TimedSensor {
     state.force_bias += errors.part(ekf::kForceBias);
     state.rate_bias += errors.part(ekf::kRateBias);
     state.rate -= errors.part(ekf::kRateBias);
+    state.origin += errors.value[ekf::kOrigin];
   }
 
   template <class Real>
@@ -299,8 +315,8 @@ class Ekf : public sensor::TimedSensor {
 
   template <class Real>
   static Estimate<Real> load(const Values<Real>& buffer) {
-    return {buffer.vec3(0),  buffer.vec3(3),  buffer.quat(6),
-            buffer.vec3(10), buffer.vec3(13), buffer.vec3(16)};
+    return {buffer.vec3(0),  buffer.vec3(3),  buffer.quat(6), buffer.vec3(10),
+            buffer.vec3(13), buffer.vec3(16), buffer[kOrigin]};
   }
   template <class Real>
   static void save(const MaskOf<Real>& where, const Estimate<Real>& state,
@@ -314,6 +330,7 @@ class Ekf : public sensor::TimedSensor {
     put(kEstimate + 10, state.force_bias);
     put(kEstimate + 13, state.rate_bias);
     put(kEstimate + 16, state.rate);
+    buffer.set(kOrigin, select(where, state.origin, buffer[kOrigin]));
     covariance.store(where, buffer, kCovariance);
   }
   template <class Real>

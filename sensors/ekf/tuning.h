@@ -37,6 +37,9 @@ class Tuning {
       tuned("gnss_velocity_noise", "m/s", 0.1, "assumed deviation of `gnss`, per axis");
   RealParameter altitude_noise =
       tuned("altitude_noise", "m", 0.3, "assumed deviation of `barometer`");
+  RealParameter altitude_walk =
+      tuned("altitude_walk", "m/sqrt(s)", 0.01,
+            "assumed density of the random walk of the barometer's altitude");
   RealParameter field_noise =
       tuned("field_noise", "uT", 1.0, "assumed deviation of `magnetometer`, per axis");
   RealParameter first_position =

@@ -117,7 +117,7 @@ TEST(Navigation, HoldsItsPlaceOnTheEstimateWithin5Centimetres) {
   EXPECT_LT(worst, 0.05);
 }
 
-constexpr double kHorizontalNoise = 0.5, kVelocityNoise = 0.1;  // m, m/s
+constexpr double kHorizontalNoise = 0.5, kVerticalNoise = 1.0, kVelocityNoise = 0.1;  // m, m/s
 
 /// A flight by satellites, all of whose errors are as the filter assumes.
 Simulation noisy_flight(std::uint64_t seed) {
@@ -140,31 +140,33 @@ TEST(Navigation, ErrorsAreAsLargeAsTheCovarianceSays) {
     fly(world, 6000, 2.0, [&](const Estimate& seen, const BodyState& truth) {
       if (++n % 500 != 0 || n < 1500) return;  // one sample for each half second
       const Vec3<double> wrong = seen.position - truth.position;
-      const double errors[2] = {wrong.x / seen.deviation[0], wrong.y / seen.deviation[1]};
+      const double errors[3] = {wrong.x / seen.deviation[0], wrong.y / seen.deviation[1],
+                                wrong.z / seen.deviation[2]};
       for (const double e : errors) square += e * e;
-      count += 2;
+      count += 3;
     });
   }
-  // Errors of neighbouring samples depend on one another: about 40 independent ones, whose mean
-  // square is 1 +- 0.22.
-  EXPECT_NEAR(square / count, 1.0, 0.6);
+  // Errors of neighbouring samples depend on one another: about 60 independent ones, whose mean
+  // square is 1 +- 0.18.
+  EXPECT_NEAR(square / count, 1.0, 0.5);
 }
 
 /// A fix of satellites against the estimate one step before: the squares of the differences, over
-/// the variances that the filter expects. Heights are left out: the barometer's first sample counts
-/// as exact (sensors/ekf/README.md), and is as wrong as the first fix.
+/// the variances that the filter expects.
 struct Innovation {
-  double position = 0.0, velocity = 0.0;  ///< sums over x and y
+  double position = 0.0, velocity = 0.0;  ///< sums over x, y and z
 
   Innovation(const Estimate& before, const double* fix) {
     constexpr double kStep = 1e-3;  // s
     const Vec3<double> place = before.position + before.velocity * kStep;
-    const double expected[] = {place.x, place.y, before.velocity.x, before.velocity.y};
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t of = k < 2 ? k : k + 1;  // among position and velocity
-      const double wrong = fix[of] - expected[k], noise = k < 2 ? kHorizontalNoise : kVelocityNoise;
-      const double variance = before.deviation[of] * before.deviation[of] + noise * noise;
-      (k < 2 ? position : velocity) += wrong * wrong / variance;
+    const double expected[] = {place.x,           place.y,           place.z,
+                               before.velocity.x, before.velocity.y, before.velocity.z};
+    const double noise[] = {kHorizontalNoise, kHorizontalNoise, kVerticalNoise,
+                            kVelocityNoise,   kVelocityNoise,   kVelocityNoise};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double wrong = fix[k] - expected[k];
+      const double variance = before.deviation[k] * before.deviation[k] + noise[k] * noise[k];
+      (k < 3 ? position : velocity) += wrong * wrong / variance;
     }
   }
 };
@@ -183,17 +185,17 @@ TEST(Navigation, InnovationsAreAsLargeAsTheFilterExpects) {
         const Innovation found(before, &all[kFix]);
         position += found.position;
         velocity += found.velocity;
-        count += 2;
+        count += 3;
       }
       stamp = all[kStamp];
       before = seen;
     });
   }
-  ASSERT_GT(count, 900);
-  // Innovations of a consistent filter are independent: of 900 the mean square is 1 +- 0.047, and
+  ASSERT_GT(count, 1350);
+  // Innovations of a consistent filter are independent: of 1,350 the mean square is 1 +- 0.039, and
   // three times that are allowed.
-  EXPECT_NEAR(position / count, 1.0, 0.14);
-  EXPECT_NEAR(velocity / count, 1.0, 0.14);
+  EXPECT_NEAR(position / count, 1.0, 0.12);
+  EXPECT_NEAR(velocity / count, 1.0, 0.12);
 }
 
 }  // namespace
