@@ -176,6 +176,10 @@ void EnvironmentStates::state(const StateValue& value, double* out) {
   }
 }
 
+void EnvironmentStates::goals(int env, std::vector<double>& out) {
+  compiled_->goal(state(env), *works_[0], places_.lane_of(env), out);
+}
+
 std::vector<std::uint64_t> EnvironmentStates::words(int env) const {
   std::vector<std::uint64_t> saved = state(env).save(places_.lane_of(env));
   saved.resize(index(compiled_->layout().words));

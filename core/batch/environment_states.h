@@ -63,6 +63,8 @@ class EnvironmentStates {
   void image(int env, int image, std::uint8_t* out) const;
   /// A value of every environment's state, one after the other. All must have begun an episode.
   void state(const StateValue& value, double* out);
+  /// The task's goals in an environment that has begun an episode: 4 values each.
+  void goals(int env, std::vector<double>& out);
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }

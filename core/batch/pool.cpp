@@ -178,13 +178,25 @@ void Pool::state(std::string_view path, std::span<double> values) const {
   scheduler_->check_idle("state()");
   const StateValue& value = compiled().state_values().at(path);
   check_values("values", values.size(), static_cast<std::size_t>(envs()), value.count());
-  for (int env = 0; env < envs(); ++env) {
-    if (scheduler_->states.flags().started(env)) continue;
-    throw Error("state() of environment " + std::to_string(env) +
-                ", which has not begun an episode: reset it first");
-  }
+  for (int env = 0; env < envs(); ++env) check_started("state()", env);
   const FpEnvironment guard;
   scheduler_->states.state(value, values.data());
+}
+
+std::vector<double> Pool::goals(int env) const {
+  scheduler_->check_idle("goals()");
+  scheduler_->check_id(env);
+  check_started("goals()", env);
+  std::vector<double> found;
+  scheduler_->states.goals(env, found);
+  return found;
+}
+
+/// @param call  for the message
+void Pool::check_started(const char* call, int env) const {
+  if (scheduler_->states.flags().started(env)) return;
+  throw Error(std::string(call) + " of environment " + std::to_string(env) +
+              ", which has not begun an episode: reset it first");
 }
 
 double Pool::param(int env, const std::string& path) const {

@@ -106,6 +106,9 @@ class Pool {
   /// @throws Error if there is no such value, on another number of values, or if an environment has
   ///   not begun an episode; StateError while some are in flight
   void state(std::string_view path, std::span<double> values) const;
+  /// The task's goals in an environment: 4 values each, position (W) [m], yaw [rad].
+  /// @throws Error as state()
+  std::vector<double> goals(int env) const;
   /// Value of a randomizable parameter. @throws Error as Simulation::param
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
@@ -139,6 +142,7 @@ class Pool {
 
  private:
   void ask(const PoolRequest& request);
+  void check_started(const char* call, int env) const;
   class Scheduler;
   std::unique_ptr<Scheduler> scheduler_;
 };

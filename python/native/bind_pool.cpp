@@ -166,6 +166,12 @@ nb::object state(PythonPool& self, const std::string& path) {
                      });
 }
 
+nb::object goals(PythonPool& self, int env) {
+  const std::vector<double> values =
+      self.call_with_argument([&](Pool& pool) { return pool.goals(env); });
+  return copy_of<double>(values, {values.size() / 4, 4});
+}
+
 /// The value of one of the pool's functions.
 template <auto value>
 auto asked(PythonPool& self) {
@@ -239,6 +245,12 @@ void bind_state(Class& c) {
         "units, frames and shapes: CompiledScenario.state_values.\n\n"
         "Raises ValueError naming the nearest paths if there is none, or before a reset; Error\n"
         "while environments are in flight.");
+  c.def("goals", &goals, nb::arg("env"),
+        nb::sig("def goals(self, env: int) -> numpy.typing.NDArray[numpy.float64]"),
+        "(goals, 4) float64: where the task wants its bodies in one environment: position (world) "
+        "[m]\nand yaw [rad].\n\n"
+        "Raises ValueError if there is no such environment, or before a reset; Error while\n"
+        "environments are in flight.");
   c.def(
       "save", &save,
       "Everything of all environments as bytes: motion, drawn values, plugin states, random keys.\n"
