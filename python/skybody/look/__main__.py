@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from .palette import colors
 from .scene import Scene, Style
 from .strip import Strip
 
+HIDDEN = ("goal", "reference", "contacts")
 STRIP_SHARE = 0.24  # height of the plots, as a share of the film's
 
 
@@ -52,6 +54,7 @@ def parser() -> argparse.ArgumentParser:
     add("--plot", default="", metavar="NAMES", help="plots below: columns of the log with commas")
     add("--trail", type=float, default=2.0, help="length of trails [s]; 0: none")
     add("--trail-color", default="speed", choices=("speed", "error", "robot"), help="of trails")
+    add("--hide", default="", metavar="NAMES", help=f"leave out some of {', '.join(HIDDEN)}")
     add("--thrust", action="store_true", help="lines of the rotors' thrust")
     add("--field-of-view", type=float, default=60.0, help="horizontal [degrees]")
     return made
@@ -59,13 +62,20 @@ def parser() -> argparse.ArgumentParser:
 
 def scenes_of(flights: list[Flight], options: argparse.Namespace) -> list[Scene]:
     """One scene a flight."""
-    color = "" if options.trail_color == "robot" else options.trail_color
-    scenes, tints = [], colors(len(flights))
-    for k, flight in enumerate(flights):
-        ghost = tints[k] if options.ghost and k > 0 else None
-        style = Style(trail=options.trail, trail_value=color, thrust=options.thrust, ghost=ghost)
-        scenes.append(Scene(flight, style))
-    return scenes
+    hidden = {name for name in options.hide.split(",") if name}
+    if unknown := sorted(hidden - {*HIDDEN}):
+        raise InputError(f"--hide {unknown[0]}: unknown; allowed: {', '.join(HIDDEN)}")
+    style = Style(
+        trail=options.trail,
+        trail_value="" if options.trail_color == "robot" else options.trail_color,
+        thrust=options.thrust,
+        goal="goal" not in hidden,
+        reference="reference" not in hidden,
+        contacts="contacts" not in hidden,
+    )
+    tints = colors(len(flights))
+    ghosts = [tints[k] if options.ghost and k > 0 else None for k in range(len(flights))]
+    return [Scene(f, replace(style, ghost=g)) for f, g in zip(flights, ghosts, strict=True)]
 
 
 def size_of(options: argparse.Namespace) -> Size:

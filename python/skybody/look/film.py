@@ -22,6 +22,11 @@ from .cameras import Camera, camera
 from .scene import Scene
 from .shapes import Shapes
 
+HDTV = (  # conversion of colours, and its name in the file
+    "scale=out_color_matrix=bt709:out_range=tv,"
+    "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
+)
+PIPE_SIZE = 1 << 20  # to ffmpeg [bytes]
 FARTHEST = 500.0  # of surfaces that are seen [m]
 MOST_TRIANGLES = 60_000  # of a picture: the renderer numbers them by 16 bits
 Frame = NDArray[np.uint8]  # (height, width, 3)
@@ -35,6 +40,7 @@ class Size:
     height: int = 1080
     rate: float = 30.0  # frames per second
     field_of_view: float = 1.05  # horizontal [rad]
+    quality: int = 80  # of WebP, up to 100
 
 
 @dataclass(frozen=True)
@@ -61,15 +67,17 @@ class Film:
         """The picture at a time since the reset [s]. Threads may draw at the same time."""
         picture = np.zeros((self.size.height, self.size.width, 3), np.uint8)
         for panel, renderer, eye in self._panels:
+            rows = slice(panel.top, panel.top + panel.height)
+            part = picture[rows, panel.left : panel.left + panel.width]
             now = min(time, panel.scenes[0].flight.duration)
             shapes = Shapes()
             for scene in panel.scenes:
                 scene.add_to(shapes, min(time, scene.flight.duration))
             view = eye(now)
-            rgb = np.empty((panel.height, panel.width, 3), np.uint8)
+            rgb = np.ascontiguousarray(part)  # itself, if it has the picture's width
             shapes.draw(renderer, view.eye, view.axes, rgb)
-            rows = slice(panel.top, panel.top + panel.height)
-            picture[rows, panel.left : panel.left + panel.width] = rgb
+            if not np.shares_memory(rgb, part):
+                part[:] = rgb
         return picture
 
     def frames(
@@ -137,19 +145,21 @@ def write(path: Path, size: Size, frames: Iterable[Frame]) -> None:
 
 
 def write_video(path: Path, size: Size, frames: Iterable[Frame]) -> None:
-    """An MP4, H.264, by ffmpeg; the same frames give the same bytes."""
+    """An MP4, H.264 with the colours of HDTV, by ffmpeg; the same frames give the same bytes."""
     command = [
         ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
         "-s", f"{size.width}x{size.height}", "-r", f"{size.rate:g}", "-i", "-",
+        "-vf", HDTV,
         "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p",
         "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact",
         "-movflags", "+faststart", str(path),
     ]  # fmt: skip
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stderr=pipe, pipesize=PIPE_SIZE) as process:
         assert process.stdin is not None
         try:
             for frame in frames:
-                process.stdin.write(frame.tobytes())
+                process.stdin.write(frame.data)
         except BrokenPipeError:
             pass  # ffmpeg has ended, and says why
         _, message = process.communicate()
@@ -168,8 +178,9 @@ def write_animation(path: Path, size: Size, frames: Iterable[Frame]) -> None:
         return
     pause = round(1000 / size.rate)  # [ms]
     first.save(
-        path, save_all=True, append_images=images, duration=pause, loop=0, quality=80, method=4
-    )
+        path, save_all=True, append_images=images, duration=pause, loop=0,
+        quality=size.quality, method=4, kmin=0, kmax=0,  # all frames as changes of the one before
+    )  # fmt: skip
 
 
 def write_folder(path: Path, size: Size, frames: Iterable[Frame]) -> None:
