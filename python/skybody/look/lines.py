@@ -62,7 +62,7 @@ class Lines:
     ) -> tuple[Array, NDArray[np.float32], NDArray[np.float32], NDArray[np.uint8]]:
         """As the renderer takes them, for a picture of some height [pixels]."""
         widths = np.concatenate(self._widths)
-        scaled = np.maximum(widths * np.float32(height / HEIGHT), np.minimum(widths, 1.0))
+        scaled = widths * np.float32(np.sqrt(height / HEIGHT))  # so that small pictures have lines
         return (
             np.concatenate(self._points),
             scaled.astype(np.float32),

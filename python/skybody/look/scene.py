@@ -24,7 +24,7 @@ from .rotors import BLADE as BLADE
 from .rotors import BLADES_SHOWN as BLADES_SHOWN
 from .rotors import Rotors
 from .shapes import BOX, CAPSULE, CYLINDER, GROUND, IDENTITY, MESH, SPHERE, Color, Shapes
-from .trails import Paths, Trails, add_goals, distances
+from .trails import Paths, Trails, add_goals, breaks, distances
 
 KINDS = {
     "box": BOX,
@@ -93,12 +93,13 @@ class Scene:
         return moving + len(self.obstacles) + 1
 
     def points(self) -> Array:
-        """Points about all bodies, goals and near obstacles of the flight, (n, 3), W [m]."""
+        """Points about all bodies, near obstacles and goals that do not jump, (n, 3), W [m]."""
         seen = self.flight.overview
         rows = np.unique(np.linspace(0, len(seen.time) - 1, MOST_ROWS).astype(int))
         bodies = seen.bodies[rows, :, :3].reshape(-1, 3)
         places = [bodies + self.size() * sign * axis for axis in IDENTITY for sign in (-1.0, 1.0)]
-        places += [goal[rows, :3] for goal in seen.goals.values()]
+        goals = [goal[:, :3] for goal in seen.goals.values()]
+        places += [goal[rows] for goal in goals if not breaks(goal)[1:].any()]
         near = np.concatenate(places)
         near = near[np.isfinite(near).all(axis=1)]
         low, high = near.min(axis=0), near.max(axis=0)
@@ -186,11 +187,11 @@ def blade_radii(rotors: Sequence[Rotor]) -> dict[str, float]:
     for rotor in rotors:
         robot = rotor.name.split(".")[0]
         apart = [
-            np.linalg.norm(np.array(other.position) - np.array(rotor.position))
+            np.cross(np.subtract(other.position, rotor.position), rotor.axis)
             for other in rotors
             if other is not rotor and other.name.split(".")[0] == robot and other.body == rotor.body
-        ]
-        near = [distance for distance in apart if distance > 0.02]
+        ]  # besides one on the same shaft
+        near = [distance for way in apart if (distance := np.linalg.norm(way)) > 0.02]
         radii[rotor.name] = 0.42 * float(min(near)) if near else 0.12
     return radii
 
