@@ -10,7 +10,6 @@ from skybody import InputError
 
 from .motion import Array, rotation_of
 from .scene import Scene
-from .shapes import IDENTITY
 
 UP = np.array([0.0, 0.0, 1.0])
 LEAST_HEIGHT = 0.08  # of an eye above the ground [m]
@@ -162,12 +161,11 @@ def places_about(scene: Scene, time: float) -> Array:
     """Points about all bodies at some times about a time, (times, n, 3), W [m]."""
     flight = scene.flight
     times = np.clip(time + np.linspace(-SMOOTH, SMOOTH, 9), 0.0, flight.duration)
-    position, _ = flight.poses(times)
-    position = position[np.isfinite(position).all(axis=(1, 2))]
-    if len(position) == 0:
+    position, quaternion = flight.poses(times)
+    known = np.isfinite(position).all(axis=(1, 2))
+    if not known.any():
         return np.zeros((1, 1, 3))
-    arms = np.concatenate([IDENTITY, -IDENTITY]) * scene.extents()[:, None, None]
-    return (position[:, :, None] + arms).reshape(len(position), -1, 3)
+    return scene.places(position[known], quaternion[known]).reshape(int(known.sum()), -1, 3)
 
 
 def heading(scene: Scene, body: int, time: float) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 
 import numpy as np
 from skybody import CompiledScenario
@@ -96,8 +97,8 @@ class Scene:
         """Points about all bodies, near obstacles and goals that do not jump, (n, 3), W [m]."""
         seen = self.flight.overview
         rows = np.unique(np.linspace(0, len(seen.time) - 1, MOST_ROWS).astype(int))
-        bodies = seen.bodies[rows, :, :3].reshape(-1, 3)
-        places = [bodies + self.size() * sign * axis for axis in IDENTITY for sign in (-1.0, 1.0)]
+        states = seen.bodies[rows]
+        places = [self.places(states[..., :3], states[..., 3:7]).reshape(-1, 3)]
         goals = [goal[:, :3] for goal in seen.goals.values()]
         places += [goal[rows] for goal in goals if not breaks(goal)[1:].any()]
         near = np.concatenate(places)
@@ -114,17 +115,31 @@ class Scene:
         """Radius of the largest robot [m]."""
         return float(max(self.extents().max(initial=0.0), 0.05))
 
+    def places(self, position: Array, quaternion: Array) -> Array:
+        """Corners of boxes about all bodies, (..., bodies, 8, 3), W [m].
+
+        Args:
+            position, quaternion: of all bodies, (..., bodies, 3), W [m], and (..., bodies, 4).
+        """
+        turned = np.einsum("...bij,bkj->...bki", rotation_of(quaternion), self.outlines())
+        return np.asarray(position[..., None, :] + turned)
+
     @cache  # noqa: B019 (a scene lives as long as its film)
+    def outlines(self) -> Array:
+        """Corners of a box about each body's shapes in its frame, (bodies, 8, 3) [m]."""
+        points: list[list[Array]] = [[np.zeros((1, 3))] for _ in self.flight.body_names]
+        for rotor in self.rotors:
+            tips = self.radii[rotor.name] * np.concatenate([IDENTITY, -IDENTITY])
+            level = tips - np.outer(tips @ np.array(rotor.axis), rotor.axis)
+            points[rotor.body].append(np.array(rotor.position) + level)
+        for shape in self.bodies:
+            points[shape.body].append(corners_of(shape))
+        boxes = [(np.min(p, axis=0), np.max(p, axis=0)) for p in map(np.concatenate, points)]
+        return np.array([np.array(list(product(*zip(*box, strict=True)))) for box in boxes])
+
     def extents(self) -> Array:
         """Distance of each body's shapes from its origin [m]."""
-        found = np.zeros(len(self.flight.body_names))
-        for rotor in self.rotors:
-            reach = float(np.linalg.norm(rotor.position)) + self.radii[rotor.name]
-            found[rotor.body] = max(found[rotor.body], reach)
-        for shape in self.bodies:
-            reach = float(np.linalg.norm(corners_of(shape), axis=1).max())
-            found[shape.body] = max(found[shape.body], reach)
-        return found
+        return np.asarray(np.linalg.norm(self.outlines(), axis=-1).max(axis=-1))
 
     def add_to(self, shapes: Shapes, time: float) -> None:
         """Adds all shapes and lines at a time since the reset [s]."""
