@@ -5,35 +5,12 @@
 #include <utility>
 
 #include "core/base/math/hash.h"
-#include "core/base/math/math.h"
 #include "core/base/simd/fp_environment.h"
 #include "core/base/system/error.h"
-#include "core/policy/activations.h"
+#include "core/policy/network_layers.h"
 
 namespace skybody {
 namespace {
-
-double sigmoid(double x) { return 1.0 / (1.0 + exp(-x)); }
-
-/// sums = bias + weight in, of bias.size() rows.
-void multiply(const std::vector<double>& weight, const std::vector<double>& bias, const double* in,
-              int inputs, double* sums) {
-  const double* row = weight.data();
-  for (const double start : bias) {
-    double sum = start;
-    for (int k = 0; k < inputs; ++k) sum += row[k] * in[k];
-    row += inputs;
-    *sums++ = sum;
-  }
-}
-
-void evaluate(const PolicyLayer& layer, const std::vector<double>& in, std::vector<double>& out) {
-  multiply(layer.weight, layer.bias, in.data(), layer.inputs, out.data());
-  for (int row = 0; row < layer.outputs; ++row) {
-    double& value = out[static_cast<std::size_t>(row)];
-    value = activate(value, layer.activation);
-  }
-}
 
 std::string sizes_text(int observations, int actions) {
   return std::to_string(observations) + (observations == 1 ? " observation" : " observations") +
@@ -85,14 +62,15 @@ void NetworkPolicy::prepare() {
   for (const PolicyLayer& layer : policy_.layers) width = std::max(width, layer.outputs);
   values_.resize(static_cast<std::size_t>(width));
   next_.resize(values_.size());
+  normalization_ = NormalizationWeights(policy_);
   std::size_t sums = 0;
   for (const PolicyLayer& layer : policy_.layers) {
+    weights_.emplace_back(layer);
     if (layer.kind != LayerKind::kGru) continue;
     state_size_ += layer.outputs;
-    sums = std::max(sums, layer.bias.size());
+    sums = std::max(sums, 2 * layer.bias.size());
   }
-  from_input_.resize(sums);
-  from_state_.resize(sums);
+  sums_.resize(sums);
   reset();
   if (!policy_.agents.empty()) return;
   all_.observation.resize(static_cast<std::size_t>(policy_.observation_size));
@@ -126,7 +104,7 @@ std::string NetworkPolicy::check_fits(const CompiledScenario& compiled) const {
 
 void NetworkPolicy::reset() {
   const std::size_t robots = std::max<std::size_t>(1, policy_.agents.size());
-  own_.states.assign(robots * static_cast<std::size_t>(state_size_), 0.0);
+  own_.states.assign(robots * static_cast<std::size_t>(state_size_), 0.0f);
 }
 
 /// The network's memory of a simulation's episode, empty in its first step.
@@ -134,10 +112,10 @@ NetworkPolicy::Memory& NetworkPolicy::memory_of(const Simulation& simulation) {
   auto memory = std::find_if(memories_.begin(), memories_.end(),
                              [&](const Memory& m) { return m.simulation == &simulation; });
   if (memory == memories_.end()) {
-    memories_.push_back({&simulation, std::vector<double>(own_.states.size())});
+    memories_.push_back({&simulation, std::vector<float>(own_.states.size())});
     memory = memories_.end() - 1;
   }
-  if (simulation.steps() == 0) std::fill(memory->states.begin(), memory->states.end(), 0.0);
+  if (simulation.steps() == 0) std::fill(memory->states.begin(), memory->states.end(), 0.0f);
   return *memory;
 }
 
@@ -162,12 +140,12 @@ void NetworkPolicy::act(std::span<const float> observation, std::span<const Imag
                      images.size() == policy_.images.size(),
                  "a policy's rows have the wrong width");
   const FpEnvironment guard;
-  double* feature = features_.data();
+  float* feature = features_.data();
   for (std::size_t k = 0; k < images.size(); ++k) {
     image_features_[k].evaluate(images[k].type, images[k].pixels, feature);
     feature += image_features_[k].features();
   }
-  double* states = memory.states.data();
+  float* states = memory.states.data();
   if (policy_.agents.empty()) {
     act(all_, observation, states, action);
   } else {
@@ -178,46 +156,40 @@ void NetworkPolicy::act(std::span<const float> observation, std::span<const Imag
   }
 }
 
-/// Computes the next state of a recurrent layer, which is also its output, from values_ and its
-/// state.
-void NetworkPolicy::advance(const PolicyLayer& layer, double* state) {
-  multiply(layer.weight, layer.bias, values_.data(), layer.inputs, from_input_.data());
-  multiply(layer.state_weight, layer.state_bias, state, layer.outputs, from_state_.data());
-  const auto units = static_cast<std::size_t>(layer.outputs);
-  for (std::size_t u = 0; u < units; ++u) {
-    const double reset = sigmoid(from_input_[u] + from_state_[u]);
-    const double update = sigmoid(from_input_[units + u] + from_state_[units + u]);
-    const double candidate =
-        tanh_of(from_input_[2 * units + u] + reset * from_state_[2 * units + u]);
-    state[u] = (1.0 - update) * candidate + update * state[u];
-    next_[u] = state[u];
+/// From values_ to next_.
+void NetworkPolicy::evaluate(std::size_t index, float* state) {
+  const PolicyLayer& layer = policy_.layers[index];
+  const LayerWeights& w = weights_[index];
+  if (layer.kind == LayerKind::kGru) {
+    layer_gru(w.weight.data(), w.bias.data(), w.state_weight.data(), w.state_bias.data(),
+              layer.inputs, layer.outputs, values_.data(), state, sums_.data());
+    std::copy_n(state, layer.outputs, next_.data());
+  } else {
+    layer_dense(w.weight.data(), w.bias.data(), layer.inputs, layer.outputs,
+                static_cast<int>(layer.activation), values_.data(), next_.data());
   }
 }
 
-void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observation,
-                        double* states, std::span<float> action) {
+void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observation, float* states,
+                        std::span<float> action) {
   for (std::size_t k = 0; k < agent.observation.size(); ++k) {
-    values_[k] = static_cast<double>(observation[static_cast<std::size_t>(agent.observation[k])]);
-    if (policy_.mean.empty()) continue;
-    const double centred = (values_[k] - policy_.mean[k]) * policy_.scale[k];
-    // The network was trained on floats.
-    values_[k] =
-        static_cast<double>(static_cast<float>(clamp(centred, -policy_.clip, policy_.clip)));
+    values_[k] = observation[static_cast<std::size_t>(agent.observation[k])];
+  }
+  const NormalizationWeights& n = normalization_;
+  if (!n.mean.empty()) {
+    layer_normalize(values_.data(), n.mean.data(), n.mean_rest.data(), n.scale.data(), n.clip,
+                    static_cast<int>(n.mean.size()), values_.data());
   }
   std::copy(features_.begin(), features_.end(),
             values_.begin() + static_cast<std::ptrdiff_t>(agent.observation.size()));
-  for (const PolicyLayer& layer : policy_.layers) {
-    if (layer.kind == LayerKind::kGru) {
-      advance(layer, states);
-      states += layer.outputs;
-    } else {
-      evaluate(layer, values_, next_);
-    }
+  for (std::size_t k = 0; k < policy_.layers.size(); ++k) {
+    evaluate(k, states);
+    if (policy_.layers[k].kind == LayerKind::kGru) states += policy_.layers[k].outputs;
     values_.swap(next_);
   }
   for (std::size_t k = 0; k < agent.action.size(); ++k) {
-    const double value = policy_.squash == ActionSquash::kTanh ? tanh_of(values_[k]) : values_[k];
-    action[static_cast<std::size_t>(agent.action[k])] = clip_action(value);
+    const float value = policy_.squash == ActionSquash::kTanh ? layer_tanh(values_[k]) : values_[k];
+    action[static_cast<std::size_t>(agent.action[k])] = clip_action(static_cast<double>(value));
   }
 }
 

@@ -9,6 +9,7 @@
 #include "core/env/column_type.h"
 #include "core/io/files/policy_file.h"
 #include "core/policy/image_features.h"
+#include "core/policy/layer_weights.h"
 #include "core/policy/policy.h"
 
 namespace skybody {
@@ -19,11 +20,11 @@ struct ImageView {
   const std::uint8_t* pixels = nullptr;
 };
 
-/// The deterministic policy: the mean of the action distribution. Evaluated in double with sums
-/// from left to right and bit-stable functions: equal observations give equal actions on every
-/// machine, within 1e-6 of the training library's result in float. A policy shared by a team is
-/// evaluated once for each robot. A network with recurrent layers has a memory for each robot of
-/// each Simulation, which is empty at the beginning of an episode.
+/// The deterministic policy: the mean of the action distribution. Evaluated in float by
+/// network_layers.h, whose bits are the same on every machine: also those of the C sources that
+/// `skybody export` writes. A policy shared by a team is evaluated once for each robot. A network
+/// with recurrent layers has a memory for each robot of each Simulation, which is empty at the
+/// beginning of an episode.
 class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
@@ -38,7 +39,7 @@ class NetworkPolicy : public Policy {
 
   std::string check_fits(const CompiledScenario& compiled) const override;
 
-  /// Does not allocate. If the observation contains a value that is not finite, so do the actions.
+  /// Does not allocate. If the observation contains a NaN, so do the actions.
   /// A recurrent network keeps a memory of these calls since reset().
   /// @param observation  observation_size values
   /// @param action  action_size values in [-1, 1]
@@ -54,27 +55,29 @@ class NetworkPolicy : public Policy {
   /// States of the recurrent layers, of one robot after another.
   struct Memory {
     const Simulation* simulation = nullptr;
-    std::vector<double> states;
+    std::vector<float> states;
   };
   void prepare();
   Memory& memory_of(const Simulation& simulation);
   void act(std::span<const float> observation, std::span<const ImageView> images, Memory& memory,
            std::span<float> action);
-  void act(const PolicyAgent& agent, std::span<const float> observation, double* states,
+  void act(const PolicyAgent& agent, std::span<const float> observation, float* states,
            std::span<float> action);
-  void advance(const PolicyLayer& layer, double* state);
+  void evaluate(std::size_t layer, float* state);
 
   std::filesystem::path file_;
   PolicyFile policy_;
-  PolicyAgent all_;                              ///< of a policy without agents
-  std::vector<double> values_, next_;            ///< between two layers, as wide as the widest
-  int state_size_ = 0;                           ///< of all recurrent layers, for one robot
-  std::vector<double> from_input_, from_state_;  ///< a recurrent layer's sums
-  std::vector<ImageFeatures> image_features_;    ///< of each image
-  std::vector<ImageView> views_;                 ///< of a simulation's images
-  std::vector<double> features_;                 ///< of all images
-  Memory own_;                                   ///< without a simulation
-  std::vector<Memory> memories_;                 ///< one per simulation
+  PolicyAgent all_;  ///< of a policy without agents
+  NormalizationWeights normalization_;
+  std::vector<LayerWeights> weights_;          ///< of each layer
+  std::vector<float> values_, next_;           ///< between two layers, as wide as the widest
+  int state_size_ = 0;                         ///< of all recurrent layers, for one robot
+  std::vector<float> sums_;                    ///< of a recurrent layer
+  std::vector<ImageFeatures> image_features_;  ///< of each image
+  std::vector<ImageView> views_;               ///< of a simulation's images
+  std::vector<float> features_;                ///< of all images
+  Memory own_;                                 ///< without a simulation
+  std::vector<Memory> memories_;               ///< one per simulation
 };
 
 }  // namespace skybody

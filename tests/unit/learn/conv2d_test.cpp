@@ -411,7 +411,8 @@ TEST(ImageEncoder, ScalesPixelsOfEveryTypeToTheirRange) {
   }
 }
 
-/// A policy file's layers in double, against the learner's in float: sums of up to 1,500 terms.
+/// A policy file's layers against the learner's: floats, sums of up to 1,500 terms, ordered
+/// differently.
 TEST(ImageEncoder, GivesThePolicyFilesFeatures) {
   EncoderShape shape = kEncoder;
   for (const bool same : {false, true}) {
@@ -423,9 +424,9 @@ TEST(ImageEncoder, GivesThePolicyFilesFeatures) {
     EncoderActivations memory;
     encoder.forward(parameters, bytes.data(), nullptr, 1, memory, y.data(), 50);
     ImageFeatures features({"", 36, 40, 1, 0.0, 255.0, encoder.layers(parameters)});
-    Values wanted(50);
+    std::vector<float> wanted(50);
     features.evaluate(ColumnType::kUint8, bytes.data(), wanted.data());
-    for (int i = 0; i < 50; ++i) EXPECT_NEAR(static_cast<double>(y[i]), wanted[i], 1e-5) << i;
+    for (int i = 0; i < 50; ++i) EXPECT_NEAR(y[i], wanted[i], 1e-5f) << i;
   }
 }
 
