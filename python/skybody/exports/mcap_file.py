@@ -110,6 +110,6 @@ def plot_stream(table: Table, name: str, context: foxglove.Context) -> Stream:
     width = len(table.series[name].paths)
 
     def messages(block: Block) -> Iterator[bytes]:
-        return map(values.encode, block.real(name).reshape(-1, width).tolist())
+        return values.encode(block.real(name).reshape(-1, width))
 
     return channel, messages

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from skybody import InputError
 from skybody.look.flight import Array, Flight, texts
 
-BLOCK = 1024  # rows that are read at a time: the greatest number in a chunk of the log
+MOST_ROWS = 1024  # that are read at a time: the greatest number in a chunk of the log
+MOST_VALUES = 1 << 19  # that are read at a time
 ITEMS = ("bodies", "goal")  # datasets with a middle index
 POSE = slice(0, 7)  # of the 13 values of a body: position, quaternion w x y z
 
@@ -115,8 +116,10 @@ class Table:
             names: datasets to read; none: all.
         """
         chosen = [name for name in names or self.series if name in self.series]
-        for begin in range(0, len(self._rows), BLOCK):
-            rows = self._rows[begin : begin + BLOCK]
+        width = sum(len(self.series[name].paths) for name in chosen)
+        block = min(max(MOST_VALUES // max(width, 1), 1), MOST_ROWS)
+        for begin in range(0, len(self._rows), block):
+            rows = self._rows[begin : begin + block]
             window = slice(rows.start, rows[-1] + 1, rows.step)
             values = {name: self.flight.data[name][window] for name in chosen}
             yield Block(self.flight.time[window], values)
