@@ -62,6 +62,15 @@ std::vector<NamedColumn> observation_columns(const CompiledScenario& compiled) {
   return list;
 }
 
+std::vector<std::string> body_names(const CompiledScenario& compiled) {
+  std::vector<std::string> names;
+  for (const WorldBody& body : compiled.world().bodies) {
+    const auto robot = static_cast<std::size_t>(body.robot);
+    names.push_back(compiled.scenario().robots[robot].name + "." + body.model->name);
+  }
+  return names;
+}
+
 std::vector<std::string> robot_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
   for (const RobotUse& robot : compiled.scenario().robots) names.push_back(robot.name);
@@ -216,6 +225,9 @@ void bind_identity(nb::class_<LoadedScenario>& c) {
       "Versions of the plugins in use, by their names. Looks at the plugin folders anew.");
   c.def_prop_ro(
       "robots", [](const E& e) { return robot_names(*e); }, "Names of the robots.");
+  c.def_prop_ro(
+      "bodies", [](const E& e) { return body_names(*e); },
+      "ROBOT.LINK of all bodies, in the world's numbering.");
   c.def_prop_ro(
       "shapes", [](const E& e) { return shapes_of(*e); },
       "Collision shapes of all bodies, in body order, then the obstacles.");

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _native, options, spaces
 from .arguments import Scenario, check_seed, integer, load, shape_error
+from .display import MODES, NO_MODE, SIZE, Display
 from .infos import InfoChannels
 from .observations import Observations, row_of
 from .options import refuse_unknown
@@ -32,36 +33,37 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
-        render_mode: None; `skybody run` draws pictures.
+        render_mode: "rgb_array": `render` gives a picture; "human": a window shows the flight at
+            the speed of its own time; None: nothing is drawn.
         overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: another render_mode.
+        ValueError: an unknown render_mode or camera, or a size out of range.
+        skybody.Error: "human" without a display.
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
+    metadata = {"render_modes": MODES}  # noqa: RUF012 (Gymnasium's own declaration)
 
     def __init__(
         self,
         scenario: Scenario,
         *,
-        render_mode: None = None,
+        render_mode: str | None = None,
         overrides: options.Overrides = (),
         plugin_path: options.PluginPath = (),
         seed: options.SeedOrNone = None,
         env_id: options.EnvId = 0,
         dict_observations: options.DictObservations = False,
+        render_size: options.RenderSize = SIZE,
+        render_camera: options.RenderCamera = "orbit",
         **unknown: Never,
     ) -> None:
         refuse_unknown(SkybodyEnv, unknown)
-        if render_mode is not None:
-            raise ValueError(
-                f"render_mode is {render_mode!r}; it must be None: fly with `skybody run` for "
-                "pictures"
-            )
         self.compiled = load(scenario, overrides, plugin_path)
-        self.render_mode = None
+        self._display = Display(self.compiled, render_mode, render_size, render_camera)
+        self.metadata = self._display.metadata
+        self.render_mode = render_mode
         self._observations = Observations(self.compiled, dict_observations)
         self.observation_space = spaces.space_of(self.compiled, self._observations)
         self.action_space: Box[np.float32] = spaces.action_space(self.compiled)
@@ -111,6 +113,8 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         drain(self._pool)
         self._pool.send_reset(None, value)
         batch = self._pool.recv()
+        if self.render_mode == "human":
+            self._display.show(self._pool)
         return row_of(self._observations.of(batch), 0), self._info(batch)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -133,6 +137,8 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         if row.shape != self.action_space.shape:
             raise shape_error("action", row, self.action_space.shape)
         batch = self._pool.step(row[np.newaxis])
+        if self.render_mode == "human":
+            self._display.show(self._pool)
         return (
             row_of(self._observations.of(batch), 0),
             float(batch.reward[0]),
@@ -152,6 +158,22 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
             info["agent_reward"] = batch.agent_reward[0].copy()
         return info
 
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the present state, with the trails of the states rendered before.
+
+        Returns:
+            (height, width, 3) uint8 for "rgb_array"; None for "human", whose window every step
+            renews, and without a render_mode.
+
+        Raises:
+            ValueError: `reset` was not called yet.
+        """
+        if self.render_mode is None:
+            gymnasium.logger.warn(NO_MODE)
+        if self.render_mode != "rgb_array":
+            return None
+        return self._display.frames(self._pool)[0]
+
     def row(self) -> NDArray[np.float32]:
         """The last row of observations (observation_size,), without images; a copy."""
         row: NDArray[np.float32] = self._pool.observations()[0]
@@ -168,6 +190,7 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
             ValueError: `saved` comes from another scenario.
         """
         self._pool.restore(saved)
+        self._display.forget()
         return row_of(self._observations.now(self._pool), 0)
 
     def param(self, path: str) -> float:
@@ -183,5 +206,6 @@ class SkybodyEnv(SpecWithHorizon, gymnasium.Env[Any, NDArray[np.float32]]):
         self._pool.set_param(0, path, value)
 
     def close(self) -> None:
-        """Frees the memory. Later calls raise."""
+        """Frees the memory, and closes the window. Later calls raise."""
+        self._display.close()
         self._pool.close()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from . import options, spaces
 from .agents import commanded_by, observed_by
 from .arguments import Scenario, check_array
+from .display import SIZE
 from .env import SkybodyEnv
 from .extras import missing_package
 from .observations import key_of, policy_columns
@@ -37,21 +38,26 @@ class ParallelEnv(
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
+        render_mode: as of `SkybodyEnv`.
         overrides and the other keywords: see `skybody.options`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError, skybody.Error: as of `SkybodyEnv`.
     """
 
     def __init__(
         self,
         scenario: Scenario,
         *,
+        render_mode: str | None = None,
         overrides: options.Overrides = (),
         plugin_path: options.PluginPath = (),
         seed: options.SeedOrNone = None,
         env_id: options.EnvId = 0,
         dict_observations: options.DictObservations = False,
+        render_size: options.RenderSize = SIZE,
+        render_camera: options.RenderCamera = "orbit",
         **unknown: Never,
     ) -> None:
         refuse_unknown(ParallelEnv, unknown)
@@ -62,10 +68,13 @@ class ParallelEnv(
             seed=seed,
             env_id=env_id,
             dict_observations=dict_observations,
+            render_mode=render_mode,
+            render_size=render_size,
+            render_camera=render_camera,
         )
         self.compiled = self._env.compiled
-        self.metadata: dict[str, Any] = {"name": self.compiled.name, "render_modes": []}
-        self.render_mode = None
+        self.metadata: dict[str, Any] = {"name": self.compiled.name, **self._env.metadata}
+        self.render_mode = render_mode
         robots, agents = self.compiled.robots, self.compiled.agents
         self.possible_agents = [robots[robot] for robot in agents]
         self.agents: list[str] = []
@@ -169,6 +178,10 @@ class ParallelEnv(
 
     def _infos(self, info: dict[str, Any]) -> Infos:
         return {agent: dict(info) for agent in self.possible_agents}
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the present state, as `SkybodyEnv.render` gives it."""
+        return self._env.render()
 
     def state(self) -> NDArray[np.float32]:
         """The whole row of observations (observation_size,), for a centralised critic."""

@@ -68,6 +68,13 @@ Joint = Annotated[
     "the same memory, with the team's reward; a single robot is a team of one.",
 ]
 
+RenderSize = Annotated[tuple[int, int], "width and height of the pictures of `render` [pixels]."]
+RenderCamera = Annotated[
+    str,
+    "of the pictures of `render`: orbit (about the robots), chase or onboard (of the first robot), "
+    "fixed.",
+]
+
 
 def order_word(order: str) -> Order:
     """Returns `order`. Raises ValueError for an unknown word."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any, Never
 
+import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from . import _native, options, spaces
 from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, flag, load, shape_error
+from .display import NO_MODE, SIZE, Display
 from .infos import InfoChannels, scattered_rows
 from .observations import Observations, row_of
 from .options import autoreset_word, refuse_unknown
@@ -78,6 +80,8 @@ class SkybodyVectorEnv(
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
+        render_mode: "rgb_array": `render` gives a picture of each environment; None: nothing is
+            drawn.
         max_episode_steps: the scenario's horizon or None; `gymnasium.make_vec` passes the value of
             the specification.
         overrides and the other keywords: see `skybody.options`.
@@ -105,6 +109,9 @@ class SkybodyVectorEnv(
         infos: options.Infos = True,
         debug: options.Debug = False,
         joint: options.Joint = False,
+        render_mode: str | None = None,
+        render_size: options.RenderSize = SIZE,
+        render_camera: options.RenderCamera = "orbit",
         **unknown: Never,
     ) -> None:
         refuse_unknown(SkybodyVectorEnv, unknown)
@@ -128,7 +135,10 @@ class SkybodyVectorEnv(
             debug=debug,
         )
         self.num_envs = num_envs
-        self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        modes = ["rgb_array"]  # a window for each of many environments is no use
+        self._display = Display(self.compiled, render_mode, render_size, render_camera, modes)
+        self.metadata = {**self._display.metadata, "autoreset_mode": self._mode}
+        self.render_mode = render_mode
         self._same_step = self._mode is AutoresetMode.SAME_STEP
         self._joint = JointLayout(self.compiled) if flag("joint", joint) else None
         joint_shape = self._joint.observation_shape if self._joint is not None else None
@@ -240,6 +250,21 @@ class SkybodyVectorEnv(
         infos["final_info"] = self._channels.masked(last, mask)
         infos["_final_obs"] = infos["_final_info"] = mask
 
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Pictures of all environments as they are, with the trails of states rendered before.
+
+        Returns:
+            (height, width, 3) uint8 of each environment; None without a render_mode.
+
+        Raises:
+            ValueError: an environment is not yet reset.
+        """
+        if self.render_mode is None:
+            gymnasium.logger.warn(NO_MODE)
+            return None
+        return tuple(self._display.frames(self.native, self.num_envs))
+
     def close_extras(self, **_: Any) -> None:
         """Finishes a recording, ends the threads and frees the memory; called by `close`."""
+        self._display.close()
         self.native.close()

@@ -111,7 +111,7 @@ def test_restore_repeats_the_future():
 
 def test_bad_arguments_are_refused():
     with pytest.raises(ValueError, match="render_mode"):
-        SkybodyEnv("hover", render_mode="human")  # type: ignore[arg-type]
+        SkybodyEnv("hover", render_mode="ansi")
     env = SkybodyEnv(short_hover())
     with pytest.raises(ValueError, match="reset"):
         env.step(np.zeros(4, np.float32))

@@ -152,6 +152,11 @@ def test_shapes_of_bodies_and_obstacles_are_listed_with_sizes_and_poses() -> Non
     assert repr(pole) == "Shape(pole: cylinder [0.2, 3])"
 
 
+def test_bodies_have_the_names_of_flight_logs() -> None:
+    names = CompiledScenario("cooperative_payload").bodies
+    assert names == [f"{r}.base_link" for r in ("alpha", "bravo", "charlie")] + ["load.plate"]
+
+
 def test_a_star_in_a_path_stands_for_nothing_too() -> None:
     ranges = "{what: ['robots.quad.links.base_link.mass*'], range: [0.5, 0.5], form: scale}"
     overrides = [f"randomization=[{{plugin: draw, parameters: {ranges}}}]"]

@@ -32,6 +32,23 @@ def test_reset_rows_are_marked_and_come_in_order(pool: Pool) -> None:
     assert (batch.episode_step == 0).all()
 
 
+def test_goals_of_an_environment_are_those_of_its_simulation() -> None:
+    formation = CompiledScenario("formation_2")
+    envs = Pool(formation, 3, num_threads=1, seed=SEED)
+    with pytest.raises(ValueError, match=r"goals\(\) of environment 1, which has not begun"):
+        envs.goals(1)
+    envs.send_reset()
+    with pytest.raises(skybody.Error, match=r"goals\(\) while 3 environments are in flight"):
+        envs.goals(1)
+    envs.recv()
+    one = Simulation(formation, SEED, 1)
+    one.reset()
+    assert envs.goals(1).shape == (2, 4)
+    np.testing.assert_array_equal(envs.goals(1).ravel(), one.goals)
+    with pytest.raises(ValueError, match="3"):
+        envs.goals(3)
+
+
 def test_step_is_send_and_recv_in_one_call(pool: Pool, hover: CompiledScenario) -> None:
     twin = Pool(hover, 4, num_threads=1, seed=SEED, keep_hash=True)
     actions = begin(pool)
