@@ -166,6 +166,15 @@ void bind_outcome(Class& c) {
             "(O,) float32, a copy: after the last reset or step.");
   def_array(c, "privileged", "float32", row_of(&Simulation::privileged),
             "(P,) float32, a copy: likewise, what a critic sees besides.");
+  c.def(
+      "image_bytes",
+      [](S& s, int image) {
+        return s.look([&](Simulation& sim) {
+          return array_of<std::uint8_t>(
+              rethrow_as_argument_error([&] { return sim.image(image); }));
+        });
+      },
+      nb::arg("image"), "(bytes,) uint8, a copy: what skybody.Simulation.image() reads.");
   c.def_prop_ro("reward", of(&Simulation::reward), "Of the last step; of a team, the team's.");
   def_array(c, "agent_rewards", "float32", row_of(&Simulation::agent_rewards),
             "(agents,) float32: each agent's own; the team's where the task gives no own.");

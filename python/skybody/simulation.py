@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple, Never
+from typing import Any, NamedTuple, Never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -190,6 +190,25 @@ class Simulation(_native.Simulation):
         super().set_mass_properties(
             link, mass=mass, com=_floats(com), inertia=_floats(inertia), robot=robot
         )
+
+    def image(self, column: str) -> NDArray[Any]:
+        """An image that the scenario observes, as its sensor last made it; a copy.
+
+        Args:
+            column: its name in the observation, such as `front.depth`.
+
+        Returns:
+            (height, width, channels), in the type of the column.
+
+        Raises:
+            ValueError: no such image.
+        """
+        images = {c.name: c for c in self.compiled.observation_columns if c.image >= 0}
+        if column not in images:
+            raise ValueError(f"no image `{column}`; there are: {', '.join(images) or 'none'}")
+        found = images[column]
+        pixels: NDArray[Any] = self.image_bytes(found.image).view(found.dtype)
+        return pixels.reshape(found.shape)
 
     def request(self, changes: Mapping[str, Change], when: When = "next_step") -> None:
         """Requests values of randomizable parameters, applied with the next `step` or `advance`, or
