@@ -105,7 +105,7 @@ def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
 def chase(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     """Follows the first robot from behind, along its way."""
     first = next(iter(scene.robots.values()))[0]
-    away = 9.0 * max(float(scene.extents()[first]), 0.05)
+    away = 9.0 * max(float(scene.extents[first]), 0.05)
 
     def view(time: float) -> View:
         target = scene.flight.at(time)[0][first]

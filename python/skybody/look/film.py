@@ -11,16 +11,19 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 from skybody import InputError
 from skybody._native import Renderer
 
 from .cameras import Camera, camera
 from .scene import Scene
 from .shapes import Shapes
+
+if TYPE_CHECKING:  # environments draw without it
+    from PIL import Image
 
 HDTV = (  # conversion of colours, and its name in the file
     "scale=out_color_matrix=bt709:out_range=tv,"
@@ -169,6 +172,8 @@ def write_video(path: Path, size: Size, frames: Iterable[Frame]) -> None:
 
 def write_animation(path: Path, size: Size, frames: Iterable[Frame]) -> None:
     """An animated GIF or WebP, or one PNG."""
+    from PIL import Image
+
     images: Iterator[Image.Image] = (Image.fromarray(frame) for frame in frames)
     if path.suffix == ".gif":
         images = with_palette(images)
@@ -179,12 +184,14 @@ def write_animation(path: Path, size: Size, frames: Iterable[Frame]) -> None:
     pause = round(1000 / size.rate)  # [ms]
     first.save(
         path, save_all=True, append_images=images, duration=pause, loop=0,
-        quality=size.quality, method=4, kmin=0, kmax=0,  # all frames as changes of the one before
+        quality=size.quality, method=4, kmin=9, kmax=12,  # a whole picture among 12
     )  # fmt: skip
 
 
 def write_folder(path: Path, size: Size, frames: Iterable[Frame]) -> None:
     """Numbered PNG files."""
+    from PIL import Image
+
     path.mkdir(exist_ok=True)
     for number, frame in enumerate(frames):
         Image.fromarray(frame).save(path / f"frame_{number:06d}.png")
@@ -201,6 +208,8 @@ KINDS: dict[str, Callable[[Path, Size, Iterable[Frame]], None]] = {
 
 def with_palette(images: Iterator[Image.Image]) -> Iterator[Image.Image]:
     """The images in 200 colours of the first one, so that colours stay."""
+    from PIL import Image
+
     palette: Image.Image | None = None
     for image in images:
         palette = palette or image.quantize(200, Image.Quantize.MEDIANCUT)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 from skybody import CompiledScenario
@@ -16,7 +17,6 @@ from .couplings import PARTS, Couplings
 from .couplings import ROPE as ROPE
 from .fixtures import Fixed as Fixed
 from .fixtures import Fixtures, corners_of
-from .flight import Flight
 from .lines import Lines
 from .motion import Array, Motion, rotation_of
 from .palette import colors
@@ -26,6 +26,9 @@ from .rotors import BLADES_SHOWN as BLADES_SHOWN
 from .rotors import Rotors
 from .shapes import BOX, CAPSULE, CYLINDER, GROUND, IDENTITY, MESH, SPHERE, Color, Shapes
 from .trails import Paths, Trails, add_goals, breaks, distances
+
+if TYPE_CHECKING:  # it needs h5py
+    from .flight import Flight
 
 KINDS = {
     "box": BOX,
@@ -113,7 +116,7 @@ class Scene:
 
     def size(self) -> float:
         """Radius of the largest robot [m]."""
-        return float(max(self.extents().max(initial=0.0), 0.05))
+        return float(max(self.extents.max(initial=0.0), 0.05))
 
     def places(self, position: Array, quaternion: Array) -> Array:
         """Corners of boxes about all bodies, (..., bodies, 8, 3), W [m].
@@ -121,10 +124,10 @@ class Scene:
         Args:
             position, quaternion: of all bodies, (..., bodies, 3), W [m], and (..., bodies, 4).
         """
-        turned = np.einsum("...bij,bkj->...bki", rotation_of(quaternion), self.outlines())
+        turned = np.einsum("...bij,bkj->...bki", rotation_of(quaternion), self.outlines)
         return np.asarray(position[..., None, :] + turned)
 
-    @cache  # noqa: B019 (a scene lives as long as its film)
+    @cached_property
     def outlines(self) -> Array:
         """Corners of a box about each body's shapes in its frame, (bodies, 8, 3) [m]."""
         points: list[list[Array]] = [[np.zeros((1, 3))] for _ in self.flight.body_names]
@@ -137,9 +140,10 @@ class Scene:
         boxes = [(np.min(p, axis=0), np.max(p, axis=0)) for p in map(np.concatenate, points)]
         return np.array([np.array(list(product(*zip(*box, strict=True)))) for box in boxes])
 
+    @cached_property
     def extents(self) -> Array:
         """Distance of each body's shapes from its origin [m]."""
-        return np.asarray(np.linalg.norm(self.outlines(), axis=-1).max(axis=-1))
+        return np.asarray(np.linalg.norm(self.outlines, axis=-1).max(axis=-1))
 
     def add_to(self, shapes: Shapes, time: float) -> None:
         """Adds all shapes and lines at a time since the reset [s]."""
