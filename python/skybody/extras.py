@@ -9,6 +9,7 @@ EXTRAS = {  # of the modules that are imported at their first use; empty: a plai
     "env": "",
     "vector": "",
     "multi_agent": "multi-agent",
+    "look": "train",
     "python_task": "",
     "sb3": "sb3",
     "sb3_adapter": "sb3",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import signal
 import subprocess
 import time
 from collections.abc import Callable
+from html.parser import HTMLParser
 from pathlib import Path
 
 import h5py
@@ -235,3 +238,72 @@ def test_a_flight_whose_scenario_has_changed_is_drawn_by_its_own_text(
     assert done.returncode == 0, done.stderr
     own.unlink()
     assert [shape.kind for shape in Flight(folder).compiled.obstacles] == ["gate"] * 5
+
+
+# --- notebooks ----------------------------------------------------------------------------------
+
+
+class Elements(HTMLParser):
+    """Tags of a page with their attributes, and its text."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.found: dict[str, dict[str, str | None]] = {}
+        self.text = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found[tag] = dict(attrs)
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_a_flight_shows_itself_in_a_notebook(
+    logs: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from skybody.look import Flight as Shown
+    from skybody.look import embed
+
+    for has_ffmpeg, tag, begins in ((True, "video", b"ftyp"), (False, "img", b"WEBP")):
+        monkeypatch.setattr(embed, "has_ffmpeg", lambda has=has_ffmpeg: has)
+        page = Elements(Shown(logs["racing"])._repr_html_())
+        source = page.found[tag]["src"] or ""
+        film = base64.b64decode(source.partition("base64,")[2])
+        assert begins in film[:16]
+        assert len(film) < 2_000_000
+        assert page.text == "racing, episode 1, 0.8 s"
+    with Image.open(io.BytesIO(film)) as image:
+        assert image.size == (480, 270)
+        assert image.n_frames == 21  # 0, 0.04, ... 0.8 s
+
+
+def test_a_long_flight_is_shown_faster_and_in_part(
+    logs: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from skybody.look import embed
+
+    shown: list[float] = []
+
+    def film_of(flight: Flight, times: NDArray[np.float64]) -> str:
+        shown.extend(times)
+        return ""
+
+    monkeypatch.setattr(embed, "film_of", film_of)
+    flight = Flight(logs["racing"])
+    flight.time = 100.0 * flight.time / flight.time[-1]
+    assert "100 s; 4 times as fast; the first 40 s" in embed.html_of(flight)
+    assert shown[-1] == pytest.approx(40.0)
+    assert len(shown) == 251  # 10 s, 25 frames per second
+
+
+def test_a_notebook_shows_the_error_of_a_flight_that_cannot_be_drawn(
+    logs: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from skybody.look import embed
+
+    def scene(flight: Flight) -> None:
+        raise InputError("no <mesh>")
+
+    monkeypatch.setattr(embed, "Scene", scene)
+    assert "<pre>no &lt;mesh&gt;</pre>" in Flight(logs["racing"])._repr_html_()

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+
 from skybody import InputError
 from skybody.command_line import CommandLine, report_error
 from skybody.program import run_program

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
 from skybody import InputError
 
 from .motion import Array, rotation_of

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+
 from skybody._native import Coupling
 
 from .motion import Array, Motion

@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from numpy.typing import NDArray
+
 from skybody import CompiledScenario, InputError
 
 from .motion import Array as Array
@@ -217,6 +218,14 @@ class Flight(Motion):
             return []
         attributes = self._group[dataset].attrs
         return list(zip(texts(attributes["columns"]), texts(attributes["units"]), strict=True))
+
+    # --- notebooks ------------------------------------------------------------------------------
+
+    def _repr_html_(self) -> str:
+        """The flight as Jupyter shows it."""
+        from .embed import html_of
+
+        return html_of(self)
 
     def close(self) -> None:
         """Closes the file; what was read stays."""

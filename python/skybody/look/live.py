@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+
 from skybody._native import CompiledScenario, Pool
 
 from .film import Film, Frame, Panel, Size

@@ -9,6 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from skybody import CompiledScenario
 from skybody._native import Mesh, Rotor, Shape, Visual
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
 from skybody._native import Mesh, Renderer, Sky
 
 from .lines import Lines
