@@ -21,8 +21,10 @@ import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+from skybody.exports.formats import FORMATS
 from skybody.program import module_command
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -112,7 +114,18 @@ def check_exports(disk: Path, run: Path) -> list[str]:
     return faults
 
 
+def export_command(kind: str, disk: Path) -> list[str]:
+    """An export of a flight that is made on the disk."""
+    words = ["run", "hover", "--steps", "3000", "--no-picture", "--out", str(disk / "log")]
+    subprocess.run([program(), *words], check=True, capture_output=True, timeout=SECONDS)
+    return [program(), "export", str(disk / "log"), "--to", kind, "-o", str(disk / "out")]
+
+
 CASES = (
+    *(
+        Case(f"export {kind}", partial(export_command, kind), free=32 << 10, left=("log",))
+        for kind in FORMATS
+    ),
     Case(
         "run",
         lambda disk: [program(), "run", "hover", "--out", str(disk / "out"), "--no-picture"],

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import BinaryIO
 
 import foxglove
 from foxglove import channels
@@ -26,15 +27,49 @@ from .world import World
 def write(table: Table, path: Path, options: argparse.Namespace) -> None:
     """Writes all messages in the order of their times; docs/exports.md lists the topics."""
     context = foxglove.Context()
-    settings = MCAPWriteOptions(compression_threads=0)
-    with foxglove.open_mcap(path, context=context, writer_options=settings) as file:
-        file.write_metadata("skybody", about(table, SCENARIO))
-        world = World(table)
-        write_shapes(world, round(table.ends[0] * NANO), context)
-        streams = streams_of(table, world, context)
-        between = [logs(table, context), images(table, options.images, context)]
-        for time, channel, message in in_order(table, streams, between):
-            channel.log(message, log_time=round(time * NANO))
+    settings = MCAPWriteOptions(compression_threads=0, disable_seeking=True)
+    with path.open("wb") as file:
+        output = Output(file)
+        with foxglove.open_mcap(output, context=context, writer_options=settings) as writer:
+            writer.write_metadata("skybody", about(table, SCENARIO))
+            world = World(table)
+            write_shapes(world, round(table.ends[0] * NANO), context)
+            streams = streams_of(table, world, context)
+            between = [logs(table, context), images(table, options.images, context)]
+            for time, channel, message in in_order(table, streams, between):
+                channel.log(message, log_time=round(time * NANO))
+                output.check()
+        output.check()
+
+
+class Output:
+    """A file for foxglove-sdk, which prints an error for each write that fails."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file, self._place = file, 0
+        self._error: OSError | None = None
+
+    def write(self, data: bytes | bytearray) -> int:
+        """Writes, unless it has failed."""
+        if self._error is None:
+            try:
+                self._file.write(data)
+            except OSError as error:
+                self._error = error
+        self._place += len(data)
+        return len(data)
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """The place: nothing else is asked with `disable_seeking`."""
+        return self._place
+
+    def flush(self) -> None:
+        """Nothing: the file is closed at the end."""
+
+    def check(self) -> None:
+        """Raises the error of the first write that failed."""
+        if self._error is not None:
+            raise self._error
 
 
 def write_shapes(world: World, stamp: int, context: foxglove.Context) -> None:

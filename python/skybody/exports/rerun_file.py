@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rerun
 
 from skybody.look.flight import Array
 from skybody.look.scene import ROPE, Fixed
@@ -16,10 +16,13 @@ from skybody.look.shapes import BOX, CYLINDER, MESH, SPHERE, Color
 
 from .about import SCENARIO, about
 from .frames import WORLD, finite, frame_of, goal_quaternions, quaternion_of
-from .images import FOCAL, SIZE, pictures
+from .images import FOCAL, SIZE, Picture, pictures
 from .order import events
 from .table import Block, Table
 from .world import World
+
+os.environ.setdefault("RUST_LOG", "off")  # Rerun prints errors beside those that it raises
+import rerun
 
 NANO = 10**9
 TIME = "time"  # timeline
@@ -30,9 +33,26 @@ SOLID = rerun.components.FillMode.Solid
 
 def write(table: Table, path: Path, options: argparse.Namespace) -> None:
     """Writes the recording; docs/exports.md lists its entities."""
-    file = rerun.RecordingStream("skybody")
-    file.set_log_time_enabled(False)
-    file.save(path)
+    recording = rerun.RecordingStream("skybody")
+    recording.set_log_time_enabled(False)
+    recording.save(path)
+    try:
+        for _ in parts(recording, table, options.images):
+            recording.flush()
+    except RuntimeError as error:
+        fail_as_a_file(path)
+        raise OSError(str(error)) from None
+    recording.disconnect()
+
+
+def fail_as_a_file(path: Path) -> None:
+    """Raises the OSError for which no more can be written to a file, which Rerun does not tell."""
+    with path.open("ab") as file:
+        file.write(bytes(1 << 16))
+
+
+def parts(file: rerun.RecordingStream, table: Table, camera: str | None) -> Iterator[None]:
+    """Adds all parts of the recording, one after another."""
     file.send_recording_name(table.flight.scenario)
     file.log(WORLD, rerun.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     texts: dict[str, Any] = about(table, SCENARIO)
@@ -44,11 +64,15 @@ def write(table: Table, path: Path, options: argparse.Namespace) -> None:
     describe(file, table)
     for block in table.blocks():
         write_block(file, table, world, block)
+        yield
     for time, text in events(table):
         set_time(file, time)
         file.log("events", rerun.TextLog(text, level="INFO"))
-    write_pictures(file, table, options.images)
-    file.disconnect()
+    for time, picture in pictures(table, camera):
+        set_time(file, time)
+        write_picture(file, picture)
+        yield
+    yield
 
 
 def set_time(file: rerun.RecordingStream, time: float) -> None:
@@ -93,7 +117,6 @@ def write_block(file: rerun.RecordingStream, table: Table, world: World, block: 
             write_plot(file, f"log/{name}", block, values.reshape(len(block.time), -1))
     if world.has_lines:
         write_lines(file, world, block)
-    file.flush()
 
 
 def time_of(block: Block) -> rerun.TimeColumn:
@@ -166,12 +189,9 @@ def solids(kind: int, shapes: Sequence[Fixed]) -> rerun.AsComponents:
     return rerun.Cylinders3D(lengths=2.0 * half[:, 2], radii=half[:, 0], **places)
 
 
-def write_pictures(file: rerun.RecordingStream, table: Table, camera: str | None) -> None:
-    """The pictures at the places of their camera."""
-    entity = f"{WORLD}/camera"
-    for time, picture in pictures(table, camera):
-        set_time(file, time)
-        place = rerun.Transform3D(translation=picture.view.eye, mat3x3=picture.view.axes)
-        lens = rerun.Pinhole(focal_length=FOCAL, width=SIZE.width, height=SIZE.height)
-        image = rerun.EncodedImage(contents=picture.jpeg, media_type="image/jpeg")
-        file.log(entity, place, lens, image)
+def write_picture(file: rerun.RecordingStream, picture: Picture) -> None:
+    """A picture at the place of its camera."""
+    place = rerun.Transform3D(translation=picture.view.eye, mat3x3=picture.view.axes)
+    lens = rerun.Pinhole(focal_length=FOCAL, width=SIZE.width, height=SIZE.height)
+    image = rerun.EncodedImage(contents=picture.jpeg, media_type="image/jpeg")
+    file.log(f"{WORLD}/camera", place, lens, image)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import errno
+import os
+import sqlite3
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -43,18 +46,17 @@ Topic = tuple[str, str, Callable[[Block], Iterator[Any]]]
 def write(table: Table, path: Path, options: argparse.Namespace) -> None:
     """Writes a folder with all messages; docs/exports.md lists the topics."""
     plugin = StoragePlugin.MCAP if options.storage == "mcap" else StoragePlugin.SQLITE3
-    bag = Bag(Writer(path, version=VERSION, storage_plugin=plugin))
-    bag.writer.open()
     try:
-        for key, text in about(table).items():
-            bag.writer.set_custom_data(key, text)
-        world = World(table)
-        write_shapes(bag, world, round(table.ends[0] * NANO))
-        write_messages(bag, table, topics_of(table, world), options.images)
-    except BaseException:
-        bag.writer.abort()
-        raise
-    bag.writer.close()
+        with Writer(path, version=VERSION, storage_plugin=plugin) as writer:
+            for key, text in about(table).items():
+                writer.set_custom_data(key, text)
+            bag, world = Bag(writer), World(table)
+            write_shapes(bag, world, round(table.ends[0] * NANO))
+            write_messages(bag, table, topics_of(table, world), options.images)
+    except sqlite3.OperationalError as error:
+        if error.sqlite_errorcode == sqlite3.SQLITE_FULL:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)) from None
+        raise OSError(str(error)) from None
 
 
 class Bag:
