@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import io
+import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from html.parser import HTMLParser
@@ -157,6 +159,18 @@ def test_a_video_has_the_same_bytes_in_two_runs(logs: dict[str, Path], tmp_path:
     assert first == (tmp_path / "b.mp4").read_bytes()
 
 
+def test_frames_are_the_same_by_any_number_of_threads(
+    logs: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = Panel((Scene(Flight(logs["racing"])),), "orbit", 0, 0, SMALL.width, SMALL.height)
+    times = np.linspace(0.0, 0.8, 12).tolist()
+    found = []
+    for threads in (1, 5):
+        monkeypatch.setattr("os.cpu_count", lambda count=threads: count)
+        found.append(np.array(list(Film([whole], SMALL).frames(times))))
+    np.testing.assert_array_equal(found[0], found[1])
+
+
 def test_ctrl_c_leaves_nothing_half_written(logs: dict[str, Path], tmp_path: Path) -> None:
     command = [str(PROGRAM), "render", str(logs["racing"]), "-o", str(tmp_path / "film.webp")]
     slow = ["--speed", "0.01"]  # some thousand frames
@@ -182,6 +196,7 @@ def test_ctrl_c_leaves_nothing_half_written(logs: dict[str, Path], tmp_path: Pat
         (["--size", "big"], "--size is `big`; allowed: WIDTHxHEIGHT, such as 1280x720"),
         (["--rate", "0"], "--rate is 0; allowed: 1 to 120"),
         (["--plot", "sped"], "no value `sped`; there are: reward, gates_passed"),
+        (["--hide", "goals"], "--hide goals: unknown; allowed: goal, reference, contacts"),
         (["--from", "9"], "no frames between --from 9 and --to"),
         (["-o", "film.avi"], "film.avi: unknown ending `.avi`; allowed: .mp4, .gif, .webp, .png"),
         (["-o", "/proc/none/film.gif"], "/proc/none/film.gif: cannot be written"),
@@ -209,23 +224,40 @@ def test_files_that_are_no_flight_logs_are_errors(logs: dict[str, Path], tmp_pat
         done = skybody("render", str(path), "-o", str(tmp_path / "film.gif"))
         assert done.returncode == 2, path
         assert done.stderr.startswith(f"error: {path}: "), done.stderr
+    without = tmp_path / "without.h5"
+    without.write_bytes(logs["racing"].read_bytes())
+    with h5py.File(without, "r+") as file:
+        del file["episodes/0001/bodies"]
+    with pytest.raises(InputError, match=r"without.h5: episode 1 has no bodies to draw"):
+        Flight(without)
     with pytest.raises(InputError, match="no episode 7; it has 1"):
         Flight(logs["racing"], 7)
 
 
-def test_without_ffmpeg_the_message_has_the_remedy(
-    logs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_without_ffmpeg_the_message_has_the_remedy_and_pictures_still_come(
+    logs: dict[str, Path], tmp_path: Path
 ) -> None:
-    from skybody.look import film
+    (tmp_path / "imageio_ffmpeg.py").write_text("raise ImportError")  # its package has one, too
+    paths = os.pathsep.join([str(tmp_path), str(ROOT / "python")])
+    environment = {"PATH": "", "PYTHONPATH": paths}
 
-    def missing(name: str) -> None:
-        raise ImportError(name)
+    def render(out: str) -> subprocess.CompletedProcess[str]:
+        options = [str(logs["racing"]), "-o", out, "--size", "128x96", "--to", "0.1"]
+        command = [sys.executable, "-m", "skybody.look", *options]
+        return subprocess.run(
+            command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
+        )
 
-    monkeypatch.setenv("PATH", "")
-    monkeypatch.setattr(film.importlib, "import_module", missing)
-    with pytest.raises(InputError, match=r"an MP4 needs ffmpeg: `pip install imageio-ffmpeg`"):
-        film.write(tmp_path / "film.mp4", SMALL, [])
-    assert not list(tmp_path.iterdir())
+    done = render("film.mp4")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: an MP4 needs ffmpeg: `pip install imageio-ffmpeg`")
+    assert "folder of PNG files" in done.stderr
+    assert render("frames").returncode == 0
+    assert sorted(path.name for path in (tmp_path / "frames").iterdir()) == [
+        f"frame_{k:06d}.png"
+        for k in range(4)  # 0, 1/30, ... 0.1 s
+    ]
+    assert not list(tmp_path.glob("*.mp4"))
 
 
 def test_a_flight_whose_scenario_has_changed_is_drawn_by_its_own_text(

@@ -16,6 +16,7 @@ from .motion import Array
 
 BOX, SPHERE, CYLINDER, CAPSULE, GROUND, MESH = range(6)
 IDENTITY = np.eye(3)
+UP = IDENTITY[2]
 SKY = Sky(
     sun=np.array([-0.48, -0.36, 0.8]),
     direct=0.60,
@@ -143,7 +144,8 @@ def tubes(
     """Capsules between points (n, 3), W [m]."""
     along = ends - starts
     length = np.linalg.norm(along, axis=-1)
-    axes = towards(along / np.where(length > 0.0, length, 1.0)[:, None])
+    is_known = (length > 0.0)[:, None]
+    axes = towards(np.where(is_known, along, UP) / np.where(is_known, length[:, None], 1.0))
     radii = np.broadcast_to(np.asarray(radius, np.float64), len(starts))
     halves = np.stack([radii, radii, 0.5 * length], axis=-1)
     return Block.of(CAPSULE, 0.5 * (starts + ends), axes, halves, color, shadow=shadow)

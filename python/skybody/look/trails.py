@@ -15,7 +15,8 @@ GOAL: Color = (0.05, 0.55, 0.25)
 WIDTH = 4.0  # of trails at their robots [pixels of 1080 rows]
 PARTS = 90  # most parts of a trail
 MOST_JUMPS = 2  # of a goal with a path
-JUMP = 8.0  # a path is broken where a step is that many times as long as the usual one
+JUMP = 8.0  # a path is broken where a step is that many times as long as those beside it,
+SHORT = 0.01  # and longer than this share of all of it
 
 
 class Trails:
@@ -150,5 +151,6 @@ def moves(path: Array) -> bool:
 def breaks(path: Array) -> Array:
     """1 at points to which no line leads: the goal has jumped."""
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    usual = np.nanmedian(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
-    return np.concatenate([[1], steps > JUMP * usual]).astype(np.uint8)
+    beside = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
+    least = SHORT * np.nansum(steps)
+    return np.concatenate([[1], (steps > JUMP * beside) & (steps > least)]).astype(np.uint8)
