@@ -1,6 +1,6 @@
 """Writes the table of scenarios/README.md from the scenarios' heads.
 
-    python -m research run scenario_index
+python -m research run scenario_index
 """
 
 from __future__ import annotations

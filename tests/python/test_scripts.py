@@ -79,6 +79,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "dryden": QUICK,
     "effect_figures": QUICK,
     "flights": QUICK,
+    "gallery": QUICK,
     "gradient_choices": Call("--quick --out {out}", program="bench_gradient"),
     "hard_physics": QUICK,
     "hash_run": Call("hover --envs 2 --steps 10"),
