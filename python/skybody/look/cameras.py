@@ -16,6 +16,7 @@ UP = np.array([0.0, 0.0, 1.0])
 LEAST_HEIGHT = 0.08  # of an eye above the ground [m]
 FAR_UP = 10.0 * UP
 FILLED = 0.62  # share of the picture that robots fill for an orbit camera
+LEAD = 0.4  # distance of an orbit camera that a metre of way within 2 SMOOTH adds [m]
 SMOOTH = 0.6  # half the time over which cameras are smooth [s]
 SLOW = 0.5  # speed at which travel and attitude count equally for the chase camera [m/s]
 MARGIN = 0.92  # share of the field of view in which a fixed camera has the whole flight
@@ -97,7 +98,7 @@ def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
         views = [fit(at, azimuth, np.radians(22.0), (half, half * aspect)) for at in places]
         middles = places.mean(axis=1)
         way = float(np.linalg.norm(np.diff(middles, axis=0), axis=1).sum())
-        eye = np.mean([view.eye for view in views], axis=0) - 0.8 * way * views[0].axes[:, 2]
+        eye = np.mean([view.eye for view in views], axis=0) - LEAD * way * views[0].axes[:, 2]
         return View(raised(eye), views[0].axes)
 
     return view
@@ -105,11 +106,16 @@ def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
 
 def chase(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     """Follows the first robot from behind, along its way."""
-    first = next(iter(scene.robots.values()))[0]
-    away = 9.0 * max(float(scene.extents[first]), 0.05)
+    first, count = next(iter(scene.robots.values()))
+    own = slice(first, first + count)
+    position, quaternion = scene.flight.poses([0.0])
+    corners = scene.places(position, quaternion)[0, own].reshape(-1, 3)
+    size = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    away = 3.5 * max(size, 0.05)
 
     def view(time: float) -> View:
-        target = scene.flight.at(time)[0][first]
+        position = scene.flight.at(time)[0][own]
+        target = 0.5 * (position.min(axis=0) + position.max(axis=0))
         ahead = heading(scene, first, time)
         return look_at(target + away * (0.38 * UP - ahead), target + 0.1 * away * UP)
 
