@@ -110,6 +110,13 @@ static inline float layer_clip(float value, float low, float high) {
   return below < low ? low : below;
 }
 
+/// An action in [-1, 1] to its range: -1 to low, 1 to high.
+static inline float layer_scale(float action, float low, float high) {
+  return low + 0.5f * (action + 1.0f) * (high - low);
+}
+
+static inline int layer_is_finite(float value) { return value - value == 0.0f; }
+
 // --- sums of products ---------------------------------------------------------------------------
 
 /// sums[j] += weight[k * width + j] * x[k] for k = 0 ... inputs - 1, for panels of a width.

@@ -1,14 +1,17 @@
-"""`skybody export`: flights in the formats of other programs.
+"""`skybody export`: flights and policies in the formats of other programs.
 
 skybody export flights/racing --to mcap
 skybody export flights/racing/flight.h5:2 --to csv -o lap.csv --from 3 --until 6
+skybody export runs/first --to c -o firmware/policy --check 3
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from skybody import InputError
 from skybody.command_line import CommandLine, real, report_error, whole
@@ -16,23 +19,30 @@ from skybody.look.flight import open_flight
 from skybody.program import run_program
 from skybody.whole_output import whole_output
 
-from .formats import FLIGHT, FORMATS, Format
+from .formats import FLIGHT, FORMATS, POLICY, Format
+from .policy.lockstep import Different
+from .policy.source import SHIPPED, PolicySource, open_policy
 from .table import Span, Table
 
 STORAGES = ("sqlite3", "mcap")
+DIFFERENT = 1  # exit code of a policy whose export is not equal
 
 
 def parser() -> argparse.ArgumentParser:
     """Options of the command."""
     made = CommandLine(
         prog="skybody export",
-        description="Writes a flight in a format of other programs.\n\n"
+        description="Writes a flight or a policy in a format of other programs.\n\n"
         + "\n".join(f"  --to {row.name:<9}{row.help}" for row in FORMATS.values()),
     )
     add = made.add_argument
-    add("source", metavar="LOG[:EPISODE]", help="flight.h5, or its folder")
+    add(
+        "source",
+        metavar="LOG[:EPISODE] or POLICY",
+        help="flight.h5, or its folder; a policy.h5, the folder of a training run, or `shipped`",
+    )
     add("--to", required=True, choices=list(FORMATS), help="format")
-    add("-o", "--out", type=Path, help="file to write (default: beside the log)")
+    add("-o", "--out", type=Path, help="file or folder to write (default: beside the source)")
     add("--from", dest="start", type=real(0.0, 1e9), metavar="T", help="first time [s]")
     add("--until", type=real(0.0, 1e9), metavar="T", help="last time [s]")
     add("--every", type=whole(1, 10**9), metavar="N", help="each N-th row alone")
@@ -45,6 +55,14 @@ def parser() -> argparse.ArgumentParser:
         help="also pictures, 10 a second, by a camera of `skybody render` (default: onboard)",
     )
     add("--storage", choices=STORAGES, help="of rosbag2's messages (default: sqlite3)")
+    add("--scenario", metavar="NAME", help="of a policy (default: the one it was trained in)")
+    add("--name", help="of a policy's functions and files (default: the scenario's)")
+    add(
+        "--check",
+        type=whole(1, 10**6),
+        metavar="N",
+        help="fly N episodes by the policy and by its export, and compare every action",
+    )
     return made
 
 
@@ -59,7 +77,7 @@ def table_of(options: argparse.Namespace) -> Table:
     return Table(open_flight(options.source, has_bodies=False), span, only)
 
 
-SOURCES: dict[str, Callable[[argparse.Namespace], Table]] = {FLIGHT: table_of}
+SOURCES: dict[str, Callable[[argparse.Namespace], Any]] = {FLIGHT: table_of, POLICY: open_policy}
 
 
 def check_options(options: argparse.Namespace, form: Format) -> None:
@@ -73,8 +91,14 @@ def check_options(options: argparse.Namespace, form: Format) -> None:
             )
 
 
-def default_out(source: str, form: Format) -> Path:
-    """The file beside the source: `flight.mcap`, or `flight-3.mcap` of episode 3."""
+def default_out(source: str, form: Format, opened: Any) -> Path:
+    """The file beside the source: `flight.mcap`, or `flight-3.mcap` of episode 3.
+
+    Of a policy `racing_c` or `racing.onnx`; of a shipped one, in the working folder.
+    """
+    if isinstance(opened, PolicySource):
+        folder = Path(source) if Path(source).is_dir() else Path(source).parent
+        return (Path() if source == SHIPPED else folder) / f"{opened.name}{form.ending}"
     path, _, episode = source.rpartition(":")
     log = Path(path if path and episode.isdigit() else source)
     log = log / "flight.h5" if log.is_dir() else log
@@ -88,7 +112,7 @@ def export(options: argparse.Namespace) -> int:
     check_options(options, form)
     write = form.writer()
     source = SOURCES[form.reads](options)
-    out = options.out or default_out(options.source, form)
+    out = options.out or default_out(options.source, form, source)
     with whole_output(out) as part:
         write(source, part, options)
     print(f"{form.name:<8} {out}")
@@ -101,6 +125,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return export(parser().parse_args(arguments))
     except InputError as error:
         return report_error(str(error))
+    except Different as error:
+        print(f"error: {error}", file=sys.stderr)
+        return DIFFERENT
 
 
 if __name__ == "__main__":

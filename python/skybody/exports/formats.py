@@ -10,8 +10,9 @@ from typing import Any
 
 from skybody import InputError
 
-FLIGHT = "flight log"  # of Format.reads
+FLIGHT, POLICY = "flight log", "policy"  # of Format.reads
 ROWS = ("start", "until", "every", "datasets")  # options that choose a part of a flight log
+NETWORK = ("scenario", "name", "check")  # options of policies
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,10 @@ FORMATS = {
         Format(
             "rrd", FLIGHT, ".rrd", "rerun_file", ("rerun-sdk",), (*ROWS, "images"),
             "a recording for the Rerun viewer",
+        ),
+        Format(
+            "c", POLICY, "_c", "policy.c_files", (), NETWORK,
+            "a policy as C99 sources for a vehicle's computer, the same bits",
         ),
     )
 }  # fmt: skip
