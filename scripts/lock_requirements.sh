@@ -21,3 +21,4 @@ lock pictures -c dev.txt
 # Ray's environment extends that of the tests and has its packages, except Gymnasium (./dev ray).
 sed -n 's/^\([a-z0-9-]*==[^ ]*\).*/\1/p' dev.txt | grep -v '^gymnasium==' >"$tools/shared.txt"
 lock ray -c "$tools/shared.txt" "$@"
+lock ros -c dev.txt "$@"

@@ -63,6 +63,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "research/peers/vehicle.py": Call(),
     "examples/camera.py": Call("--out {out}/cameras.png"),
     "examples/imu_observation.py": Elsewhere("test_examples.py"),
+    "examples/ros2_policy.py": Elsewhere("test_ros2.py"),
     "examples/sb3_images.py": Elsewhere("test_examples.py"),
     "examples/python_task.py": Call("--steps 2048"),
     "examples/quickstart.py": Elsewhere("test_examples.py"),
