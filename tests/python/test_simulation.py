@@ -230,3 +230,14 @@ def test_states_outlive_their_simulation():
     gc.collect()
     assert np.isfinite(accelerations.linear).all()
     assert base.position[2] == 2.0
+
+
+def test_an_image_under_direct_control_is_that_of_a_vector_environment() -> None:
+    simulation = Simulation("hover_camera", seed=4)
+    simulation.reset()
+    envs = skybody.make_vec("hover_camera", 1, seed=4)
+    seen, _ = envs.reset()
+    key = next(name for name in seen if "depth" in name)
+    np.testing.assert_array_equal(simulation.image("front.depth"), seen[key][0])
+    with pytest.raises(ValueError, match=r"no image `front.rgb`; there are: front.depth"):
+        simulation.image("front.rgb")
