@@ -16,8 +16,8 @@ import pytest
 from skybody import InputError, Simulation
 from skybody.ros2.bridge import Bridge, _Anything
 from skybody.ros2.bridge_map import BridgeMap, Row, read_map
-from skybody.ros2.commands import COMMANDS, px4_rates, px4_trajectory
-from skybody.ros2.frames import enu_flu_of_ned_frd, enu_of_ned, flu_of_frd, rotated_back, yaw_of
+from skybody.ros2.commands import COMMANDS, px4_motors, px4_rates, px4_trajectory
+from skybody.ros2.frames import yaw_of
 from skybody.ros2.node import message_class
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,37 +35,21 @@ def bridge(scenario: str, *rows: Row, control: str | None = None, **more: Any) -
 # --- axes ---------------------------------------------------------------------------------------
 
 
-def test_body_axes_forward_right_down_become_forward_left_up() -> None:
-    np.testing.assert_array_equal(flu_of_frd([1, 2, 3]), [1, -2, -3])
-    np.testing.assert_array_equal(flu_of_frd(flu_of_frd([1, 2, 3])), [1, 2, 3])
-
-
-def test_world_axes_north_east_down_become_east_north_up() -> None:
-    np.testing.assert_array_equal(enu_of_ned([1, 2, 3]), [2, 1, -3])
-    np.testing.assert_array_equal(enu_of_ned(enu_of_ned([1, 2, 3])), [1, 2, 3])
-
-
-@pytest.mark.parametrize(
-    ("px4", "yaw"),
-    [
-        ([1, 0, 0, 0], np.pi / 2),  # level, nose to the north, which is y
-        ([np.sqrt(0.5), 0, 0, np.sqrt(0.5)], 0.0),  # turned clockwise by 90 degrees: to the east
-    ],
-)
-def test_attitudes_of_px4_become_ours(px4: list[float], yaw: float) -> None:
-    ours = enu_flu_of_ned_frd(px4)
-    assert yaw_of(ours) == pytest.approx(yaw, abs=1e-12)
-    up = rotated_back(ours, [0, 0, 1])
-    np.testing.assert_allclose(up, [0, 0, 1], atol=1e-12)  # it stands on its feet
-    # Twice gives the same rotation: q or -q.
-    assert abs(np.dot(enu_flu_of_ned_frd(ours), px4)) == pytest.approx(1.0)
-
-
 def test_setpoints_of_px4_become_ours() -> None:
     rates = SimpleNamespace(roll=0.1, pitch=0.2, yaw=0.3, thrust_body=[0.0, 0.0, -0.5])
     np.testing.assert_allclose(px4_rates(rates), [0.5, 0.1, -0.2, -0.3])
-    there = SimpleNamespace(position=[1.0, 2.0, -3.0], yaw=0.0)
-    np.testing.assert_allclose(px4_trajectory(there), [2.0, 1.0, 3.0, np.pi / 2])
+    there = SimpleNamespace(position=[1.0, 2.0, -3.0], yaw=0.25)  # north, east, down; clockwise
+    np.testing.assert_allclose(px4_trajectory(there), [1.0, -2.0, 3.0, -0.25])
+
+
+def test_motors_of_px4_that_are_not_a_number_stand_still() -> None:
+    motors = SimpleNamespace(control=[0.5, np.nan, 0.25, 1.0])
+    np.testing.assert_array_equal(px4_motors(motors), [0.5, 0.0, 0.25, 1.0])
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.0, -2.5])
+def test_a_heading_is_the_angle_about_the_vertical(yaw: float) -> None:
+    assert yaw_of([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]) == pytest.approx(yaw)
 
 
 # --- messages -----------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .frames import Reals, enu_of_ned, flu_of_frd, yaw_of
+from .frames import Reals, flipped, yaw_of
 
 Read = Callable[[Any], Reals]
 
@@ -74,7 +74,7 @@ def px4_motors(message: Any) -> Reals:
 
 def px4_trajectory(message: Any) -> Reals:
     """px4_msgs/TrajectorySetpoint: position NED [m] and yaw from north, clockwise [rad]."""
-    return np.array([*enu_of_ned(message.position), 0.5 * np.pi - message.yaw])
+    return np.array([*flipped(message.position), -message.yaw])
 
 
 def px4_rates(message: Any) -> Reals:
@@ -82,7 +82,7 @@ def px4_rates(message: Any) -> Reals:
 
     The share is of the robot's largest thrust; the bridge multiplies it.
     """
-    rates = flu_of_frd([message.roll, message.pitch, message.yaw])
+    rates = flipped([message.roll, message.pitch, message.yaw])
     return np.array([-message.thrust_body[2], *rates])
 
 

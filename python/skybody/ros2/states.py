@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from skybody import BodyState, Simulation
-
-from .frames import rotated_back
+from skybody.exports.frames import to_body
 
 Fill = Callable[[Any, Simulation, Any], None]  # message, simulation, row of the map
 
@@ -65,7 +64,7 @@ def odometry(message: Any, simulation: Simulation, row: Any) -> None:
     body = body_of(simulation, row)
     message.child_frame_id = row.body or f"{row.robot or simulation.compiled.robots[0]}/base_link"
     set_pose(message.pose.pose, body)
-    set_vector(message.twist.twist.linear, rotated_back(body.rotation, body.velocity))
+    set_vector(message.twist.twist.linear, to_body(body.rotation, body.velocity))
     set_vector(message.twist.twist.angular, body.angular_velocity)
 
 
