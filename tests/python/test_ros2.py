@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from skybody import InputError, Simulation
+from skybody.camera import Camera
 from skybody.ros2.bridge import Bridge, _Anything
 from skybody.ros2.bridge_map import BridgeMap, Row, read_map
 from skybody.ros2.commands import COMMANDS, px4_motors, px4_rates, px4_trajectory
@@ -91,6 +92,40 @@ def test_an_image_has_its_encoding_and_its_bytes() -> None:
     assert (message.height, message.width, message.encoding) == (64, 64, "32FC1")
     pixels = np.frombuffer(message.data, np.float32).reshape(64, 64)
     np.testing.assert_array_equal(pixels, made.simulation.image("front.depth"))
+
+
+def test_a_camera_tells_its_intrinsics() -> None:
+    made = bridge("hover_camera", Row("/info", "sensor_msgs/msg/CameraInfo", "front"))
+    message = filled(made)
+    camera = Camera(made.simulation.compiled, "front")
+    np.testing.assert_array_equal(np.reshape(message.k, (3, 3)), camera.intrinsics)
+    assert (message.width, message.height) == (64, 64)
+    assert message.distortion_model == "plumb_bob"
+
+
+def test_transforms_and_point_clouds_have_the_fields_of_ros(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    field = type("PointField", (SimpleNamespace,), {"FLOAT32": 7})
+    sensor_msgs = SimpleNamespace(PointField=field)
+    monkeypatch.setitem(sys.modules, "sensor_msgs.msg", sensor_msgs)
+    geometry_msgs = SimpleNamespace(TransformStamped=_Anything)
+    monkeypatch.setitem(sys.modules, "geometry_msgs.msg", geometry_msgs)
+    lidar = "{plugin: lidar, parameters: {outputs: [points]}}"
+    made = bridge(
+        "hover",
+        Row("/points", "sensor_msgs/msg/PointCloud2", "lidar.points"),
+        Row("/tf", "tf2_msgs/msg/TFMessage", "tf"),
+        overrides=[f"sensors=[{lidar}]", "observe=[lidar.points]"],
+    )
+    cloud = filled(made)
+    points = made.simulation.image("lidar.points")
+    assert (cloud.height, cloud.width) == points.shape[:2]
+    assert [f.name for f in cloud.fields] == ["x", "y", "z"]
+    np.testing.assert_array_equal(np.frombuffer(cloud.data, np.float32), points.ravel())
+    (transform,) = filled(made, 1).transforms
+    assert transform.child_frame_id == "quad/base_link"
+    assert transform.transform.translation.z == made.simulation.bodies[0].position[2]
 
 
 def test_topics_with_robot_are_there_for_each_robot() -> None:

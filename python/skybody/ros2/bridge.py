@@ -118,6 +118,8 @@ class Bridge:
         message = _Anything()
         try:
             fill(message, self.simulation, row)
+        except ImportError:
+            return fill  # the node says which package is missing
         except (ValueError, KeyError) as error:
             raise InputError(f"{row.topic}: {error}") from None
         return fill

@@ -6,6 +6,7 @@ the same code serves rclpy, rospy and tests.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from skybody import BodyState, Simulation
-from skybody.exports.frames import to_body
+from skybody.camera import Camera
+from skybody.exports.frames import frame_of, to_body
 
 Fill = Callable[[Any, Simulation, Any], None]  # message, simulation, row of the map
 
@@ -32,6 +34,12 @@ def body_of(simulation: Simulation, row: Any) -> BodyState:
     if row.body:
         return simulation.bodies[simulation.body_names.index(row.body)]
     return simulation.base(row.robot)
+
+
+def base_name(simulation: Simulation, robot: str) -> str:
+    """ROBOT.LINK of a robot's base."""
+    name = robot or simulation.compiled.robots[0]
+    return next(body for body in simulation.body_names if body.startswith(f"{name}."))
 
 
 def sensor(simulation: Simulation, row: Any, channel: str) -> Any:
@@ -62,7 +70,7 @@ def set_pose(to: Any, body: BodyState) -> None:
 def odometry(message: Any, simulation: Simulation, row: Any) -> None:
     """Pose in W; twist in the axes of the body, as REP 105 and nav_msgs say."""
     body = body_of(simulation, row)
-    message.child_frame_id = row.body or f"{row.robot or simulation.compiled.robots[0]}/base_link"
+    message.child_frame_id = frame_of(row.body or base_name(simulation, row.robot))
     set_pose(message.pose.pose, body)
     set_vector(message.twist.twist.linear, to_body(body.rotation, body.velocity))
     set_vector(message.twist.twist.angular, body.angular_velocity)
@@ -160,6 +168,52 @@ def image(message: Any, simulation: Simulation, row: Any) -> None:
     message.data = pixels.tobytes()
 
 
+MODELS = {"pinhole": "plumb_bob", "fisheye": "equidistant"}  # names of lenses in ROS
+
+
+def camera_info(message: Any, simulation: Simulation, row: Any) -> None:
+    """Size, intrinsics and distortion of the camera that the row names."""
+    camera = Camera(simulation.compiled, row.part.split(".")[0])
+    message.width, message.height = camera.width, camera.height
+    if camera.projection not in MODELS:
+        raise ValueError(f"ROS has no name for the lens of a {camera.projection}")
+    message.distortion_model = MODELS[camera.projection]
+    k = [*camera.distortion, 0.0, 0.0, 0.0, 0.0, 0.0]
+    message.d = k[: 5 if camera.projection == "pinhole" else 4]
+    focal, x, y = camera.focal, 0.5 * camera.width, 0.5 * camera.height
+    message.k = [focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0]
+    message.r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    message.p = [focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0]
+
+
+def point_cloud(message: Any, simulation: Simulation, row: Any) -> None:
+    """The points of a lidar, rings x columns, in the axes that its `axes` gives."""
+    points = simulation.image(row.part)
+    field = importlib.import_module("sensor_msgs.msg").PointField
+    message.height, message.width = points.shape[:2]
+    message.fields = [
+        field(name=name, offset=4 * k, datatype=field.FLOAT32, count=1)
+        for k, name in enumerate("xyz")
+    ]
+    message.is_bigendian, message.is_dense = False, True
+    message.point_step, message.row_step = 12, 12 * message.width
+    message.data = points.tobytes()
+
+
+def transforms(message: Any, simulation: Simulation, row: Any) -> None:
+    """World to each body."""
+    transform = importlib.import_module("geometry_msgs.msg").TransformStamped
+    message.transforms = []
+    for name, body in zip(simulation.body_names, simulation.bodies, strict=True):
+        one = transform()
+        one.header.frame_id, one.child_frame_id = "world", frame_of(name)
+        nanoseconds = round(simulation.time * 1e9)
+        one.header.stamp.sec, one.header.stamp.nanosec = divmod(nanoseconds, 10**9)
+        set_vector(one.transform.translation, body.position)
+        set_quaternion(one.transform.rotation, body.rotation)
+        message.transforms.append(one)
+
+
 _ARRAY = "std_msgs/msg/Float32MultiArray"
 
 STATES: dict[str, State] = {
@@ -167,6 +221,7 @@ STATES: dict[str, State] = {
     "pose": State({"geometry_msgs/msg/PoseStamped": pose_stamped}, "world", "pose of a body"),
     "twist": State({"geometry_msgs/msg/TwistStamped": twist_stamped}, "world", "twist of a body"),
     "goal": State({"geometry_msgs/msg/PoseStamped": goal}, "world", "the task's first goal"),
+    "tf": State({"tf2_msgs/msg/TFMessage": transforms}, "", "world to each body"),
     "rotor_speeds": State({"sensor_msgs/msg/JointState": rotor_speeds}, "", "all rotors"),
     "observation": State({_ARRAY: observation}, "", "the policy's row"),
     "info": State({_ARRAY: info}, "", "the task's infos"),
@@ -177,6 +232,8 @@ SENSORS: dict[str, Fill] = {  # by type: parts that are sensors, channels or ima
     "sensor_msgs/msg/Imu": imu,
     "sensor_msgs/msg/BatteryState": battery,
     "sensor_msgs/msg/Image": image,
+    "sensor_msgs/msg/CameraInfo": camera_info,
+    "sensor_msgs/msg/PointCloud2": point_cloud,
     _ARRAY: numbers,
 }
 
