@@ -30,6 +30,7 @@ HDTV = (  # conversion of colours, and its name in the file
     "scale=out_color_matrix=bt709:out_range=tv,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
+FAST = "bframes=0:subme=1"  # half the time, and a tenth to a third more bytes
 PIPE_SIZE = 1 << 20  # to ffmpeg [bytes]
 FARTHEST = 500.0  # of surfaces that are seen [m]
 MOST_TRIANGLES = 60_000  # of a picture: the renderer numbers them by 16 bits
@@ -154,8 +155,8 @@ def write_video(path: Path, size: Size, frames: Iterable[Frame]) -> None:
         ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
         "-s", f"{size.width}x{size.height}", "-r", f"{size.rate:g}", "-i", "-",
         "-vf", HDTV,
-        "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p",
-        "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact",
+        "-c:v", "libx264", "-preset", "veryfast", "-x264-params", FAST, "-crf", "20",
+        "-pix_fmt", "yuv420p", "-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact",
         "-movflags", "+faststart", str(path),
     ]  # fmt: skip
     pipe = subprocess.PIPE
