@@ -100,6 +100,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "ray_speed": Call("--quick --out {out}", package="ray"),
     "recurrent_policy": Call("--quick --tasks hover --out {out}"),
     "reference_figures": QUICK,
+    "ros2_speed": Call("--quick --out {out}", package="rclpy"),
     "rotorpy_tracking": QUICK,
     "scalability": QUICK,
     "scenario_index": Elsewhere("test_scenario_folders.py"),

@@ -78,6 +78,8 @@ def spin(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("interrupted")
         return INTERRUPTED
+    except rclpy.executors.ExternalShutdownException:
+        pass  # a signal other than Ctrl-C has ended it
     finally:
         rclpy.try_shutdown()
     return 0
