@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -23,6 +24,9 @@ from .table import Block, Table
 from .values import Values
 from .world import World
 
+ABOUT = "skybody"  # metadata: about()
+PARAMETERS = "skybody parameters"  # metadata: values drawn for the episode, by path
+
 
 def write(table: Table, path: Path, options: argparse.Namespace) -> None:
     """Writes all messages in the order of their times; docs/exports.md lists the topics."""
@@ -31,7 +35,9 @@ def write(table: Table, path: Path, options: argparse.Namespace) -> None:
     with path.open("wb") as file:
         output = Output(file)
         with foxglove.open_mcap(output, context=context, writer_options=settings) as writer:
-            writer.write_metadata("skybody", about(table, SCENARIO))
+            writer.write_metadata(ABOUT, about(table, SCENARIO))
+            drawn = {path: repr(value) for path, value in table.flight.drawn.items()}
+            writer.write_metadata(PARAMETERS, drawn)
             world = World(table)
             write_shapes(world, round(table.ends[0] * NANO), context)
             streams = streams_of(table, world, context)
@@ -110,7 +116,9 @@ def streams_of(table: Table, world: World, context: foxglove.Context) -> list[St
     found = body_streams(table, context) if table.robots else []
     if "goal" in table.series:
         for k, name in enumerate(table.series["goal"].items):
-            goal = channels.PoseInFrameChannel(topic_of("goal", name), context=context)
+            goal = channels.PoseInFrameChannel(
+                topic_of("goal", name), context=context, metadata={"goal": name}
+            )
             found.append((goal, partial(made.goals, goal=k)))
     if world.has_lines:
         lines = channels.SceneUpdateChannel("/couplings", context=context)
@@ -130,19 +138,27 @@ def body_streams(table: Table, context: foxglove.Context) -> list[Stream]:
         found.append((pose, partial(made.base, body=bodies[0])))
         for k in bodies:
             topic = topic_of(robot if k == bodies[0] else names[k])
-            odometry = channels.OdometryChannel(f"{topic}/odometry", context=context)
+            odometry = channels.OdometryChannel(
+                f"{topic}/odometry", context=context, metadata={"body": names[k]}
+            )
             found.append((odometry, partial(made.odometry, body=k, frame=frames[k])))
     return found
 
 
 def plot_stream(table: Table, name: str, context: foxglove.Context) -> Stream:
-    """The values of a dataset, by name."""
-    values = Values(table.series[name])
+    """The values of a dataset, by name; the channel's metadata describes its columns."""
+    series = table.series[name]
+    values = Values(series)
     schema = foxglove.Schema(name=values.name, encoding="protobuf", data=values.schema)
+    about_columns = {"columns": series.columns, "units": series.units, "type": series.type.str}
     channel = foxglove.Channel(
-        topic_of("log", name), schema=schema, message_encoding="protobuf", context=context
+        topic_of("log", name),
+        schema=schema,
+        message_encoding="protobuf",
+        context=context,
+        metadata={"dataset": name} | {k: json.dumps(v) for k, v in about_columns.items()},
     )
-    width = len(table.series[name].paths)
+    width = len(series.paths)
 
     def messages(block: Block) -> Iterator[bytes]:
         return values.encode(block.real(name).reshape(-1, width))

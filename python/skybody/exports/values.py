@@ -55,6 +55,11 @@ class Values:
         messages[:, self._places] = np.ascontiguousarray(rows, "<f8").view(np.uint8)
         return map(bytes, messages)
 
+    def decode(self, messages: Sequence[bytes]) -> Array:
+        """The rows of values of messages of encode()."""
+        found = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+        return np.ascontiguousarray(found[:, self._places]).view("<f8")
+
     def _message(self, row: Sequence[float]) -> bytes:
         message = self._type()
         for (path, field, repeated), indices in self._groups:
