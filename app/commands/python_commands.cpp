@@ -26,6 +26,7 @@ constexpr PythonCommand kCommands[] = {
     {"render", "skybody.look", "Draw flights as films or pictures"},
     {"view", "skybody.view", "Show flights, or a running simulation, in a browser"},
     {"ros2", "skybody.ros2", "Run a scenario as a node of ROS 2"},
+    {"sitl", "skybody.sitl", "Let ArduPilot, PX4 or Betaflight fly a robot, in lockstep"},
     {"export", "skybody.exports", "Write a flight or a policy in a format of other programs"},
     {"import", "skybody.imports", "Make a flight log from the log of a real flight"},
     {"plot", "skybody.plot", "Draw the flights of a log, as PNG, PDF or SVG"},

@@ -1,0 +1,41 @@
+"""A simple autopilot for tests of `skybody sitl`: attitude and height of a quadrotor X."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Roll, pitch (nose up) and yaw (clockwise) torque of each motor, in the order of ArduPilot and PX4:
+# front right (ccw), back left (ccw), front left (cw), back right (cw).
+MIX = np.array([[-1.0, 1, 1], [1, -1, 1], [1, 1, -1], [-1, -1, -1]])
+
+
+@dataclass
+class HoldPilot:
+    """Holds level attitude, heading and a height, from values in NED and FRD."""
+
+    hover: float  # thrust of hover as a share of the greatest one
+    height: float  # [m]
+    yaw_sign: float = 1.0  # -1: rotors of the frame x-reversed
+    trim: float = 0.0
+
+    def throttles(self, quaternion: Array, rates: Array, height: float, climb: float) -> Array:
+        """Shares of the greatest speed.
+
+        Args:
+            quaternion: w x y z, NED from FRD.
+            rates: FRD [rad/s].
+            height: [m], climb: [m/s], up.
+        """
+        w, x, y, _ = quaternion
+        tilt = 2.0 * np.sign(w) * np.array([x, y, 0.0])  # small angles: roll, pitch
+        turn = -0.15 * tilt - np.array([0.03, 0.03, 0.05]) * rates
+        turn[2] *= self.yaw_sign
+        error = float(np.clip(self.height - height, -0.5, 0.5))
+        self.trim = float(np.clip(self.trim + 2e-5 * error, -0.1, 0.1))
+        lift = self.hover * (1.0 + 0.2 * error - 0.25 * climb) + self.trim
+        return np.asarray(np.sqrt(np.clip(lift + MIX @ turn, 0.0, 1.0)))
