@@ -144,6 +144,21 @@ def test_a_landing_ends_at_height_0_with_its_speed(tmp_path: Path) -> None:
     assert 0.0 < speed < 2.0  # the task's limit of a crash
 
 
+def test_of_a_long_flight_some_rows_are_drawn_and_no_contact_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = subject_of(tmp_path, "collision", steps=150)
+    monkeypatch.setattr("skybody.plot.subject.MOST_ROWS", 16)
+    few = Subject(Flight(tmp_path))
+    assert len(few.time) == len(few.bodies) == len(few.command) == 16
+    assert few.time[-1] == whole.time[-1]
+    ((begin, end),), ((first, last),) = few.touching, whole.touching
+    assert begin <= first < last <= end  # shorter than the 0.1 s between two rows
+    assert end - begin <= 0.2 + 1e-9
+    figure = draw_page(few)
+    plt.close(figure)
+
+
 # --- rows -----------------------------------------------------------------------------------------
 
 

@@ -92,7 +92,7 @@ def touch_down(subject: Subject) -> list[tuple[float, str]]:
     """Time and vertical speed, relative to the deck, of the first contact on it."""
     found = []
     for name, height in height_over_deck(subject):
-        rows = np.flatnonzero(subject.flight.touching & (height < TOUCHED))
+        rows = np.flatnonzero(subject.contact & (height < TOUCHED))
         if len(rows) and rows[0] > 0:
             deck = subject.base(decks(subject)[0])
             before = rows[0] - 1

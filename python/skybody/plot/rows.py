@@ -87,7 +87,7 @@ def speeds(subject: Subject) -> list[Curve]:
 
 def rewards(subject: Subject) -> list[Curve]:
     """Reward of each step; none if all are 0."""
-    reward = subject.reward.copy()
+    reward = subject.reward[subject.rows]
     if not np.any(reward[1:]):
         return []
     reward[0] = np.nan
@@ -103,23 +103,24 @@ def effort(subject: Subject) -> list[Curve]:
     """The rotors' cubed speeds, proportional to power, over their mean in the episode."""
     if not subject.flown:
         return []
-    cubed = np.mean(np.abs(subject.flight.rotor_speed) ** 3, axis=1)
+    cubed = np.mean(np.abs(subject.rotor_speed) ** 3, axis=1)
     return [Curve(cubed / max(float(cubed.mean()), 1e-12), GREY)]
 
 
 def rotors(subject: Subject) -> list[Curve]:
     """Speed and command: of one robot for each rotor, of several the mean with least and most."""
-    names, speed = subject.flight.rotor_names, subject.flight.rotor_speed
+    names, speed = subject.flight.rotor_names, subject.rotor_speed
     if not names:
         return []
-    command = subject.command.copy()
-    command[0] = np.nan
+    command = subject.command
+    command[:1] = np.nan
     if len(subject.flown) == 1:
         found = []
         for k, (name, color) in enumerate(zip(names, colors(len(names)), strict=True)):
             label = name.split(".", 1)[-1] if len(names) <= MOST_APART else ""
             found.append(Curve(speed[:, k], color, label))
-            found.append(Curve(command[:, k], color, "command" if k == 0 else "", COMMAND))
+            if command.size:
+                found.append(Curve(command[:, k], color, "command" if k == 0 else "", COMMAND))
         return found
     groups = {robot: [n.split(".")[0] == robot for n in names] for robot in subject.flown}
     if len(groups) > MOST_APART:

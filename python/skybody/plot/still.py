@@ -68,7 +68,7 @@ def first_robot(subject: Subject) -> tuple[int, float]:
 
 def is_one_path(subject: Subject) -> bool:
     """Whether no goal jumps: those of a race lead through gate after gate."""
-    return not any(breaks(goal[:, :3])[1:].any() for goal in subject.flight.goals.values())
+    return not any(breaks(goal[:, :3])[1:].any() for goal in subject.goals.values())
 
 
 def instants(subject: Subject) -> list[float]:
@@ -76,7 +76,7 @@ def instants(subject: Subject) -> list[float]:
     if len(subject.flown) > MOST_FREE:
         return [0.0, float(subject.time[-1])]
     base, radius = first_robot(subject)
-    rows = instants_along(np.nan_to_num(subject.flight.bodies[:, base, :3]), 2.5 * radius)
+    rows = instants_along(np.nan_to_num(subject.bodies[:, base, :3]), 2.5 * radius)
     return [float(subject.time[row]) for row in rows]
 
 
@@ -163,7 +163,7 @@ class Corner:
 def free_corners(subject: Subject, view: View, pixels: tuple[int, int]) -> list[Corner]:
     """The two corners of the picture that are farthest from all bodies."""
     rows = np.linspace(0, len(subject.time) - 1, 200).astype(int)
-    places = subject.flight.bodies[rows, :, :3].reshape(-1, 3)
+    places = subject.bodies[rows, :, :3].reshape(-1, 3)
     bodies = np.array([projected(view, place, pixels) for place in places])
     width, height = pixels
     found = []
@@ -176,7 +176,7 @@ def free_corners(subject: Subject, view: View, pixels: tuple[int, int]) -> list[
 def is_small(subject: Subject, view: View) -> bool:
     """Whether the first robot can hardly be seen."""
     base, radius = first_robot(subject)
-    away = float(np.linalg.norm(subject.flight.bodies[-1, base, :3] - view.eye))
+    away = float(np.linalg.norm(subject.bodies[-1, base, :3] - view.eye))
     return bool(radius / away < SMALL * np.tan(0.5 * FIELD_OF_VIEW))
 
 

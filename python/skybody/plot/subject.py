@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from skybody import InputError
 from skybody.look.flight import Array, Flight, texts
 from skybody.look.palette import colors
 from skybody.look.scene import robots_of
 from skybody.look.shapes import Color
 
+MOST_ROWS = 50_000  # of a flight that are drawn
 ENDINGS = ("terminated", "truncated", "fault", "stopped", "interrupted")
 
 
@@ -42,19 +43,42 @@ class Subject:
     """A flight as it is drawn."""
 
     def __init__(self, flight: Flight) -> None:
+        """Of a long flight, takes rows at equal distances.
+
+        Args:
+            flight: an episode of a log.
+        """
         self.flight = flight
-        self.time = flight.time
+        last = len(flight.time) - 1
+        self.rows = np.unique(np.linspace(0, last, min(last + 1, MOST_ROWS)).astype(int))
+        self.time = flight.time[self.rows]
         self.robots = robots_of(flight)
+
+    @cached_property
+    def bodies(self) -> Array:
+        """Rows x bodies x 13, as of Flight.bodies."""
+        return self.flight.rows("bodies")[self.rows]
+
+    @cached_property
+    def goals(self) -> dict[str, Array]:
+        """By the name of the body that has it: rows x 4, as of Flight.goals."""
+        goal = self.flight.rows("goal")[self.rows]
+        return {name: goal[:, k] for name, k in self.flight.goal_columns.items()}
+
+    @cached_property
+    def rotor_speed(self) -> Array:
+        """Rows x rotors [rad/s]."""
+        return self.flight.rows("rotor_speed")[self.rows]
 
     @cached_property
     def tracks(self) -> list[Track]:
         """The base of each robot, then other bodies that have a goal."""
-        names, goals = self.flight.body_names, self.flight.goals
+        names, goals = self.flight.body_names, self.goals
         bases = [names[first] for first, _ in self.robots.values()]
         shown = [*bases, *(name for name in names if name in goals and name not in bases)]
         found = []
         for name, color in zip(shown, colors(len(shown)), strict=True):
-            body = self.flight.bodies[:, names.index(name)]
+            body = self.bodies[:, names.index(name)]
             angles = attitude_degrees(body[:, 3:7]) if name in bases else None
             found.append(Track(name, color, body[:, :3], angles, goals.get(name)))
         return found
@@ -81,7 +105,7 @@ class Subject:
 
     def base(self, robot: str) -> Array:
         """States of a robot's base, (rows, 13), as of Flight.bodies."""
-        return np.asarray(self.flight.bodies[:, self.robots[robot][0]])
+        return np.asarray(self.bodies[:, self.robots[robot][0]])
 
     def color(self, robot: str) -> Color:
         """A robot's colour."""
@@ -89,13 +113,13 @@ class Subject:
 
     @property
     def reward(self) -> Array:
-        """Of each row."""
+        """Of each step of the flight."""
         return self.flight.series("reward")[0]
 
     @cached_property
     def command(self) -> Array:
         """Commanded speed of each rotor [rad/s], (rows, rotors)."""
-        return np.asarray(self.flight.data["rotor_command"][:], dtype=np.float64)
+        return self.flight.rows("rotor_command")[self.rows]
 
     def infos(self, name: str) -> list[tuple[str, Array, str]]:
         """Infos NAME and PREFIX.NAME: their prefixes (`` without), values and units."""
@@ -103,7 +127,8 @@ class Subject:
         for column, _ in self.flight.columns("info"):
             prefix, _, last = column.rpartition(".")
             if last == name:
-                found.append((prefix, *self.flight.series(column)))
+                values, unit = self.flight.series(column)
+                found.append((prefix, values[self.rows], unit))
         return found
 
     @cached_property
@@ -114,7 +139,7 @@ class Subject:
         travels of sliders; none of free bodies.
         """
         columns = dict(self.flight.columns("q"))
-        q = self.flight.data["q"][:] if columns else np.zeros((0, 0))
+        q = self.flight.rows("q")[self.rows]
         series = {name: np.asarray(q[:, k]) for k, name in enumerate(columns)}
         found: dict[str, list[tuple[str, Array]]] = {"deg": [], "m": []}
         for name, unit in columns.items():
@@ -134,9 +159,15 @@ class Subject:
         return found
 
     @cached_property
+    def contact(self) -> NDArray[np.bool_]:
+        """Rows before which, since the row before, something touches something."""
+        firsts = np.append(0, self.rows[:-1] + 1)
+        return np.logical_or.reduceat(self.flight.touching, firsts)
+
+    @cached_property
     def touching(self) -> list[tuple[float, float]]:
         """Spans of time [s] from the row before the first contact to the last one."""
-        return touching_spans(self.flight.touching, self.time)
+        return touching_spans(self.contact, self.time)
 
     # --- heading --------------------------------------------------------------------------------
 
@@ -150,7 +181,7 @@ class Subject:
         words += f"  ·  episode {self.flight.episode} of {len(self.flight.episodes)}"
         if self.flight.columns("action"):  # otherwise there is no policy
             words += f"  ·  policy {about['policy']}"
-        return words + f"  ·  seed {about['seed']}"
+        return words + (f"  ·  seed {about['seed']}" if "seed" in about else "")
 
     @property
     def subtitle(self) -> str:
@@ -158,11 +189,11 @@ class Subject:
         about = self.flight.attributes
         last = self.flight.events[-1][1] if self.flight.events else ""
         ending = last if last.split(":")[0] in ENDINGS else "unfinished"
-        return (
-            f"{ending} after {self.time[-1]:.3f} s, {len(self.time) - 1} steps of "
-            f"{about['action_repeat']} x {1e3 * about['dt']:g} ms  ·  scenario "
-            f"{about['scenario_hash']}  ·  Skybody {self.flight.version}"
-        )
+        words = f"{ending} after {self.time[-1]:.3f} s, {len(self.flight.time) - 1} steps"
+        if "action_repeat" in about:
+            words += f" of {about['action_repeat']} x {1e3 * about['dt']:g} ms"
+        words += f"  ·  scenario {about.get('scenario_hash', '?')}"
+        return words + f"  ·  Skybody {self.flight.version}"
 
 
 def attitude_degrees(quaternions: Array) -> Array:
