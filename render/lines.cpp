@@ -83,8 +83,8 @@ void blend(const Segment& s, double x, double y, float depth, std::uint8_t* pixe
   for (int c = 0; c < 3; ++c) {
     const double color = mixed(s.a.color[c], s.b.color[c], share);
     const double under = pixel[c];
-    pixel[c] =
-        static_cast<std::uint8_t>(std::clamp(under + weight * (color - under), 0.0, 255.0) + 0.5);
+    const double mean = std::clamp(under + weight * (color - under), 0.0, 255.0);
+    pixel[c] = static_cast<std::uint8_t>(std::lround(mean));
   }
 }
 
