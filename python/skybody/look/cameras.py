@@ -15,7 +15,7 @@ from .scene import Scene
 UP = np.array([0.0, 0.0, 1.0])
 LEAST_HEIGHT = 0.08  # of an eye above the ground [m]
 FAR_UP = 10.0 * UP
-FILLED = 0.62  # share of the picture that robots fill for an orbit camera
+FILLED = 0.5  # share of the picture that robots fill for an orbit camera
 LEAD = 0.4  # distance of an orbit camera that a metre of way within 2 SMOOTH adds [m]
 SMOOTH = 0.6  # half the time over which cameras are smooth [s]
 SLOW = 0.5  # speed at which travel and attitude count equally for the chase camera [m/s]

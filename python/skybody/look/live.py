@@ -52,6 +52,7 @@ class Live(Motion):
         """Begins anew."""
         self._rows: dict[str, list[Array]] = {"time": [], "bodies": [], "rotor_speed": []}
         self._rows["goal"] = []
+        self._read: dict[str, Rows] = {}
         self._turns = np.zeros(len(self.compiled.rotors))
 
     def see(self, state: Mapping[str, Array]) -> None:
@@ -61,6 +62,7 @@ class Live(Motion):
             state: values of all environments by the names of rows.
         """
         now = float(state["time"][self._env])
+        self._read.clear()
         times = self._rows["time"]
         if times and now < float(times[-1]):
             self.forget()
@@ -111,7 +113,9 @@ class Live(Motion):
 
     def rows(self, name: str) -> Rows:
         """The rows that were seen."""
-        return Rows(np.array(self._rows[name]))
+        if name not in self._read:
+            self._read[name] = Rows(np.array(self._rows[name]))
+        return self._read[name]
 
     def turns(self, time: float) -> Array:
         """Angle of each rotor now [rad]."""

@@ -13,6 +13,7 @@ from .flight import Flight
 
 CURSOR = np.array([214, 39, 40], np.uint8)
 DPI = 100
+MOST = 20_000  # points of a curve
 
 
 class Strip:
@@ -36,7 +37,8 @@ class Strip:
         for axis, name in zip(axes, names, strict=True):
             for flight in flights:
                 values, unit = flight.series(name)
-                axis.plot(flight.time, values, linewidth=1.4)
+                step = -(-len(values) // MOST)
+                axis.plot(flight.time[::step], values[::step], linewidth=1.4)
             axis.set_title(f"{name} [{unit}]" if unit else name, fontsize=10)
             axis.set_xlim(0.0, max(self._last, 1e-6))
             axis.tick_params(labelsize=8)
