@@ -22,9 +22,8 @@ from skybody.program import run_program
 from .cameras import CAMERAS
 from .film import Film, Frame, Panel, Size, write
 from .flight import Flight, open_flight
-from .palette import colors
 from .scene import Scene, Style
-from .strip import Strip
+from .strip import Strip, tint
 
 HIDDEN = ("goal", "reference", "contacts")
 STRIP_SHARE = 0.24  # height of the plots, as a share of the film's
@@ -74,8 +73,7 @@ def scenes_of(flights: list[Flight], options: argparse.Namespace) -> list[Scene]
         reference="reference" not in hidden,
         contacts="contacts" not in hidden,
     )
-    tints = colors(len(flights))
-    ghosts = [tints[k] if options.ghost and k > 0 else None for k in range(len(flights))]
+    ghosts = [tint(k) if options.ghost and k > 0 else None for k in range(len(flights))]
     return [Scene(f, replace(style, ghost=g)) for f, g in zip(flights, ghosts, strict=True)]
 
 

@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .flight import Flight
+from .palette import ROBOTS
+from .shapes import Color
 
 CURSOR = np.array([214, 39, 40], np.uint8)
 DPI = 100
@@ -35,10 +37,10 @@ class Strip:
         axes = figure.subplots(1, len(names), squeeze=False)[0]
         self._last = max(flight.duration for flight in flights)
         for axis, name in zip(axes, names, strict=True):
-            for flight in flights:
+            for k, flight in enumerate(flights):
                 values, unit = flight.series(name)
                 step = -(-len(values) // MOST)
-                axis.plot(flight.time[::step], values[::step], linewidth=1.4)
+                axis.plot(flight.time[::step], values[::step], color=tint(k), linewidth=1.4)
             axis.set_title(f"{name} [{unit}]" if unit else name, fontsize=10)
             axis.set_xlim(0.0, max(self._last, 1e-6))
             axis.tick_params(labelsize=8)
@@ -57,6 +59,12 @@ class Strip:
             column = int(left + share * (right - left))
             picture[top:bottom, max(column - 1, 0) : column + 1] = CURSOR
         return picture
+
+
+def tint(number: int) -> Color:
+    """Colour of one of several flights, from 0; gates are vermilion, so this comes last."""
+    order = (0, 2, 3, 5, 4, 1)
+    return ROBOTS[order[number % len(order)]]
 
 
 def _span(axis: object, height: int) -> tuple[float, float, int, int]:
