@@ -83,9 +83,11 @@ def fixed(scene: Scene, field_of_view: float, aspect: float) -> Camera:
 
 
 def spread(points: Array, view: View) -> float:
-    """A measure of the area of points (n, 3), W [m], in a picture."""
-    seen = (points - view.eye) @ view.axes
-    return float(np.linalg.det(np.cov((seen[:, :2] / seen[:, 2:]).T)))
+    """How far points (n, 3), W [m], are apart in a picture: the mean logarithm of distances."""
+    seen = (points[:: max(1, len(points) // 300)] - view.eye) @ view.axes
+    places = seen[:, :2] / seen[:, 2:]
+    apart = np.linalg.norm(places[:, None] - places, axis=-1)
+    return float(np.mean(np.log(apart + 1e-2)))
 
 
 def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:

@@ -58,7 +58,7 @@ def draw_page(subject: Subject) -> Figure:
     for column, cells in enumerate(columns):
         panels = [figure.add_subplot(grid[row, column]) for row, _ in cells]
         for panel, (_, name) in zip(panels, cells, strict=True):
-            draw_row(panel, subject, ROWS[name], letters=62)
+            draw_row(panel, subject, ROWS[name], letters=54)
         if panels:
             share_time(panels, subject)
     return figure

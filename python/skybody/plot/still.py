@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib import patheffects
@@ -46,8 +47,9 @@ def draw_still(panel: Axes, subject: Subject, pixels: tuple[int, int]) -> None:
     view = fixed(scene, FIELD_OF_VIEW, pixels[1] / pixels[0])(0.0)
     times = instants(subject)
     panel.imshow(render(subject, scene, view, times, pixels), interpolation="antialiased")
-    write_times(panel, subject, view, times, pixels)
-    free, next_free = free_corners(subject, view, pixels)
+    if len(times) > 1:
+        write_times(panel, subject, view, times, pixels)
+    free, next_free = free_corners(scene, view, pixels)
     draw_axes(panel, view, pixels, free.place)
     if is_small(subject, view) and next_free.room > CLOSE_UP[0] * pixels[0]:
         draw_close_up(panel, subject, scene, view, pixels, next_free.place)
@@ -133,23 +135,24 @@ def write_times(
     written: list[Array] = []
     for time in reversed(times):
         at = projected(view, subject.flight.at(time)[0][base] + above, pixels)
+        at[1] = max(at[1], ROOM * pixels[0])
         if any(np.linalg.norm(at - other) < ROOM * pixels[0] for other in written):
             continue
         written.append(at)
         write(panel, at, f"{time:.1f} s" if time else "0 s", "center", "bottom")
 
 
-def write(panel: Axes, at: Array, words: str, across: str, up: str) -> None:
+def write(panel: Axes, at: Array, words: str, across: str, up: str, **more: Any) -> None:
     """Writes words at a place of the picture [pixels], so that they can be read on anything."""
     halo = patheffects.withStroke(linewidth=2.5, foreground="white", alpha=0.8)
-    panel.text(at[0], at[1], words, ha=across, va=up, zorder=5, path_effects=[halo])
+    panel.text(at[0], at[1], words, ha=across, va=up, zorder=5, path_effects=[halo], **more)
 
 
-def projected(view: View, place: Array, pixels: tuple[int, int]) -> Array:
-    """Where a place, W [m], is in the picture [pixels]."""
-    seen = (place - view.eye) @ view.axes
+def projected(view: View, places: Array, pixels: tuple[int, int]) -> Array:
+    """Where places, (..., 3), W [m], are in the picture, (..., 2) [pixels]."""
+    seen = (places - view.eye) @ view.axes
     focal = 0.5 * pixels[0] / np.tan(0.5 * FIELD_OF_VIEW)
-    return np.asarray(0.5 * np.array(pixels) + focal * seen[:2] / seen[2])
+    return np.asarray(0.5 * np.array(pixels) + focal * seen[..., :2] / seen[..., 2:])
 
 
 @dataclass(frozen=True)
@@ -160,16 +163,13 @@ class Corner:
     room: float  # distance of the nearest body [pixels]
 
 
-def free_corners(subject: Subject, view: View, pixels: tuple[int, int]) -> list[Corner]:
-    """The two corners of the picture that are farthest from all bodies."""
-    rows = np.linspace(0, len(subject.time) - 1, 200).astype(int)
-    places = subject.bodies[rows, :, :3].reshape(-1, 3)
-    bodies = np.array([projected(view, place, pixels) for place in places])
+def free_corners(scene: Scene, view: View, pixels: tuple[int, int]) -> list[Corner]:
+    """The two corners of the picture that are farthest from all bodies and near obstacles."""
+    seen = projected(view, scene.points(), pixels)
     width, height = pixels
     found = []
     for corner in [np.array([x, y]) for y in (height, 0) for x in (0, width)]:
-        room = float(np.nanmin(np.linalg.norm(bodies - corner, axis=1)))
-        found.append(Corner(corner, room))
+        found.append(Corner(corner, float(np.linalg.norm(seen - corner, axis=1).min())))
     return sorted(found, key=lambda corner: -corner.room)[:2]
 
 
@@ -212,6 +212,7 @@ def draw_axes(panel: Axes, view: View, pixels: tuple[int, int], corner: Array) -
     for name, axis in zip("xyz", view.axes[:, :2], strict=True):
         tip, end = (origin + length * pixels[0] * axis for length in (0.05, 0.064))
         panel.annotate("", (tip[0], tip[1]), (origin[0], origin[1]), arrowprops=arrow)
-        panel.text(end[0], end[1], name, ha="center", va="center", fontstyle="italic")
+        write(panel, end, name, "center", "center", fontstyle="italic")
     below = origin[1] + 0.055 * pixels[0]
-    panel.text(origin[0], below, "tiles: 1 m", ha="center", va="center", fontsize="small")
+    place = np.array([origin[0], below])
+    write(panel, place, "tiles: 1 m", "center", "center", fontsize="small")
