@@ -5,8 +5,9 @@
 // precision), subnormal numbers, no -ffast-math. Uses no libm and allocates nothing. NaN gives NaN.
 //
 // Weights lie in panels of 16 outputs, then of 4, then of 1; a panel holds, for each input, the
-// weights of its outputs. Each output's sum runs from its bias over the first input to the last, so
-// the width of a panel does not change its bits.
+// weights of its outputs. Each output's products are summed in blocks of LAYER_BLOCK inputs, from
+// the first to the last, and each block's sum is added to the bias in turn: long sums lose less
+// precision so, and the width of a panel does not change the bits.
 #ifndef SKYBODY_NETWORK_LAYERS_H
 #define SKYBODY_NETWORK_LAYERS_H
 
@@ -119,14 +120,17 @@ static inline int layer_is_finite(float value) { return value - value == 0.0f; }
 
 // --- sums of products ---------------------------------------------------------------------------
 
-/// sums[j] += weight[k * width + j] * x[k] for k = 0 ... inputs - 1, for panels of a width.
+#define LAYER_BLOCK 32
+
+/// Adds a block to the sums of a panel: the products of weight[k * width + j] and x[k] over k = 0
+/// ... inputs - 1 to sums[j].
 #if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
 typedef float LayerQuad __attribute__((vector_size(16), aligned(4), may_alias));
 
 static inline void layer_add_products_16(const float* weight, const float* x, int inputs,
                                          float* sums) {
   LayerQuad* const s = (LayerQuad*)sums;
-  LayerQuad a = s[0], b = s[1], c = s[2], d = s[3];
+  LayerQuad a = {0.0f, 0.0f, 0.0f, 0.0f}, b = a, c = a, d = a;
   int k;
   for (k = 0; k < inputs; ++k, weight += 16) {
     const LayerQuad* const w = (const LayerQuad*)weight;
@@ -136,26 +140,26 @@ static inline void layer_add_products_16(const float* weight, const float* x, in
     c += w[2] * v;
     d += w[3] * v;
   }
-  s[0] = a;
-  s[1] = b;
-  s[2] = c;
-  s[3] = d;
+  s[0] += a;
+  s[1] += b;
+  s[2] += c;
+  s[3] += d;
 }
 
 static inline void layer_add_products_4(const float* weight, const float* x, int inputs,
                                         float* sums) {
-  LayerQuad sum = *(const LayerQuad*)sums;
+  LayerQuad sum = {0.0f, 0.0f, 0.0f, 0.0f};
   int k;
   for (k = 0; k < inputs; ++k, weight += 4) {
     const LayerQuad v = {x[k], x[k], x[k], x[k]};
     sum += *(const LayerQuad*)weight * v;
   }
-  *(LayerQuad*)sums = sum;
+  *(LayerQuad*)sums += sum;
 }
 #else
 static inline void layer_add_products_4(const float* weight, const float* x, int inputs,
                                         float* sums) {
-  float a = sums[0], b = sums[1], c = sums[2], d = sums[3];
+  float a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
   int k;
   for (k = 0; k < inputs; ++k, weight += 4) {
     const float v = x[k];
@@ -164,21 +168,21 @@ static inline void layer_add_products_4(const float* weight, const float* x, int
     c += weight[2] * v;
     d += weight[3] * v;
   }
-  sums[0] = a;
-  sums[1] = b;
-  sums[2] = c;
-  sums[3] = d;
+  sums[0] += a;
+  sums[1] += b;
+  sums[2] += c;
+  sums[3] += d;
 }
 
 #define LAYER_EACH_16(DO) \
   DO(0)                   \
   DO(1) DO(2) DO(3) DO(4) DO(5) DO(6) DO(7) DO(8) DO(9) DO(10) DO(11) DO(12) DO(13) DO(14) DO(15)
-#define LAYER_LOAD(J) float s##J = sums[J];
+#define LAYER_ZERO(J) float s##J = 0.0f;
 #define LAYER_ADD(J) s##J += weight[J] * v;
-#define LAYER_STORE(J) sums[J] = s##J;
+#define LAYER_STORE(J) sums[J] += s##J;
 static inline void layer_add_products_16(const float* weight, const float* x, int inputs,
                                          float* sums) {
-  LAYER_EACH_16(LAYER_LOAD)
+  LAYER_EACH_16(LAYER_ZERO)
   int k;
   for (k = 0; k < inputs; ++k, weight += 16) {
     const float v = x[k];
@@ -190,23 +194,36 @@ static inline void layer_add_products_16(const float* weight, const float* x, in
 
 static inline void layer_add_products_1(const float* weight, const float* x, int inputs,
                                         float* sums) {
-  float sum = *sums;
+  float sum = 0.0f;
   int k;
   for (k = 0; k < inputs; ++k) sum += weight[k] * x[k];
-  *sums = sum;
+  *sums += sum;
 }
+
+static inline int layer_least(int a, int b) { return a < b ? a : b; }
+static inline int layer_greatest(int a, int b) { return a > b ? a : b; }
 
 /// sums += weight x over `inputs` of the panels' inputs: those from `first` on.
 /// @param panel_inputs  number of inputs of a panel
 static void layer_add_products(const float* weight, int panel_inputs, int first, const float* x,
                                int inputs, float* sums, int outputs) {
-  int o = 0;
-  for (; outputs - o >= 16; o += 16, weight += 16 * panel_inputs)
-    layer_add_products_16(weight + 16 * first, x, inputs, sums + o);
-  for (; outputs - o >= 4; o += 4, weight += 4 * panel_inputs)
-    layer_add_products_4(weight + 4 * first, x, inputs, sums + o);
-  for (; outputs - o >= 1; o += 1, weight += panel_inputs)
-    layer_add_products_1(weight + first, x, inputs, sums + o);
+  int o = 0, k;
+  while (o < outputs) {
+    const int rest = outputs - o, width = rest >= 16 ? 16 : rest >= 4 ? 4 : 1;
+    for (k = 0; k < inputs; k += LAYER_BLOCK) {
+      const float* const w = weight + (first + k) * width;
+      const int count = layer_least(LAYER_BLOCK, inputs - k);
+      if (width == 16) {
+        layer_add_products_16(w, x + k, count, sums + o);
+      } else if (width == 4) {
+        layer_add_products_4(w, x + k, count, sums + o);
+      } else {
+        layer_add_products_1(w, x + k, count, sums + o);
+      }
+    }
+    weight += width * panel_inputs;
+    o += width;
+  }
 }
 
 // --- layers -------------------------------------------------------------------------------------
@@ -253,9 +270,6 @@ typedef struct {
   int top, left;
   int out_height, out_width, outputs;
 } LayerConvolution;
-
-static inline int layer_least(int a, int b) { return a < b ? a : b; }
-static inline int layer_greatest(int a, int b) { return a > b ? a : b; }
 
 /// One window: out = weight x + bias, where `row` and `column` are its first ones in the image.
 static inline void layer_window(const LayerConvolution* s, const float* weight, const float* bias,

@@ -75,5 +75,9 @@ FORMATS = {
             "c", POLICY, "_c", "policy.c_files", (), NETWORK,
             "a policy as C99 sources for a vehicle's computer, the same bits",
         ),
+        Format(
+            "onnx", POLICY, ".onnx", "policy.onnx_file", ("onnx", "onnxruntime"), NETWORK,
+            "a policy for ONNX Runtime and others",
+        ),
     )
 }  # fmt: skip
