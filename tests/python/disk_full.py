@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from skybody.exports.formats import FORMATS
+from skybody.exports.formats import FLIGHT, FORMATS
 from skybody.program import module_command
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -124,7 +124,8 @@ def export_command(kind: str, disk: Path) -> list[str]:
 CASES = (
     *(
         Case(f"export {kind}", partial(export_command, kind), free=32 << 10, left=("log",))
-        for kind in FORMATS
+        for kind, row in FORMATS.items()
+        if row.reads == FLIGHT
     ),
     Case(
         "run",

@@ -29,10 +29,12 @@ from skybody.exports.__main__ import main
 from skybody.exports.frames import quaternion_of, topic_of
 from skybody.look.flight import Flight, rotation_of
 
+FLIGHTS = [kind for kind, row in formats.FORMATS.items() if row.reads == formats.FLIGHT]
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bin/skybody"
 SCENARIOS = ("chase", "cooperative_payload_ropes", "hover_sensors", "racing")
 STEPS = 20
+FORMATS = [name for name, row in formats.FORMATS.items() if row.reads == formats.FLIGHT]
 FLIP = np.array([1.0, -1.0, -1.0])
 # A quaternion of the log has norm 1 up to round-off, and a rotation there and back adds some more.
 ROUND_OFF = 1e-13
@@ -637,7 +639,7 @@ def test_files_that_are_no_logs_are_errors(
     assert "no episode 7; it has 1" in refused(capsys, f"{logs['chase']}:7", "--to", "csv")
 
 
-@pytest.mark.parametrize("kind", [kind for kind in formats.FORMATS if kind != "ulog"])
+@pytest.mark.parametrize("kind", [kind for kind in FORMATS if kind != "ulog"])
 def test_logs_without_bodies_are_exported_as_far_as_they_go(
     logs: dict[str, Path], tmp_path: Path, kind: str
 ) -> None:
@@ -679,7 +681,7 @@ def test_without_the_scenario_there_are_no_shapes_and_a_note(
 def test_outputs_that_cannot_be_written_are_errors(
     logs: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for kind in formats.FORMATS:
+    for kind in FORMATS:
         out = Path("/proc/none/out")
         found = refused(capsys, logs["chase"], "--to", kind, "-o", out)
         assert found.startswith(f"error: {out}: cannot be written")

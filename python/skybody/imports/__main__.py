@@ -7,6 +7,7 @@ skybody import log.ulg --model my_drone.urdf --from 12 --until 40
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -55,7 +56,7 @@ def import_log(options: argparse.Namespace) -> int:
     from .flight import build
     from .log_file import write
 
-    source, log = source_of(options.log), None
+    source, log, notes = source_of(options.log), None, []
     name = name_of(options.log)
     if not options.map:
         log = source.restore(options.log)
@@ -63,11 +64,14 @@ def import_log(options: argparse.Namespace) -> int:
         used = read_map(find_map(map_name(options, source)), options.model)
         channels = source.read(options.log, used)
         made = build(channels, used, name, options.first, options.until)
-        log = made.log(options.log.name)
+        log, notes = made.log(options.log.name), channels.notes
     out = options.out or Path("flights") / name / "flight.h5"
     with whole_output(out) as part:
         write(part, log)
-    print(f"flight   {log.time[-1]:.3f} s, {len(log.time)} rows, {len(log.bodies)} bodies")
+    for note in notes:
+        print(f"note: {note}", file=sys.stderr)
+    bodies = len(log.bodies) if "bodies" in log.datasets else 0
+    print(f"flight   {log.time[-1]:.3f} s, {len(log.time)} rows, {bodies} bodies")
     print(f"log      {out}")
     return 0
 

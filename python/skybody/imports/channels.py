@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -38,6 +37,7 @@ class Channels:
     place_of: str = "sample {}"
     first_place: int = 1
     kinds: Mapping[str, str] = field(default_factory=dict)  # of MCAP: schemas by topic
+    notes: list[str] = field(default_factory=list)  # remarks for the user
 
     def has(self, columns: Columns) -> bool:
         """Whether all of some columns are there."""
@@ -102,8 +102,3 @@ class Channels:
             f"{self.path}: no column `{name}` for {columns.place}{hint} There are: "
             f"{', '.join(names[:MOST_NAMED])}{more}"
         )
-
-
-def note(text: str) -> None:
-    """Prints a remark about the log."""
-    print(f"note: {text}", file=sys.stderr)

@@ -14,7 +14,7 @@ import numpy as np
 from skybody import InputError
 from skybody.look.flight import Array
 
-from .channels import Channels, note
+from .channels import Channels
 from .map_file import Map
 
 
@@ -31,7 +31,8 @@ def read(path: Path, used: Map) -> Channels:
         names = [name.strip() for name in next(rows, [])]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise InputError(f"{path}: line 1: columns occur twice: {', '.join(twice)}")
-        data = list(complete(path, rows, len(names)))
+        notes: list[str] = []
+        data = list(complete(path, rows, len(names), notes))
     if not data:
         raise InputError(f"{path}: has no rows of numbers below its names")
     columns = {
@@ -40,7 +41,7 @@ def read(path: Path, used: Map) -> Channels:
         if (numbers := numbers_of([row[k] for row in data])) is not None
     }
     time = used.time.names[0]
-    channels = Channels(path, columns, dict.fromkeys(columns, np.zeros(0)), "line {}", 2)
+    channels = Channels(path, columns, dict.fromkeys(columns, np.zeros(0)), "line {}", 2, {}, notes)
     if time not in columns:
         channels.samples(used.time, bridge=False)  # says that it is missing
     seconds = used.time.factor * columns[time]
@@ -71,7 +72,9 @@ def opened(path: Path) -> Iterator[io.TextIOBase]:
         raise InputError(f"{path}: is no CSV: {error}") from None
 
 
-def complete(path: Path, rows: Iterator[list[str]], width: int) -> Iterator[list[str]]:
+def complete(
+    path: Path, rows: Iterator[list[str]], width: int, notes: list[str]
+) -> Iterator[list[str]]:
     """The rows of the right length; a last row that is cut short is left out, with a note."""
     short = 0
     for line, row in enumerate(rows, start=2):
@@ -82,7 +85,7 @@ def complete(path: Path, rows: Iterator[list[str]], width: int) -> Iterator[list
         elif row:
             short = line
     if short:
-        note(f"{path}: line {short} is cut short and left out")
+        notes.append(f"{path}: line {short} is cut short and left out")
 
 
 def numbers_of(cells: list[str]) -> Array | None:

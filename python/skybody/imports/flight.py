@@ -11,7 +11,7 @@ from skybody.exports.frames import FLIP, FLIP_QUATERNION, to_body
 from skybody.look.flight import Array
 
 from . import motion
-from .channels import Channels, Samples, note
+from .channels import Channels, Samples
 from .log_file import Dataset, Log
 from .map_file import Columns, Map, Robot
 from .scenario import World, world_of
@@ -115,14 +115,20 @@ class Builder:
         world = world_of(self._map, name, starts)
         made = Imported(times - times[0], origin, world, None, self._rotor_speed(world, times))
         if states:
-            robots = [body.partition(".")[0] for body in world.bodies]
-            made.bodies = np.stack([states[robot] for robot in robots], axis=1)
+            made.bodies = np.stack([states[robot.name] for robot in self._map.robots], axis=1)
         else:
-            note(f"{self._channels.path}: has no poses; the log has sensors and rotor speeds alone")
-        for robot in self._map.robots:
-            self._add_goal(made, robot, times)
+            path = self._channels.path
+            self._note(f"{path}: has no poses; the log has sensors and rotor speeds alone")
+        for k, robot in enumerate(self._map.robots if states else ()):
+            head = f"{robot.name}." if len(self._map.robots) > 1 else ""
+            self._add_goal(made, robot, times, k, head)
+            speed = np.linalg.norm(states[robot.name][:, 7:10], axis=1)
+            made.info[f"{head}speed"] = (speed, "m/s")
         self._add_sensors(made, times)
         return made
+
+    def _note(self, text: str) -> None:
+        self._channels.notes.append(text)
 
     # --- times ----------------------------------------------------------------------------------
 
@@ -174,7 +180,7 @@ class Builder:
 
     def _attitude(self, robot: Robot, times: Array) -> Array:
         if robot.attitude is None or not self._there(robot.attitude.columns):
-            note(f"robot {robot.name} has no attitude; it is drawn level")
+            self._note(f"robot {robot.name} has no attitude; it is drawn level")
             return np.tile(IDENTITY, (len(times), 1))
         columns, order = robot.attitude.columns, robot.attitude.order
         samples = self._samples(columns)
@@ -229,8 +235,8 @@ class Builder:
             speeds[:, places] = found
         return speeds if known else None
 
-    def _add_goal(self, made: Imported, robot: Robot, times: Array) -> None:
-        """The goal of a robot, and its distance."""
+    def _add_goal(self, made: Imported, robot: Robot, times: Array, body: int, head: str) -> None:
+        """The goal of a robot, and its distance, whose name begins with `head`."""
         if robot.goal is None or not self._there(robot.goal) or made.bodies is None:
             return
         place = robot.goal.factor * motion.held(self._samples(robot.goal, may_be_nan=True), times)
@@ -240,10 +246,8 @@ class Builder:
             yaw = robot.goal_yaw.factor * motion.held(samples, times)
         if self._ned:
             place, yaw = place * FLIP, -yaw
-        k = [name.partition(".")[0] for name in made.world.bodies].index(robot.name)
-        made.goals[made.world.bodies[k]] = np.concatenate([place, yaw], axis=1)
-        distance = np.linalg.norm(made.bodies[:, k, :3] - place, axis=1)
-        head = f"{robot.name}." if len(self._map.robots) > 1 else ""
+        made.goals[made.world.bodies[body]] = np.concatenate([place, yaw], axis=1)
+        distance = np.linalg.norm(made.bodies[:, body, :3] - place, axis=1)
         made.info[f"{head}position_error"] = (distance, "m")
 
     def _add_sensors(self, made: Imported, times: Array) -> None:

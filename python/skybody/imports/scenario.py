@@ -27,7 +27,7 @@ class World:
     name: str
     file: Path  # its place, for relative paths; there is no such file
     compiled: CompiledScenario
-    bodies: tuple[str, ...]  # ROBOT.LINK
+    bodies: tuple[str, ...]  # ROBOT.LINK, one of each robot, in the order of the map
 
     def rotors(self, robot: str) -> list[str]:
         """Names of a robot's rotors."""

@@ -12,7 +12,7 @@ import pyulog
 from skybody import InputError
 from skybody.look.flight import Array
 
-from .channels import Channels, note
+from .channels import Channels
 from .map_file import Map
 
 MICRO = 1e-6
@@ -33,8 +33,7 @@ def read(path: Path, used: Map) -> Channels:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except Exception as error:  # pyulog's own, and those of damaged bytes
         raise InputError(f"{path}: cannot be read as a ULog ({error})") from None
-    if log.file_corruption:
-        note(f"{path}: is damaged; the messages that could be read are used")
+    notes = [f"{path}: is damaged; what could be read is used"] if log.file_corruption else []
     columns: dict[str, Array] = {}
     times: dict[str, Array] = {}
     for topic in log.data_list:
@@ -46,4 +45,4 @@ def read(path: Path, used: Map) -> Channels:
                 times[f"{head}.{name}"] = seconds
     if not columns:
         raise InputError(f"{path}: has no messages; it may be cut short")
-    return Channels(path, columns, times)
+    return Channels(path, columns, times, notes=notes)

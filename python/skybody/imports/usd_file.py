@@ -18,7 +18,7 @@ import numpy as np
 from skybody import InputError
 from skybody.look.flight import Array
 
-from .channels import Channels, note
+from .channels import Channels
 from .map_file import Map
 
 MAGIC = 0xBC
@@ -53,13 +53,15 @@ def read(path: Path, used: Map) -> Channels:
     events, first = definitions(path, data)
     columns: dict[str, Array] = {}
     times: dict[str, Array] = {}
-    for event, rows in zip(events.values(), records(path, data, events, first), strict=True):
+    notes: list[str] = []
+    rows_of_all = records(path, data, events, first, notes)
+    for event, rows in zip(events.values(), rows_of_all, strict=True):
         found = np.frombuffer(rows, event.type)
         seconds = found["time"] * MICRO
         for variable in event.type.names[2:] if event.type.names else ():
             columns[event.column(variable)] = found[variable].astype(np.float64)
             times[event.column(variable)] = seconds
-    return Channels(path, columns, times)
+    return Channels(path, columns, times, notes=notes)
 
 
 def bytes_of(path: Path) -> bytes:
@@ -108,7 +110,9 @@ def text_at(data: bytes, place: int) -> tuple[str, int]:
     return data[place:end].decode("ascii", "replace"), end + 1
 
 
-def records(path: Path, data: bytes, events: dict[int, Event], place: int) -> list[bytearray]:
+def records(
+    path: Path, data: bytes, events: dict[int, Event], place: int, notes: list[str]
+) -> list[bytearray]:
     """The events of each type; those before an end that is cut off, with a note."""
     whole = zlib.crc32(data[:-CRC_BYTES]) == int.from_bytes(data[-CRC_BYTES:], "little")
     end = len(data) - CRC_BYTES if whole else len(data)
@@ -124,5 +128,5 @@ def records(path: Path, data: bytes, events: dict[int, Event], place: int) -> li
         place += size
     if not whole:
         rows = sum(len(rows) // events[n].type.itemsize for n, rows in found.items())
-        note(f"{path}: is cut short: its CRC is missing or wrong; {rows} events are used")
+        notes.append(f"{path}: is cut short: its CRC is missing or wrong; {rows} events are used")
     return list(found.values())

@@ -49,19 +49,22 @@ class Rotors:
 
         Args:
             position, axes: of all bodies, W [m], and W from B.
-            turns: angle of each rotor [rad].
+            turns: angle of each rotor [rad]; none: speeds were not recorded.
         """
         turned = axes[self._bodies]
         hubs = self._hubs_at(position, turned)
         frames = turned @ self._frames
-        angles = BLADES_SHOWN * turns + np.arange(len(turns))
+        count = len(self._directions)
+        angles = (BLADES_SHOWN * turns if len(turns) else np.zeros(count)) + np.arange(count)
         blades = self._blades.at(
             hubs + GAP * frames[..., 2], frames @ spins(self._directions * angles)
         )
         return blades, self._hubs.at(hubs, frames)
 
     def add_thrusts(self, lines: Lines, position: Array, axes: Array, speeds: Array) -> None:
-        """Adds a line for the nominal thrust at some speeds [rad/s]."""
+        """Adds a line for the nominal thrust at some speeds [rad/s]; none: not recorded."""
+        if len(speeds) == 0:
+            return
         turned = axes[self._bodies]
         hubs = self._hubs_at(position, turned)
         along = (turned @ self._axes[..., None])[..., 0]
