@@ -29,7 +29,6 @@ from skybody.exports.__main__ import main
 from skybody.exports.frames import quaternion_of, topic_of
 from skybody.look.flight import Flight, rotation_of
 
-FLIGHTS = [kind for kind, row in formats.FORMATS.items() if row.reads == formats.FLIGHT]
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/release/bin/skybody"
 SCENARIOS = ("chase", "cooperative_payload_ropes", "hover_sensors", "racing")
