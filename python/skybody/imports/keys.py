@@ -109,8 +109,10 @@ def read_keys(file: Path) -> Keys:
     Raises:
         InputError: it cannot be read, or is no YAML with keys.
     """
-    import yaml
-
+    try:
+        import yaml
+    except ModuleNotFoundError:
+        raise InputError("a map needs the package PyYAML: `pip install PyYAML`") from None
     try:
         with file.open("rb") as opened:
             data = opened.read(MOST_BYTES + 1)
