@@ -20,6 +20,7 @@ FOLDERS = {  # in the order of the index
     "physics": "Physics",
     "control": "Control",
     "learning": "Learning",
+    "deploy": "Deployment",
     "determinism": "Determinism",
     "documents": "Documents",
 }

@@ -84,8 +84,8 @@ class Size:
     ram: int  # a state; the stack comes in addition
 
 
-def write_unit(source: PolicySource, folder: Path) -> Path:
-    """Writes the program of the self-test beside the sources in `folder`."""
+def write_unit(source: PolicySource, folder: Path, program: str) -> Path:
+    """Writes a program beside the sources in `folder`; `program`: a C file of this folder."""
     name, images = source.name, source.interface.images
     lines = [f'#include "{name}.c"', f"{name}_state state;", f"{name}_input input;"]
     lines += [
@@ -96,9 +96,9 @@ def write_unit(source: PolicySource, folder: Path) -> Path:
     robot = ", 0" if source.interface.ranges_differ else ""
     lines += [
         f"void begin(void) {{ {points} {name}_reset(&state{robot}); }}",
-        '#include "self_test.c"',
+        f'#include "{program}"',
     ]
-    unit = folder / "unit.c"
+    unit = folder / f"unit_{program}"
     unit.write_text("\n".join(lines) + "\n")
     return unit
 
@@ -112,13 +112,26 @@ def run_self_test(target: Target, source: PolicySource, folder: Path, steps: int
     program = folder / f"{target.name}.elf"
     command = [target.compiler, "-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", *target.flags]
     command += [f"-DPOLICY={source.name}", f"-DSTEPS={steps}u", f"-I{folder}", f"-I{HERE}"]
-    command += [f"-D{source.name.upper()}_SELF_TEST", str(write_unit(source, folder))]
+    command += [
+        f"-D{source.name.upper()}_SELF_TEST",
+        str(write_unit(source, folder, "self_test.c")),
+    ]
     _run([*command, *target.linked, "-o", str(program)])
     words = _run([*target.emulator, str(program)]).split()
     instructions = np.nan
     if target.is_bare:
         instructions = int(words[1], 16) * INSTRUCTIONS_PER_TICK / CALLS
     return SelfTest(int(words[0], 16), float(instructions))
+
+
+def nanoseconds(source: PolicySource, folder: Path, rounds: int, calls: int) -> float:
+    """Least time of a call on this machine [ns]."""
+    program = folder / "timing"
+    unit = write_unit(source, folder, "timing.c")
+    command = ["gcc", "-std=gnu99", "-O2", f"-I{folder}", f"-I{HERE}", str(unit)]
+    command += [f"-DPOLICY={source.name}", f"-DROUNDS={rounds}", f"-DCALLS={calls}"]
+    _run([*command, "-o", str(program)])
+    return float(_run([str(program)]))
 
 
 def size_of(target: Target, source: PolicySource, folder: Path) -> Size:

@@ -96,6 +96,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "multi_agent": QUICK,
     "nmpc": QUICK,
     "paper_protocol": Call("hover --quick --algo fast-ppo --out {out}"),
+    "policy_export": Call("--quick --out {out}", package="onnxruntime"),
     "race_lines": QUICK,
     "ray_speed": Call("--quick --out {out}", package="ray"),
     "recurrent_policy": Call("--quick --tasks hover --out {out}"),
