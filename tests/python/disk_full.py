@@ -121,7 +121,16 @@ def export_command(kind: str, disk: Path) -> list[str]:
     return [program(), "export", str(disk / "log"), "--to", kind, "-o", str(disk / "out")]
 
 
+def import_command(disk: Path) -> list[str]:
+    """An import of an exported flight."""
+    log = disk / "flight.mcap"
+    words = export_command("mcap", disk)
+    subprocess.run([*words[:-1], str(log)], check=True, capture_output=True, timeout=SECONDS)
+    return [program(), "import", str(log), "-o", str(disk / "out.h5")]
+
+
 CASES = (
+    Case("import", import_command, free=32 << 10, left=("flight.mcap", "log")),
     *(
         Case(f"export {kind}", partial(export_command, kind), free=32 << 10, left=("log",))
         for kind, row in FORMATS.items()

@@ -266,6 +266,13 @@ def test_several_bodies_of_one_log(tmp_path: Path) -> None:
     assert flight.series("load.speed")[1] == flight.series("cf.speed")[1] == "m/s"
 
 
+def test_obstacles_of_the_real_world_are_drawn(tmp_path: Path) -> None:
+    tree = {"name": "tree", "cylinder": [0.2, 3], "position": [1, 2, 1.5]}
+    flight, _ = load(tmp_path, columns(), PLACE | TURN, obstacles=[tree])
+    (shape,) = Scene(flight).obstacles
+    np.testing.assert_array_equal(shape.position, [1.0, 2.0, 1.5])
+
+
 def test_a_part_of_the_log_can_be_imported(tmp_path: Path) -> None:
     log = write_csv(tmp_path / "flight.csv", columns())
     used = write_map(tmp_path / "map.yaml", PLACE | TURN)
@@ -625,6 +632,16 @@ def test_an_output_that_cannot_be_written_is_an_error(
 def test_shipped_maps_are_valid(name: str) -> None:
     used = read_map(ROOT / f"python/skybody/imports/maps/{name}.yaml")
     assert used.robots[0].rotors is not None
+
+
+def test_the_map_on_the_page_is_valid(tmp_path: Path) -> None:
+    page = (ROOT / "docs/imports.md").read_text()
+    block = page.partition("## Maps\n\n")[2].partition("\n\n")[0]
+    path = tmp_path / "map.yaml"
+    path.write_text("\n".join(line.removeprefix("    ") for line in block.splitlines()))
+    used = read_map(path)
+    assert used.robots[0].rotors is not None
+    assert set(used.sensors) == {"imu.specific_force", "battery.voltage"}
 
 
 # --- flights of others --------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -49,8 +50,9 @@ class Log:
 
 
 def write(path: Path, log: Log) -> None:
-    """Writes a log."""
-    with h5py.File(path, "w", libver=("v108", "v110")) as file:
+    """Writes a log. Raises OSError, which HDF5 itself does not survive on a full disk."""
+    content = io.BytesIO()
+    with h5py.File(content, "w", libver=("v108", "v110")) as file:
         write_head(file, log)
         episode = file.create_group("episodes/0001")
         add(episode, "time", Dataset(log.time)).attrs["unit"] = "s"
@@ -61,6 +63,7 @@ def write(path: Path, log: Log) -> None:
             params = file.create_group("params")
             params.create_dataset("paths", data=np.array(list(log.params), dtype=TEXT))
             episode.create_dataset("params", data=np.array(list(log.params.values())))
+    path.write_bytes(content.getbuffer())
 
 
 def write_head(file: h5py.File, log: Log) -> None:
