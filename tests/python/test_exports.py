@@ -21,7 +21,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from numpy.typing import NDArray
 from PIL import Image
-from rerun.chunk import RrdReader
+from rerun.chunk import McapReader, RrdReader
 from rosbags.highlevel import AnyReader
 from skybody import InputError
 from skybody.exports import formats, table
@@ -267,6 +267,22 @@ def test_mcap_has_the_schemas_of_foxglove(logs: dict[str, Path], tmp_path: Path)
     for schema in theirs:
         own: foxglove.Schema = getattr(fox, schema.name.split(".")[1]).get_schema()
         assert (schema.encoding, schema.data) == (own.encoding, own.data)
+
+
+def test_another_program_understands_the_mcap(logs: dict[str, Path], tmp_path: Path) -> None:
+    log = logs["racing"]
+    out = export(log, "mcap", tmp_path / "a.mcap", "--images")
+    found: dict[str, int] = {}
+    for chunk in McapReader(out).stream().to_chunks():  # Rerun's, which knows Foxglove's schemas
+        for name in chunk.to_record_batch().schema.names:
+            key = f"{chunk.entity_path} {name}"
+            found[key] = found.get(key, 0) + chunk.num_rows
+    rows, robot = STEPS + 1, names_of(log, "bodies", "items")[0].split(".")[0]
+    assert found["/tf Transform3D:quaternion"] == rows  # of the only body
+    assert found[f"/{robot}/pose InstancePoses3D:translations"] == rows
+    assert found["/camera/image EncodedImage:blob"] == found["/camera/tf Transform3D:translation"]
+    assert found["/camera/calibration Pinhole:image_from_camera"] > 0
+    assert found["/events TextLog:text"] == len(data_of(log)["events"])
 
 
 def test_mcap_has_the_shapes_of_vehicles_gates_and_ropes(

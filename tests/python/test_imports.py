@@ -16,8 +16,9 @@ import numpy as np
 import pytest
 import yaml
 from numpy.typing import NDArray
+from skybody import InputError
 from skybody.exports.__main__ import main as export_main
-from skybody.imports import motion
+from skybody.imports import motion, sources
 from skybody.imports.__main__ import main
 from skybody.imports.channels import Samples
 from skybody.imports.laws import Law
@@ -617,6 +618,16 @@ def test_wrong_files_and_options_are_errors(
     ulog = tmp_path / "a.ulg"
     ulog.write_bytes(b"no log at all")
     assert f"{ulog}: cannot be read as a ULog" in refused(capsys, ulog)
+
+
+def test_a_missing_package_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(name="pyulog")
+
+    monkeypatch.setattr(sources.importlib, "import_module", missing)
+    message = "a.ulg: needs the package `pyulog`: `pip install pyulog`"
+    with pytest.raises(InputError, match=message):
+        sources.source_of(Path("a.ulg")).read(Path("a.ulg"), None)  # type: ignore[arg-type]
 
 
 def test_an_output_that_cannot_be_written_is_an_error(

@@ -49,8 +49,8 @@ class Format:
 FORMATS = {
     row.name: row
     for row in (
-        Format("csv", FLIGHT, ".csv", "csv_file", (), ROWS, "a table of text, a column a value"),
-        Format("npz", FLIGHT, ".npz", "npz", (), ROWS, "NumPy's arrays, one a dataset"),
+        Format("csv", FLIGHT, ".csv", "csv_file", (), ROWS, "text, with a column for each value"),
+        Format("npz", FLIGHT, ".npz", "npz", (), ROWS, "arrays of NumPy, one for each dataset"),
         Format(
             "parquet", FLIGHT, ".parquet", "parquet", ("pyarrow",), ROWS,
             "a table for pandas, Polars or DuckDB, with units",
