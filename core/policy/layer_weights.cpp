@@ -32,7 +32,7 @@ LayerWeights::LayerWeights(const PolicyLayer& layer)
     : weight(pack_panels(layer.weight, layer.weight_rows(), layer.inputs)),
       bias(floats_of(layer.bias)),
       state_bias(floats_of(layer.state_bias)) {
-  if (layer.kind != LayerKind::kGru) return;
+  if (!layer.is_recurrent()) return;
   state_weight = pack_panels(layer.state_weight, layer.weight_rows(), layer.outputs);
 }
 

@@ -263,6 +263,25 @@ static inline void layer_gru(const float* weight, const float* bias, const float
   }
 }
 
+/// Long short-term memory (policy_file.h): computes the next state, `units` outputs and then as
+/// many cells.
+/// @param sums  8 * units values of work space
+static inline void layer_lstm(const float* weight, const float* bias, const float* state_weight,
+                              const float* state_bias, int inputs, int units, const float* x,
+                              float* state, float* sums) {
+  float* const from_state = sums + 4 * units;
+  float* const cells = state + units;
+  int u;
+  layer_dense(weight, bias, inputs, 4 * units, LAYER_NONE, x, sums);
+  layer_dense(state_weight, state_bias, units, 4 * units, LAYER_NONE, state, from_state);
+  for (u = 0; u < 4 * units; ++u) sums[u] += from_state[u];
+  for (u = 0; u < units; ++u) {
+    const float in = layer_sigmoid(sums[u]) * layer_tanh(sums[2 * units + u]);
+    cells[u] = layer_sigmoid(sums[units + u]) * cells[u] + in;
+    state[u] = layer_sigmoid(sums[3 * units + u]) * layer_tanh(cells[u]);
+  }
+}
+
 /// Sizes of a convolution; `top` and `left` are the rows and columns of zeros before the image.
 typedef struct {
   int height, width, channels;  ///< of the input

@@ -66,8 +66,8 @@ void NetworkPolicy::prepare() {
   std::size_t sums = 0;
   for (const PolicyLayer& layer : policy_.layers) {
     weights_.emplace_back(layer);
-    if (layer.kind != LayerKind::kGru) continue;
-    state_size_ += layer.outputs;
+    if (!layer.is_recurrent()) continue;
+    state_size_ += layer.state_size();
     sums = std::max(sums, 2 * layer.bias.size());
   }
   sums_.resize(sums);
@@ -160,9 +160,10 @@ void NetworkPolicy::act(std::span<const float> observation, std::span<const Imag
 void NetworkPolicy::evaluate(std::size_t index, float* state) {
   const PolicyLayer& layer = policy_.layers[index];
   const LayerWeights& w = weights_[index];
-  if (layer.kind == LayerKind::kGru) {
-    layer_gru(w.weight.data(), w.bias.data(), w.state_weight.data(), w.state_bias.data(),
-              layer.inputs, layer.outputs, values_.data(), state, sums_.data());
+  if (layer.is_recurrent()) {
+    const auto advance = layer.kind == LayerKind::kGru ? layer_gru : layer_lstm;
+    advance(w.weight.data(), w.bias.data(), w.state_weight.data(), w.state_bias.data(),
+            layer.inputs, layer.outputs, values_.data(), state, sums_.data());
     std::copy_n(state, layer.outputs, next_.data());
   } else {
     layer_dense(w.weight.data(), w.bias.data(), layer.inputs, layer.outputs,
@@ -184,7 +185,7 @@ void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observa
             values_.begin() + static_cast<std::ptrdiff_t>(agent.observation.size()));
   for (std::size_t k = 0; k < policy_.layers.size(); ++k) {
     evaluate(k, states);
-    if (policy_.layers[k].kind == LayerKind::kGru) states += policy_.layers[k].outputs;
+    states += policy_.layers[k].state_size();
     values_.swap(next_);
   }
   for (std::size_t k = 0; k < agent.action.size(); ++k) {

@@ -64,8 +64,11 @@ PolicyLayer layer_of(nb::handle values) {
     layer.conv.same = nb::cast<std::string>(values[3][3]) == "same";
     return layer;
   }
-  layer.kind = LayerKind::kGru;
-  layer.outputs /= 3;
+  const auto state_weight = nb::cast<Numbers>(values[3]);
+  const bool is_lstm =
+      state_weight.ndim() == 2 && state_weight.shape(0) == 4 * state_weight.shape(1);
+  layer.kind = is_lstm ? LayerKind::kLstm : LayerKind::kGru;
+  layer.outputs /= layer.gates();
   layer.state_weight = numbers_of(values[3]);
   layer.state_bias = numbers_of(values[4]);
   return layer;

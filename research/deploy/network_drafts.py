@@ -25,14 +25,14 @@ def dense(random: Random, inputs: int, outputs: int, activation: str) -> Layer:
     return Layer(uniform(random, outputs, inputs), uniform(random, outputs), activation)
 
 
-def recurrent(random: Random, inputs: int, units: int) -> Layer:
-    """Gated recurrent units."""
+def recurrent(random: Random, inputs: int, units: int, gates: int = 3) -> Layer:
+    """Gated recurrent units; with 4 gates long short-term memory."""
     return Layer(
-        uniform(random, 3 * units, inputs),
-        uniform(random, 3 * units),
+        uniform(random, gates * units, inputs),
+        uniform(random, gates * units),
         "none",
-        uniform(random, 3 * units, units),
-        uniform(random, 3 * units),
+        uniform(random, gates * units, units),
+        uniform(random, gates * units),
     )
 
 
@@ -64,8 +64,15 @@ def rectified(random: Random, inputs: int, outputs: int) -> tuple[list[Layer], s
     return [*layers, dense(random, 64, outputs, "tanh")], "clip"
 
 
+def with_cells(random: Random, inputs: int, outputs: int) -> tuple[list[Layer], str]:
+    """Long short-term memory."""
+    layers = [recurrent(random, inputs, 37, gates=4), dense(random, 37, 20, "tanh")]
+    return [*layers, dense(random, 20, outputs, "none")], "clip"
+
+
 NETWORKS: dict[str, Callable[[Random, int, int], tuple[list[Layer], str]]] = {
     "with_memory": with_memory,
+    "with_cells": with_cells,
     "squashed": squashed,
     "rectified": rectified,
 }

@@ -34,12 +34,13 @@ from research.deploy.network_drafts import write_draft
 from research.deploy.targets import TARGETS, nanoseconds, run_self_test, size_of
 
 PAGE = "policy_export"
-DRAFTS = {"GRU": "with_memory", "GRU, squashed": "squashed"}  # kinds that no shipped policy has
+# Kinds that no shipped policy has.
+DRAFTS = {"GRU": "with_memory", "LSTM": "with_cells", "GRU, squashed": "squashed"}
 DRAFTS_SCENARIO = "hover_learn"
 BITS = ("gcc", "clang", "aarch64", "cortex-m4", "cortex-m7")
 STEPS, IMAGE_STEPS = 10_000, 200
 ROWS, IMAGE_ROWS, BLOCK = 100_000, 1_000, 500
-ROUNDS, CALLS = 50, 400
+ROUNDS, CALLS = 1_000, 400
 
 
 def sources(names: list[str], folder: Path) -> dict[str, PolicySource]:
@@ -111,7 +112,7 @@ def feed_of(source: PolicySource, rows: int, random: np.random.Generator) -> dic
         feed[image.name] = pixels.astype(image.dtype)
     if interface.ranges_differ:
         feed["robot"] = np.zeros(rows, np.int64)
-    if size := sum(layer.units for layer in policy.layers):
+    if size := sum(layer.memory for layer in policy.layers):
         feed["memory"] = np.zeros((rows, size), np.float32)
     return feed
 
@@ -213,9 +214,10 @@ Made by `python -m research run policy_export` on {machine_line(found["facts"])}
   Cortex-M4F takes more than one cycle for divisions and loads from slow flash.
 - ONNX error: largest difference of an action over {ROWS:,} normal observations, with images
   {IMAGE_ROWS:,}.
-- C, ONNX: least time of a call over {ROUNDS} rounds [us], here, on one thread. ONNX Runtime is
+- C, ONNX: least time of a call over {ROUNDS:,} rounds [us], here, on one thread. ONNX Runtime is
   called from Python with bound inputs and outputs.
-- `GRU`, `GRU, squashed`: random weights for `{DRAFTS_SCENARIO}`; no shipped policy has such layers.
+- `GRU`, `LSTM`, `GRU, squashed`: random weights for `{DRAFTS_SCENARIO}`; no shipped policy has
+  such layers.
 """
 
 

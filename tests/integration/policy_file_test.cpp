@@ -154,15 +154,15 @@ const BadPolicy kBadPolicies[] = {
      "checkpoint"},
     {"recurrent_rows",
      [](Draft& d) {
-       d.layers[0] = {4,
+       d.layers[0] = {5,
                       2,
-                      std::vector<float>(8),
-                      std::vector<float>(4),
+                      std::vector<float>(10),
+                      std::vector<float>(5),
                       "",
-                      std::vector<float>(4),
-                      std::vector<float>(4)};
+                      std::vector<float>(5),
+                      std::vector<float>(5)};
      },
-     "`/layers/0/weight` has 4 x 2 values; needed: 3 units x 2"},
+     "`/layers/0/weight` has 5 x 2 values; needed: 3 or 4 units x 2"},
     {"recurrent_state_weight",
      [](Draft& d) {
        d.layers[0] = {6,

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from skybody import Simulation
-from skybody._native import shipped_policies
+from skybody._native import PolicyNetwork, shipped_policies
 from skybody.exports.__main__ import main
 from skybody.exports.policy.c_evaluator import CEvaluator, compile_library
 from skybody.exports.policy.c_files import write_sources
@@ -57,6 +57,17 @@ def test_c_of_each_kind_of_layer_gives_the_engines_bits(
     file = tmp_path / "policy.h5"
     write_draft(file, "hover_camera", network, is_normalized=is_normalized)
     assert_equal_bits(opened(file), tmp_path / "c")
+
+
+@pytest.mark.parametrize("network", NETWORKS)
+def test_python_evaluates_each_kind_of_layer_as_the_engine(network: str, tmp_path: Path) -> None:
+    file = write_draft(tmp_path / "policy.h5", "hover_learn", network)
+    policy, engine = read_policy(file), PolicyNetwork(str(file))
+    random, states = np.random.default_rng(5), policy.states(1)
+    for _ in range(20):
+        row = (random.normal(size=(1, len(policy.mean))) / policy.scale).astype(np.float32)
+        # The engine computes in float: sums of up to 64 products of values near 1.
+        assert np.abs(policy(row, states) - engine.act(row)).max() < 2e-6
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -214,24 +214,33 @@ class PolicyReader {
     }
     const Hdf5Reader::Shape shape = file_.shape(name);
     const int inputs = policy_.layers.empty() ? first_inputs() : policy_.layers.back().outputs;
-    const bool is_gru = file_.has(group + "/state_weight");
-    if (shape.rank != 2 || shape.rows < 1 || shape.rows > kMostValues ||
-        shape.columns != static_cast<std::size_t>(inputs) || (is_gru && shape.rows % 3 != 0)) {
-      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: " +
-                 (is_gru ? "3 units x " : "outputs x ") + std::to_string(inputs));
-    }
     PolicyLayer layer;
-    layer.kind = is_gru ? LayerKind::kGru : LayerKind::kDense;
+    layer.kind = kind_of(group);
+    const auto gates = static_cast<std::size_t>(layer.gates());
+    if (shape.rank != 2 || shape.rows < 1 || shape.rows > kMostValues ||
+        shape.columns != static_cast<std::size_t>(inputs) || shape.rows % gates != 0) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: " +
+                 (gates > 1 ? "3 or 4 units x " : "outputs x ") + std::to_string(inputs));
+    }
     layer.inputs = inputs;
-    layer.outputs = static_cast<int>(is_gru ? shape.rows / 3 : shape.rows);
+    layer.outputs = static_cast<int>(shape.rows / gates);
     layer.weight = finite(name, file_.all<double>(name));
     layer.bias = read_vector(group + "/bias", layer.weight_rows());
-    if (is_gru) {
+    if (layer.is_recurrent()) {
       read_state_weights(group, layer);
     } else {
       layer.activation = read_activation(group);
     }
     policy_.layers.push_back(std::move(layer));
+  }
+
+  /// By the rows of the weights of the state: 3 or 4 for each of its values.
+  LayerKind kind_of(const std::string& group) const {
+    const std::string name = group + "/state_weight";
+    if (!file_.has(name)) return LayerKind::kDense;
+    const Hdf5Reader::Shape shape = file_.shape(name);
+    const bool is_lstm = shape.rank == 2 && shape.columns > 0 && shape.rows == 4 * shape.columns;
+    return is_lstm ? LayerKind::kLstm : LayerKind::kGru;
   }
 
   void read_state_weights(const std::string& group, PolicyLayer& layer) {

@@ -28,9 +28,9 @@ inline std::optional<Activation> find_activation(std::string_view word) {
   return std::nullopt;
 }
 
-enum class LayerKind { kDense, kGru, kConv };
+enum class LayerKind { kDense, kGru, kConv, kLstm };
 /// In the order of LayerKind.
-inline constexpr const char* kLayerKindNames[] = {"dense", "gru", "conv"};
+inline constexpr const char* kLayerKindNames[] = {"dense", "gru", "conv", "lstm"};
 inline const char* name(LayerKind kind) { return kLayerKindNames[static_cast<int>(kind)]; }
 
 /// Sizes of a convolution of images of height x width pixels with some channels.
@@ -63,6 +63,9 @@ struct ConvShape {
 /// and biases for the gates r, z and n in this order,
 ///   r = sigmoid(weight x + bias + state_weight h + state_bias), z with its own rows,
 ///   n = tanh(weight x + bias + r (state_weight h + state_bias)),  y = h' = (1 - z) n + z h.
+/// Long short-term memory (Gers et al. 1999), as PyTorch's LSTM: with the states h and c, and rows
+/// of the gates i, f, g and o in this order, each weight x + bias + state_weight h + state_bias,
+///   c' = sigmoid(f) c + sigmoid(i) tanh(g),  y = h' = sigmoid(o) tanh(c').
 struct PolicyLayer {
   int inputs = 0, outputs = 0;  ///< of a convolution: of one window
   std::vector<double> weight;   ///< weight_rows() x inputs, row by row
@@ -73,7 +76,14 @@ struct PolicyLayer {
   std::vector<double> state_bias;    ///< weight_rows(); dense: empty
   ConvShape conv;                    ///< of a convolution
 
-  int weight_rows() const { return kind == LayerKind::kGru ? 3 * outputs : outputs; }
+  /// Rows of weights for each output.
+  int gates() const { return kind == LayerKind::kGru ? 3 : kind == LayerKind::kLstm ? 4 : 1; }
+  int weight_rows() const { return gates() * outputs; }
+  bool is_recurrent() const { return gates() > 1; }
+  /// State values of one robot: h, of long short-term memory then c.
+  int state_size() const {
+    return kind == LayerKind::kGru ? outputs : kind == LayerKind::kLstm ? 2 * outputs : 0;
+  }
 };
 
 /// The map from the last layer's values to actions in [-1, 1].

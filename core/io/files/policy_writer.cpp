@@ -157,7 +157,7 @@ void write_layer(const Hdf5Writer& writer, hid_t group, const PolicyLayer& layer
   const auto rows = static_cast<hsize_t>(layer.weight_rows());
   put_floats(writer, group, "weight", layer.weight, {rows, static_cast<hsize_t>(layer.inputs)});
   put_floats(writer, group, "bias", layer.bias, {rows});
-  if (layer.kind == LayerKind::kGru) {
+  if (layer.is_recurrent()) {
     put_floats(writer, group, "state_weight", layer.state_weight,
                {rows, static_cast<hsize_t>(layer.outputs)});
     put_floats(writer, group, "state_bias", layer.state_bias, {rows});

@@ -23,29 +23,42 @@ from skybody.train.image_layers import PolicyImage, activated, image_of_values, 
 
 @dataclass(frozen=True)
 class Layer:
-    """activation(weight x + bias); with state weights, gated recurrent units as in PyTorch's GRU.
+    """activation(weight x + bias); with state weights, recurrent as PyTorch's GRU or LSTM.
 
-    Rows of a recurrent layer's arrays are those of the gates r, z and n, `out` each.
+    Rows of a recurrent layer's arrays are those of the gates r, z and n, or i, f, g and o, `out`
+    each.
     """
 
-    weight: NDArray[np.floating[Any]]  # (out, in), recurrent: (3 out, in)
-    bias: NDArray[np.floating[Any]]  # (out), recurrent: (3 out)
+    weight: NDArray[np.floating[Any]]  # (out, in), recurrent: (gates out, in)
+    bias: NDArray[np.floating[Any]]  # (out), recurrent: (gates out)
     activation: str  # "tanh", "relu", "elu" or "none"
-    state_weight: NDArray[np.floating[Any]] | None = None  # recurrent: (3 out, out)
-    state_bias: NDArray[np.floating[Any]] | None = None  # recurrent: (3 out)
+    state_weight: NDArray[np.floating[Any]] | None = None  # recurrent: (gates out, out)
+    state_bias: NDArray[np.floating[Any]] | None = None  # recurrent: (gates out)
 
     @property
     def units(self) -> int:
-        """Number of state values; 0: a dense layer."""
+        """Outputs of a recurrent layer; 0: a dense layer."""
         return 0 if self.state_weight is None else self.state_weight.shape[1]
 
+    @property
+    def gates(self) -> int:
+        """Rows of weights for each output: 3 of a GRU, 4 of an LSTM, else 1."""
+        return self.weight.shape[0] // self.units if self.units else 1
+
+    @property
+    def memory(self) -> int:
+        """Number of state values: outputs, and then the cells of an LSTM."""
+        return self.units * (2 if self.gates == 4 else 1)
+
     def __call__(self, x: NDArray[np.float64], state: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Outputs (n, out) of inputs (n, in); updates the state (n, out) of a recurrent layer."""
+        """Outputs (n, out) of inputs (n, in); updates a recurrent layer's state (n, memory)."""
         sums = x @ self.weight.astype(np.float64).T + self.bias
         if self.state_weight is not None and self.state_bias is not None:
-            return _gate(
-                sums, state @ self.state_weight.astype(np.float64).T + self.state_bias, state
-            )
+            weight = self.state_weight.astype(np.float64)
+            from_state = state[:, : self.units] @ weight.T + self.state_bias
+            if self.gates == 4:
+                return _remember(sums + from_state, state)
+            return _gate(sums, from_state, state)
         return activated(sums, self.activation)
 
 
@@ -59,6 +72,16 @@ def _gate(
     candidate = np.tanh(input_n + reset * state_n)
     state[:] = (1.0 - update) * candidate + update * state
     return state.copy()
+
+
+def _remember(sums: NDArray[np.float64], state: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The outputs of an LSTM (Gers et al. 1999), which are written to `state` with its cells."""
+    enter, keep, new, out = np.split(sums, 4, axis=1)
+    cells = state[:, state.shape[1] // 2 :]
+    cells[:] = _sigmoid(keep) * cells + _sigmoid(enter) * np.tanh(new)
+    output = _sigmoid(out) * np.tanh(cells)
+    state[:, : state.shape[1] // 2] = output
+    return output
 
 
 def _sigmoid(x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -92,7 +115,7 @@ class Policy:
 
     def states(self, n: int) -> NDArray[np.float64]:
         """The recurrent states of n environments at the beginning of an episode."""
-        size = sum(layer.units for layer in self.layers)
+        size = sum(layer.memory for layer in self.layers)
         return np.zeros((n, max(1, len(self.agents)), size))
 
     def __call__(
@@ -130,8 +153,8 @@ class Policy:
         x = np.hstack([x.astype(np.float32).astype(np.float64), *features])
         begin = 0
         for layer in self.layers:
-            x = layer(x, states[:, begin : begin + layer.units])
-            begin += layer.units
+            x = layer(x, states[:, begin : begin + layer.memory])
+            begin += layer.memory
         return np.tanh(x) if self.squash == "tanh" else np.clip(x, -1.0, 1.0)
 
     def sizes(self) -> dict[str, int]:

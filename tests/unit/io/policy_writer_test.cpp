@@ -98,6 +98,24 @@ TEST(PolicyWriter, MemoryAndSharedPoliciesReadBackTheSame) {
   EXPECT_EQ(read.layers[1].activation, Activation::kElu);
 }
 
+TEST(PolicyWriter, LongShortTermMemoryReadsBackTheSame) {
+  const TempFolder folder;
+  PolicyFile policy = small_policy();
+  PolicyLayer lstm = layer(2, 1, {1, 2, 3, 4, 5, 6, 7, 8}, {1, 2, 3, 4}, Activation::kNone);
+  lstm.kind = LayerKind::kLstm;
+  lstm.state_weight = {-1, -2, -3, -4};
+  lstm.state_bias = {0.5, 0.25, 0.125, 2.0};
+  policy.layers = {lstm, layer(1, 1, {2}, {1}, Activation::kNone)};
+  write_policy(folder.path("policy.h5"), policy, 0);
+  const PolicyFile read = read_policy(folder.path("policy.h5"));
+  ASSERT_EQ(read.layers.size(), 2u);
+  EXPECT_EQ(read.layers[0].kind, LayerKind::kLstm);
+  EXPECT_EQ(read.layers[0].outputs, 1);
+  EXPECT_EQ(read.layers[0].state_size(), 2);
+  EXPECT_EQ(read.layers[0].weight, lstm.weight);
+  EXPECT_EQ(read.layers[0].state_weight, lstm.state_weight);
+}
+
 TEST(PolicyWriter, ANormalizationThatIsNotThereStaysAway) {
   const TempFolder folder;
   PolicyFile policy = small_policy();

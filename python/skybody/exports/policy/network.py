@@ -137,7 +137,8 @@ def _layer(made: Network, layer: Layer, k: int) -> None:
         f"{name}_weight", f"{name}_bias", f"{name}_state_weight", f"{name}_state_bias",
         str(inputs), str(layer.units), made.result, state, "state->sums",
     ]  # fmt: skip
-    made.calls.append(f"layer_gru({arguments(words)});")
-    made.memory += layer.units
-    made.sums = max(made.sums, 6 * layer.units)
+    kind = {3: "layer_gru", 4: "layer_lstm"}[layer.gates]
+    made.calls.append(f"{kind}({arguments(words)});")
+    made.memory += layer.memory
+    made.sums = max(made.sums, 2 * rows)
     made.result = state

@@ -37,7 +37,7 @@ class OnnxEvaluator:
     def __init__(self, source: PolicySource, path: Path, robot: int = 0, rows: int = 1) -> None:
         """Opens the model and begins an episode."""
         self._interface, self._robot, self._rows = source.interface, robot, rows
-        self._size = sum(layer.units for layer in source.policy.layers)
+        self._size = sum(layer.memory for layer in source.policy.layers)
         self._session = session_of(path)
         self.command = np.empty((rows, len(source.interface.outputs)), np.float32)
         self.reset()

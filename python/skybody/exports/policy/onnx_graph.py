@@ -152,16 +152,20 @@ def _convolve(
 
 def _layers(graph: Graph, policy: Policy, interface: Interface, x: str) -> None:
     """The network after its inputs, and all outputs."""
-    size = sum(layer.units for layer in policy.layers)
+    size = sum(layer.memory for layer in policy.layers)
     if size:
         graph.inputs.append(declared(MEMORY, "recurrent state, zero before the first", size))
     states, begin = [], 0
     for layer in policy.layers:
         if layer.units:
-            state = graph.columns(MEMORY, begin, begin + layer.units)
-            x = _recurrent(graph, layer, x, state)
-            begin += layer.units
-            states.append(x)
+            before = [
+                graph.columns(MEMORY, first, first + layer.units)
+                for first in range(begin, begin + layer.memory, layer.units)
+            ]
+            after = _recurrent(graph, layer, x, before)
+            x = after[0]
+            begin += layer.memory
+            states += after
         else:
             weight, bias = graph.constant(layer.weight), graph.constant(layer.bias)
             x = graph.activate(graph.add("Gemm", x, weight, bias, transB=1), layer.activation)
@@ -171,27 +175,32 @@ def _layers(graph: Graph, policy: Policy, interface: Interface, x: str) -> None:
         graph.outputs.append(declared(MEMORY + NEXT, "recurrent state for the next step", size))
 
 
-def _recurrent(graph: Graph, layer: Layer, x: str, state: str) -> str:
-    """Gated recurrent units: ONNX has the gates z, r, n, and a sequence's dimension first."""
+# The order of gates in ONNX: z, r, n of GRU, i, o, f, g of LSTM, as places in that of policy.h5.
+GATES = {3: ("GRU", (1, 0, 2)), 4: ("LSTM", (0, 3, 1, 2))}
+
+
+def _recurrent(graph: Graph, layer: Layer, x: str, states: list[str]) -> list[str]:
+    """The states after a step. ONNX has a sequence's dimension first."""
     assert layer.state_weight is not None and layer.state_bias is not None
-    arrays = (layer.weight, layer.state_weight, layer.bias, layer.state_bias)
+    kind, order = GATES[layer.gates]
     weight, state_weight, bias, state_bias = (
-        np.concatenate([gates[1], gates[0], gates[2]])
-        for gates in (np.split(array, 3) for array in arrays)
+        np.concatenate([np.split(array, layer.gates)[gate] for gate in order])
+        for array in (layer.weight, layer.state_weight, layer.bias, layer.state_bias)
     )
     first = graph.constant([0], np.int64)
     constants = (weight[None], state_weight[None], np.concatenate([bias, state_bias])[None])
-    found = graph.add(
-        "GRU",
+    results = [f"state_{len(graph.nodes)}_{k}" for k in range(len(states))]
+    graph.add(
+        kind,
         graph.add("Unsqueeze", x, first),
         *(graph.constant(values) for values in constants),
         "",
-        graph.add("Unsqueeze", state, first),
-        outputs=["", f"state_{len(graph.nodes)}"],
+        *(graph.add("Unsqueeze", state, first) for state in states),
+        outputs=["", *results],
         hidden_size=layer.units,
-        linear_before_reset=1,
+        **({"linear_before_reset": 1} if kind == "GRU" else {}),
     )
-    return graph.add("Squeeze", found, first)
+    return [graph.add("Squeeze", result, first) for result in results]
 
 
 def _outputs(graph: Graph, policy: Policy, interface: Interface, x: str) -> None:
