@@ -21,7 +21,8 @@ class HoldPilot:
     hover: float  # thrust of hover as a share of the greatest one
     height: float  # [m]
     yaw_sign: float = 1.0  # -1: rotors of the frame x-reversed
-    trim: float = 0.0
+    order: tuple[int, ...] = (0, 1, 2, 3)  # of the motors in the packet
+    trim: float = 0.0  # thrust that the integral has added
 
     def throttles(self, quaternion: Array, rates: Array, height: float, climb: float) -> Array:
         """Shares of the greatest speed.
@@ -38,4 +39,4 @@ class HoldPilot:
         error = float(np.clip(self.height - height, -0.5, 0.5))
         self.trim = float(np.clip(self.trim + 2e-5 * error, -0.1, 0.1))
         lift = self.hover * (1.0 + 0.2 * error - 0.25 * climb) + self.trim
-        return np.asarray(np.sqrt(np.clip(lift + MIX @ turn, 0.0, 1.0)))
+        return np.sqrt(np.clip(lift + MIX @ turn, 0.0, 1.0))[list(self.order)]

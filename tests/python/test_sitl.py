@@ -2,16 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import random
-import signal
-import socket
-import subprocess
-import sys
-import threading
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,23 +11,18 @@ import pytest
 from skybody import CompiledScenario
 from skybody.exports.frames import quaternion_of
 from skybody.look.flight import rotation_of
-from skybody.program import module_command
-from skybody.sitl import ardupilot, frames, px4
+from skybody.sitl import frames
 from skybody.sitl.__main__ import main
-from skybody.sitl.ardupilot_link import ArdupilotLink
 from skybody.sitl.frames import Home
 from skybody.sitl.messages import Messages
 from skybody.sitl.motors import CCW, CW, FRAMES, rotor_order, usual_frame
-from skybody.sitl.px4_link import Px4Link
 from skybody.sitl.vehicle import Setup, Vehicle
-
-from sitl_pilots import Array, HoldPilot
 
 CRAZYFLIE_HOVER = 0.75  # share of the greatest thrust
 
 
 def quiet() -> Messages:
-    return Messages(open("/dev/null", "w"))  # noqa: SIM115
+    return Messages(open("/dev/null", "w"))
 
 
 # --- frames -------------------------------------------------------------------------------------
@@ -156,7 +143,10 @@ def test_mirrored_spins_are_refused_with_the_frame_that_has_them(
     assert main([autopilot, "hover"]) == 2
     error = capsys.readouterr().err
     assert "all rotors spin the other way than the motors of frame `x`" in error
-    assert f"--frame x-reversed, and in the autopilot {FRAMES[autopilot]['x-reversed'].settings}" in error
+    assert (
+        f"--frame x-reversed, and in the autopilot {FRAMES[autopilot]['x-reversed'].settings}"
+        in error
+    )
     assert error.count("\n") == 1
 
 
@@ -207,7 +197,9 @@ def test_sensors_of_the_scenario_are_taken_and_missing_ones_are_added() -> None:
         "gnss",
         "magnetometer",
     ]
-    whole = ("sensors=[{plugin: imu, parameters: {accelerometer_noise: 0.1}}, {plugin: barometer}]",)
+    whole = (
+        "sensors=[{plugin: imu, parameters: {accelerometer_noise: 0.1}}, {plugin: barometer}]",
+    )
     vehicle = Vehicle("px4", Setup("hover_crazyflie", overrides=whole))
     assert vehicle.added == ["gnss", "magnetometer"]
     assert vehicle.compiled.sensor_parameters("imu")["accelerometer_noise"] == [0.1]

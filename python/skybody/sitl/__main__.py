@@ -15,10 +15,13 @@ from pathlib import Path
 
 from skybody import Error
 from skybody.command_line import CommandLine, real, report_error, whole
-from skybody.program import run_program
+from skybody.program import module_command, run_program
 
 from . import ardupilot_link, px4_link
 from .ardupilot_link import ArdupilotLink
+from .betaflight_link import BetaflightLink
+from .betaflight_pilot import HoldPilot
+from .betaflight_program import BetaflightProgram, enter_own_network, settings_for
 from .frames import HOME, Home
 from .messages import Messages
 from .motors import FRAMES
@@ -53,6 +56,12 @@ def parser() -> argparse.ArgumentParser:
     only.add_argument("--program", type=Path, help="Betaflight's SITL, to be started here")
     only.add_argument("--pilot", choices=("none", "hold"), default="none",
         help="hold: arms, takes off, holds --height by the throttle stick")  # fmt: skip
+    only.add_argument("--factor", type=real(0.01, 4), default=0.5,
+        help="simulated time over that on the wall; default: 0.5")  # fmt: skip
+    only.add_argument("--cli", action="append", default=[], metavar="LINE",
+        help="line for Betaflight's console before the flight; repeatable")  # fmt: skip
+    only.add_argument("--shared-network", action="store_true",
+        help="do not start Betaflight in a network of its own")  # fmt: skip
     only.add_argument("--height", type=real(0.1, 100), default=1.0, help="[m]; default: 1")
     return made
 
@@ -74,6 +83,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.frame and options.frame not in frames:
         made.error(f"--frame: no frame `{options.frame}`; allowed: {', '.join(frames)}")
     try:
+        if options.program is not None and not options.shared_network:
+            words = sys.argv[1:] if arguments is None else arguments
+            enter_own_network(module_command("skybody.sitl", *words))
         return fly(options)
     except (Error, ValueError, OSError) as error:
         return report_error(str(error))
@@ -117,7 +129,19 @@ def serve_px4(vehicle: Vehicle, messages: Messages, options: argparse.Namespace)
     Px4Link(vehicle, messages).serve(port, options.seconds)
 
 
-SERVERS = {"ardupilot": serve_ardupilot, "px4": serve_px4}
+def serve_betaflight(vehicle: Vehicle, messages: Messages, options: argparse.Namespace) -> None:
+    """Flies with Betaflight."""
+    pilot = HoldPilot(vehicle, options.height) if options.pilot == "hold" else None
+    link = BetaflightLink(vehicle, pilot, options.factor, messages)
+    if options.program is None:
+        link.serve(options.seconds, None)
+        return
+    settings = [*settings_for(vehicle.frame), *options.cli]
+    with BetaflightProgram(options.program, settings) as program:
+        link.serve(options.seconds, program)
+
+
+SERVERS = {"ardupilot": serve_ardupilot, "px4": serve_px4, "betaflight": serve_betaflight}
 
 if __name__ == "__main__":
     run_program(main)
