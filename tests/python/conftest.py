@@ -7,6 +7,7 @@ import subprocess
 import sys
 import textwrap
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +24,28 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 def hover() -> CompiledScenario:
     """Compiled hover, shared by tests: a compiled scenario is immutable."""
     return CompiledScenario("hover")
+
+
+@pytest.fixture(scope="session")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Logs of short flights in the scenarios of tests of exports."""
+    from exported import PROGRAM, SCENARIOS, STEPS
+
+    found = {}
+    for name in SCENARIOS:
+        folder = tmp_path_factory.mktemp(name)
+        command = [PROGRAM, "run", name, "--steps", str(STEPS), "--no-picture", "--out", folder]
+        subprocess.run(command, check=True, capture_output=True, timeout=100)
+        found[name] = folder / "flight.h5"
+    return found
+
+
+@pytest.fixture
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exports read short logs in several blocks, too."""
+    from skybody.exports import table
+
+    monkeypatch.setattr(table, "MOST_ROWS", 7)
 
 
 @pytest.fixture
