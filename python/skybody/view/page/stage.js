@@ -4,7 +4,7 @@ import { OrbitControls } from "three/OrbitControls.js";
 
 export const VIEWS = ["orbit", "follow", "onboard"];
 
-const SKY = 0xdfe7ee;
+const SKY = 0xe6ebf1;
 const FORWARD_UP = new THREE.Quaternion().setFromRotationMatrix(
   new THREE.Matrix4().makeBasis(
     new THREE.Vector3(0, -1, 0), // right of the picture: -y of the body
@@ -18,9 +18,9 @@ function groundOf() {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 128;
   const context = canvas.getContext("2d");
-  context.fillStyle = "#b9c0bd";
+  context.fillStyle = "#d2d6d8"; // the floor of films
   context.fillRect(0, 0, 128, 128);
-  context.fillStyle = "#aab2af";
+  context.fillStyle = "#c1c6c8";
   context.fillRect(0, 0, 64, 64);
   context.fillRect(64, 64, 64, 64);
   const texture = new THREE.CanvasTexture(canvas);
