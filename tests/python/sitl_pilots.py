@@ -1,17 +1,36 @@
-"""A simple autopilot for tests of `skybody sitl`: attitude and height of a quadrotor X."""
+"""For tests of `skybody sitl`: an autopilot for attitude and height, and kept messages."""
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from skybody.sitl.messages import Messages
 
 Array = NDArray[np.float64]
 
 # Roll, pitch (nose up) and yaw (clockwise) torque of each motor, in the order of ArduPilot and PX4:
 # front right (ccw), back left (ccw), front left (cw), back right (cw).
 MIX = np.array([[-1.0, 1, 1], [1, -1, 1], [1, 1, -1], [-1, -1, -1]])
+
+
+class Kept(Messages):
+    """Keeps messages instead of printing them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lines: list[str] = []
+
+    def say(self, text: str) -> None:
+        self.lines.append(text)
+
+    def port(self) -> int:
+        """The port of the link's first message, as soon as it is there."""
+        while not self.lines:
+            time.sleep(0.01)
+        return int(self.lines[0].rpartition(":")[2])
 
 
 @dataclass

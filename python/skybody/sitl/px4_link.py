@@ -24,7 +24,7 @@ from .px4 import (
     controls_of,
     load_mavlink,
 )
-from .sockets import bound
+from .sockets import WAIT, bound
 from .vehicle import Reading, Vehicle
 
 PORT = 4560
@@ -32,6 +32,7 @@ IMU_RATE = 250.0  # [Hz]
 TRUTH_PERIOD = 0.02  # of HIL_STATE_QUATERNION [s]
 BEAT_PERIOD = 1.0  # of HEARTBEAT and SYSTEM_TIME [s]
 SILENCE = 5.0  # on the wall, before a message that PX4 does not answer [s]
+OTHER_CLOCK = 1.0  # on the wall, of answers with old stamps alone [s]
 NONE = -1.0  # stamp before the first sample
 
 
@@ -67,6 +68,8 @@ class Px4Link:
         self._stamps = Stamps()
         self._throttles: Array = np.zeros(self.vehicle.motors)
         self._offset = 0.0  # of the time stamps against the vehicle's time [s]
+        self._sent = 0  # stamp of the last HIL_SENSOR [us]
+        self._by_stamp = True  # answers are known by their stamps
         self.locked = False
 
     # --- messages -------------------------------------------------------------------------------
@@ -76,7 +79,7 @@ class Px4Link:
         reading, stamps = self.vehicle.read(), self._stamps
         now = self._offset + reading.time
         micros = round(now * 1e6)
-        packets = b""
+        packets, self._sent = b"", micros
         if now - stamps.beat >= BEAT_PERIOD or stamps.beat == NONE:
             stamps.beat = now
             packets += self._encoder.heartbeat() + self._encoder.system_time(micros)
@@ -100,7 +103,11 @@ class Px4Link:
         return fields
 
     def incoming(self, data: bytes) -> bool:
-        """Takes bytes of PX4; whether they had actuator controls."""
+        """Takes bytes of PX4; whether they had actuator controls for the last HIL_SENSOR.
+
+        Controls for an earlier one, sent while PX4 was booting, count as commands, not as answer.
+        """
+        answered = False
         answers = self._decoder.take(data)
         if self._decoder.bad:
             self.messages.warn("bad", "bytes that are no MAVLink message; ignored")
@@ -108,10 +115,12 @@ class Px4Link:
             controls = controls_of(answer, self.vehicle.motors)
             if controls.bad:
                 self.messages.warn("not finite", "a control is not finite: its motor stops")
+            old = controls.lockstep and self._by_stamp and 0 < answer.time_usec < self._sent
             if not self.locked:
                 self._lock(controls.lockstep)
             self._throttles = controls.throttles
-        return bool(answers)
+            answered = answered or not old
+        return answered
 
     def _lock(self, lockstep: bool) -> None:
         """The first actuator controls: the flight begins."""
@@ -123,7 +132,7 @@ class Px4Link:
             )
         self._offset += self.vehicle.time
         self.vehicle.reset()
-        self._stamps = Stamps(beat=self._stamps.beat, truth=self._stamps.truth)
+        self._stamps = Stamps()
         self.locked = True
 
     # --- connection -----------------------------------------------------------------------------
@@ -137,7 +146,6 @@ class Px4Link:
                     link, _ = door.accept()
                 except TimeoutError:
                     continue
-                link.settimeout(door.gettimeout())
                 link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
                 self.vehicle.reset()
                 self._begin()
@@ -150,27 +158,31 @@ class Px4Link:
     def _fly(self, link: socket.socket, seconds: float) -> None:
         while not (self.locked and self.vehicle.time >= seconds):
             self.vehicle.advance(self._throttles, self._steps)
+            link.settimeout(None)  # a PX4 that does not read yet
             link.sendall(self.outgoing())
             self._await_answer(link)
 
     def _await_answer(self, link: socket.socket) -> None:
         """Waits for actuator controls; before the first ones at most one period on the wall."""
-        begun = told = time.monotonic()
+        begun, told = time.monotonic(), False
         while True:
-            if not self.locked:
-                left = begun + self._steps * self.vehicle.dt - time.monotonic()
-                if left <= 0.0:
-                    return
-                link.settimeout(left)
+            waited = time.monotonic() - begun
+            left = WAIT if self.locked else self._steps * self.vehicle.dt - waited
+            if left <= 0.0:
+                return
+            link.settimeout(left)
             try:
                 data = link.recv(65536)
             except TimeoutError:
-                if self.locked and time.monotonic() - told > SILENCE:
+                if self.locked and waited > SILENCE and not told:
                     self.messages.say("waiting  PX4 does not answer")
-                    told = float("inf")
+                    told = True
                 continue
             if not data:
                 raise Gone
             if self.incoming(data):
-                link.settimeout(0.2)
+                return
+            if self.locked and waited > OTHER_CLOCK:
+                self.messages.warn("other stamps", "PX4's stamps are not ours; any controls count")
+                self._by_stamp = False
                 return
