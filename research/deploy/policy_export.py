@@ -10,7 +10,6 @@ with the engine's, and a call is timed on one thread, as is one of a model that 
 
 from __future__ import annotations
 
-import argparse
 import tempfile
 import time
 from pathlib import Path
@@ -25,7 +24,7 @@ from skybody.exports.policy.network import network_of
 from skybody.exports.policy.onnx_evaluator import session_of
 from skybody.exports.policy.onnx_file import IR_VERSION, OPSET, write_model
 from skybody.exports.policy.self_test import actions_of, hash_of
-from skybody.exports.policy.source import PolicySource, open_policy
+from skybody.exports.policy.source import PolicySource, Wanted, open_wanted
 
 from research.common.machine import facts, machine_line
 from research.common.options import Options
@@ -47,12 +46,11 @@ def sources(names: list[str], folder: Path) -> dict[str, PolicySource]:
     """The policies by the names of rows."""
     found = {}
     for name in names:
+        wanted = Wanted("shipped", name)
         if name in DRAFTS:
             file = write_draft(folder / f"{DRAFTS[name]}.h5", DRAFTS_SCENARIO, DRAFTS[name])
-            words = {"source": str(file), "scenario": None, "name": DRAFTS[name]}
-        else:
-            words = {"source": "shipped", "scenario": name, "name": None}
-        found[name] = open_policy(argparse.Namespace(**words))
+            wanted = Wanted(str(file), name=DRAFTS[name])
+        found[name] = open_wanted(wanted)
     return found
 
 

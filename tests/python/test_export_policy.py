@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import shutil
 import subprocess
@@ -17,7 +16,7 @@ from skybody.exports.policy.c_evaluator import CEvaluator, compile_library
 from skybody.exports.policy.c_files import write_sources
 from skybody.exports.policy.lockstep import inputs_by_name
 from skybody.exports.policy.self_test import actions_of, hash_of
-from skybody.exports.policy.source import PolicySource, open_policy
+from skybody.exports.policy.source import PolicySource, Wanted, open_wanted
 from skybody.train.policy_file import read_policy, shipped_policy, write_policy
 
 from research.deploy.network_drafts import NETWORKS, write_draft
@@ -28,7 +27,7 @@ COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 
 
 def opened(source: Path | str, scenario: str | None = None, name: str = "flyer") -> PolicySource:
-    return open_policy(argparse.Namespace(source=str(source), scenario=scenario, name=name))
+    return open_wanted(Wanted(str(source), scenario, name))
 
 
 def expected_hash(source: PolicySource, steps: int) -> int:

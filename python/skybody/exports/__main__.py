@@ -56,6 +56,9 @@ def parser() -> argparse.ArgumentParser:
     )
     add("--storage", choices=STORAGES, help="of rosbag2's messages (default: sqlite3)")
     add("--scenario", metavar="NAME", help="of a policy (default: the one it was trained in)")
+    add("--set", action="append", metavar="PATH=VALUE", help="of that scenario, as `skybody run`")
+    add("--plugin-path", action="append", type=Path, metavar="DIR", help="likewise")
+    add("--map", type=Path, help="YAML file: observations that are a policy.onnx's inputs")
     add("--name", help="of a policy's functions and files (default: the scenario's)")
     add(
         "--check",
@@ -82,7 +85,7 @@ SOURCES: dict[str, Callable[[argparse.Namespace], Any]] = {FLIGHT: table_of, POL
 
 def check_options(options: argparse.Namespace, form: Format) -> None:
     """Raises InputError for an option that the format does not take."""
-    words = {"start": "--from"}
+    words = {"start": "--from", "plugin_path": "--plugin-path"}
     for name, value in vars(options).items():
         if name not in ("source", "to", "out", *form.takes) and value is not None:
             fit = ", ".join(row.name for row in FORMATS.values() if name in row.takes)

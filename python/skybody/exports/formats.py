@@ -12,7 +12,8 @@ from skybody import InputError
 
 FLIGHT, POLICY = "flight log", "policy"  # of Format.reads
 ROWS = ("start", "until", "every", "datasets")  # options that choose a part of a flight log
-NETWORK = ("scenario", "name", "check")  # options of policies
+READ = ("scenario", "set", "plugin_path", "map")  # options that find a policy's scenario
+NETWORK = (*READ, "name", "check")  # options of policies in other formats
 
 
 @dataclass(frozen=True)
@@ -79,5 +80,6 @@ FORMATS = {
             "onnx", POLICY, ".onnx", "policy.onnx_file", ("onnx", "onnxruntime"), NETWORK,
             "a policy for ONNX Runtime and others",
         ),
+        Format("h5", POLICY, ".h5", "policy.h5_file", (), READ, "a policy of `skybody run`"),
     )
 }  # fmt: skip

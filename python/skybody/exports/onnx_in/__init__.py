@@ -1,0 +1,1 @@
+"""ONNX policies of other programs, converted to policy.h5 (docs/export_policy.md)."""
