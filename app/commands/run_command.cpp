@@ -8,6 +8,7 @@
 #include "app/arguments.h"
 #include "app/commands/command.h"
 #include "app/flight.h"
+#include "app/onnx_policy.h"
 #include "app/report/drawn_values.h"
 #include "app/report/flight_record.h"
 #include "app/report/output.h"
@@ -16,6 +17,7 @@
 #include "app/report/reported_values.h"
 #include "app/report/summary.h"
 #include "app/scenario_options.h"
+#include "core/base/system/error.h"
 #include "core/io/files/text.h"
 #include "core/policy/policy.h"
 
@@ -34,7 +36,9 @@ constexpr const char* kRunFooter =
     "- hold: hovers at the task's goal\n"
     "- shipped: the trained policy that Skybody has for this scenario\n"
     "- PATH: a policy.h5, a folder with a policy.h5, or a training run's folder, of which the\n"
-    "  newest checkpoint is used\n"
+    "  newest checkpoint is used; or a policy.onnx, with --map FILE if its inputs have other "
+    "names\n"
+    "  than the observations (docs/export_policy.md)\n"
     "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes.\n"
     "Without --out, DIR is a new folder: flights/SCENARIO-SEED, or if it exists, with -2, -3, ...\n"
     "at the end. With --out, an existing log and pictures are replaced at the end of the flight.\n"
@@ -55,6 +59,7 @@ struct RunOptions {
   RolloutPlan plan;
   std::uint64_t seed = 0;
   std::string policy = "hold";
+  std::filesystem::path map;  ///< of a policy in ONNX
   std::filesystem::path out;
   bool no_picture = false;
   bool view = false;
@@ -71,7 +76,7 @@ CLI::Validator policy_argument() {
     const std::string near = closest(text, names);
     return "there is no policy or file `" + text + "`" + plugin_hint(text) +
            (near.empty() ? "" : "; did you mean `" + near + "`?") + "; allowed: " + join(names) +
-           ", a policy.h5, or a folder with checkpoints";
+           ", a policy.h5, a policy.onnx, or a folder with checkpoints";
   };
   return {check, "", "policy"};
 }
@@ -84,6 +89,12 @@ std::uint64_t most_steps(const RunOptions& options, const Stepping& stepping) {
   const double seconds = options.load.reference.empty() ? kDefaultSeconds : kReferenceSeconds;
   const double steps = std::ceil(seconds / (stepping.dt * stepping.action_repeat));
   return static_cast<std::uint64_t>(std::fmax(1.0, steps));
+}
+
+std::unique_ptr<Policy> open_policy(const RunOptions& options, const CompiledScenario& compiled) {
+  if (is_onnx(options.policy)) return open_onnx_policy(options.policy, options.load, options.map);
+  if (!options.map.empty()) throw Error("--map is for a --policy in ONNX");
+  return make_policy(options.policy, compiled, options.seed);
 }
 
 /// Flies and leaves the finished log in `folder`.
@@ -123,7 +134,7 @@ void print_made(const char* word, const MadeFiles& made) {
 int run(const RunOptions& options) {
   skip_hdf5_cleanup_at_exit();
   const auto compiled = load_and_warn(options.load);
-  const auto policy = make_policy(options.policy, *compiled, options.seed);
+  const auto policy = open_policy(options, *compiled);
   const std::string warning = policy->check_fits(*compiled);
   if (!warning.empty()) spdlog::warn(warning);
   RolloutPlan plan = options.plan;
@@ -170,11 +181,14 @@ void add_run_command(CLI::App& app, Action& chosen) {
   command
       ->add_option(
           "--policy", options->policy,
-          "zero, random, hold, shipped, or a trained policy: policy.h5, a checkpoint or a training "
-          "run (hold)")
+          "zero, random, hold, shipped, or a trained policy: policy.h5, a checkpoint, a training "
+          "run, or policy.onnx (hold)")
       ->type_name("NAME|PATH")
       ->check(policy_argument())
       ->excludes("--reference");
+  command->add_option("--map", options->map, "Observations that are the inputs of a policy.onnx")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   command->add_option("--out", options->out, "Folder for the log and the pictures")
       ->type_name("DIR");
   command->add_flag("--no-picture", options->no_picture, "Draw no pictures");

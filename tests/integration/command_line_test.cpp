@@ -70,11 +70,13 @@ const Wrong kWrong[] = {
     {"unknown_policy",
      {"run", "hover", "--policy", "hodl"},
      "error: --policy: there is no policy or file `hodl`; did you mean `hold`?; allowed: zero, "
-     "random, hold, shipped, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
+     "random, hold, shipped, a policy.h5, a policy.onnx, or a folder with checkpoints; see "
+     "`skybody run --help`"},
     {"controller_as_policy",
      {"run", "hover", "--policy", "ctbr"},
      "error: --policy: there is no policy or file `ctbr`; `ctbr` is a controller; allowed: zero, "
-     "random, hold, shipped, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
+     "random, hold, shipped, a policy.h5, a policy.onnx, or a folder with checkpoints; see "
+     "`skybody run --help`"},
     {"controller_as_scenario",
      {"run", "ctbr"},
      "ctbr: error: neither a file nor a shipped scenario; `ctbr` is a controller; `skybody "

@@ -37,7 +37,7 @@ def affine(name: str) -> Callable[[Sequence[Value], Attributes], Value]:
             return {"Add": np.add, "Sub": np.subtract, "Mul": np.multiply, "Div": np.divide}[name](
                 a, b
             )
-        value, constant = (b, a) if is_constant(a) else (a, b)
+        value, constant = (data(b), a) if is_constant(a) else (data(a), b)
         if not is_constant(constant):
             raise Unsupported(f"{name} of two values that are no constants")
         number = per_entry(value, constant)
@@ -54,6 +54,11 @@ def affine(name: str) -> Callable[[Sequence[Value], Attributes], Value]:
     return apply
 
 
+def data(value: Value) -> Inputs | Hidden | Picture:
+    """A value that depends on observations. Raises Unsupported."""
+    return value if isinstance(value, Picture) else row(value)
+
+
 def per_entry(value: Value, constant: Value) -> Any:
     """A constant as a number, or one for each entry or channel."""
     numbers = np.asarray(constant, np.float64)
@@ -67,8 +72,8 @@ def per_entry(value: Value, constant: Value) -> Any:
 
 def gemm(values: Sequence[Value], attributes: Attributes) -> Value:
     """A dense layer."""
-    if attributes.get("transA", 0):
-        raise Unsupported("Gemm of a transposed value")
+    if attributes.get("transA", 0) or not is_constant(values[1]):
+        raise Unsupported("Gemm of a transposed value, or without constant weights")
     weight = np.asarray(values[1], np.float64) * attributes.get("alpha", 1.0)
     weight = weight if attributes.get("transB", 0) else weight.T
     bias = np.zeros(len(weight))
@@ -169,6 +174,8 @@ def chosen(values: Sequence[Value], attributes: Attributes) -> Value:
     )
     if is_constant(value):
         return np.asarray(value)[begin:end:step]
+    if isinstance(value, Hidden) and begin in (0, -1):
+        return value  # the last of a sequence of one step; check_equal() finds other slices
     if axis not in (1, -1) or not isinstance(value, Inputs):
         raise Unsupported("Slice of the batch, or of a layer's outputs")
     return value.taken(slice(begin, min(end, len(value)), step))
@@ -182,6 +189,8 @@ def gather(values: Sequence[Value], attributes: Attributes) -> Value:
     places = np.asarray(index).reshape(-1).astype(np.intp)
     if is_constant(value):
         return np.asarray(value)[places if np.ndim(index) else int(places[0])]
+    if isinstance(value, Hidden) and len(places) == 1 and places[0] in (0, -1):
+        return value  # likewise
     if attributes.get("axis", 0) not in (1, -1) or not isinstance(value, Inputs):
         raise Unsupported("Gather of the batch, or of a layer's outputs")
     return value.taken(places)
@@ -237,7 +246,7 @@ def convolution(values: Sequence[Value], attributes: Attributes) -> Value:
 
 def normalization(values: Sequence[Value], attributes: Attributes) -> Value:
     """BatchNormalization with fixed statistics."""
-    value = values[0]
+    value = data(values[0])
     scale, bias, mean, variance = (np.asarray(v, np.float64) for v in values[1:])
     factor = scale / np.sqrt(variance + attributes.get("epsilon", 1e-5))
     return value.mapped(factor, bias - mean * factor)

@@ -194,7 +194,10 @@ class Reader:
             values = [self._values[name] if name else None for name in node.input]
             if any(isinstance(v, Picture) and v.is_flat for v in values):
                 values = [self._as_row(v, node.op_type) for v in values]
-            made = OPERATORS[node.op_type](values, attributes)
+            try:
+                made = OPERATORS[node.op_type](values, attributes)
+            except (IndexError, TypeError, KeyError, ZeroDivisionError) as error:
+                raise Unsupported(f"{node.op_type}: {error}") from None
         for name in node.output:
             if name:
                 self._values[name] = made
