@@ -18,7 +18,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 from skybody import CompiledScenario
 from skybody.look.flight import Flight
-from skybody.view.live import Live
+from skybody.view.live import Live, due_steps
 from skybody.view.pack import Packer
 from skybody.view.page import PAGE, Shown, document
 from skybody.view.samples import chosen_rows, of_flight
@@ -196,7 +196,7 @@ def test_arrays_come_back_to_one_part_in_65534_of_their_range() -> None:
     values = np.array([[0.0, 5.0], [1.0, np.nan], [-3.0, 5.0]])
     packer = Packer()
     spec = packer.add(values)
-    assert spec["rows"], spec["columns"] == (3, 2)
+    assert (spec["rows"], spec["columns"]) == (3, 2)
     assert spec["low"] == [-3.0, 5.0]
     assert spec["step"][0] == pytest.approx(4.0 / 65534)
     assert spec["step"][1] == 0.0
@@ -302,6 +302,39 @@ def test_pages_of_other_sites_may_not_change_the_simulation(server: Server) -> N
     assert post(server, {"reset": True}, Host="example.org")[0] == 403
 
 
+def test_pages_of_other_sites_may_not_frame_the_page(server: Server) -> None:
+    connection = http.client.HTTPConnection(HOST, server.server_port, timeout=10)
+    connection.request("GET", "/")
+    assert connection.getresponse().headers["X-Frame-Options"] == "DENY"
+
+
+def test_a_pause_makes_all_steps_of_a_request(server: Server) -> None:
+    states = server.live.states()
+    assert post(server, {"pause": True})[0] == 200
+    stopped = next(state for state in states if state["paused"])
+    assert post(server, {"step": 1000})[0] == 200
+    stepped = next(state for state in states if state["time"] > stopped["time"])
+    period = server.live.compiled.dt * server.live.compiled.action_repeat
+    assert stepped["time"] == pytest.approx(stopped["time"] + 1000 * period, abs=1e-5)
+
+
+def test_a_slow_machine_drops_the_time_that_it_cannot_fly() -> None:
+    assert due_steps(0.0351, 0.01, 1.0) == (3, pytest.approx(0.0051))
+    assert due_steps(60.0, 0.01, 1.0) == (20, 0.0)
+    assert due_steps(0.3, 0.5, 0.01) == (0, 0.3)
+
+
+def test_an_error_of_the_flight_reaches_the_page(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("no policy")
+
+    monkeypatch.setattr(server.live, "_advance", fail)
+    states = server.live.states()
+    assert next(state for state in states if state["text"])["text"] == "stopped: no policy"
+
+
 # --- errors -------------------------------------------------------------------------------------
 
 
@@ -309,6 +342,7 @@ def test_pages_of_other_sites_may_not_change_the_simulation(server: Server) -> N
     ("arguments", "message"),
     [
         ([], "error: needs flights or a training run, or --live SCENARIO, and not both; "),
+        (["--live", "hover", "none.h5"], "error: needs flights or a training run, or --live"),
         (["--live", "hvoer"], "did you mean `hover`?"),
         (["--live", "hover", "--policy", "none"], "none"),
         (["missing.h5"], "error: missing.h5: no such file; `skybody run` writes flight.h5"),

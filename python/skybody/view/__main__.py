@@ -59,6 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         made.error("needs flights or a training run, or --live SCENARIO, and not both")
     if len(options.shown) > MOST_FLIGHTS:
         made.error(f"{len(options.shown)} flights; allowed: at most {MOST_FLIGHTS}")
+    if len(options.shown) > 1 and (runs := [one for one in options.shown if is_run(Path(one))]):
+        made.error(f"{runs[0]} is a training run; allowed: one run alone, or flight logs")
     try:
         return serve(options) if options.live is not None else write(options)
     except (Error, UsageError, ValueError, OSError) as error:

@@ -6,17 +6,18 @@ import math
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody import CompiledScenario, FlightPolicy, Simulation
+from skybody import CompiledScenario, Error, FlightPolicy, Simulation
 
 from .sampler import Sampler
 
 RATE = 30.0  # states per second that a page receives
+LONGEST_TURN = 0.2  # of simulated time between two states, at speed 1 [s]
 SPEEDS = (0.01, 20.0)  # of simulated time over that on the wall
 STIFFNESS = 2.0  # of a pull: weights of the robot per metre
 STRONGEST = 2.0  # pull: weights of the robot
@@ -27,7 +28,7 @@ LEAST_SPAN = 1e-3  # of a slider, in its unit
 
 @dataclass
 class Control:
-    """The things that a page may change at any time."""
+    """The things that a page may change at any time; guarded by Live's lock."""
 
     paused: bool = False
     speed: float = 1.0
@@ -37,7 +38,12 @@ class Control:
 
 
 class Live:
-    """A simulation on a thread of its own. Its methods may be called from any thread."""
+    """A simulation on a thread of its own.
+
+    start(), close(), states() and change() may be called from any thread. The simulation, the
+    policy and the sampler belong to the caller until start(), then to the thread alone; `_changed`
+    guards the control and the state that is published.
+    """
 
     def __init__(self, compiled: CompiledScenario, policy: str, seed: int) -> None:
         """Begins the first episode.
@@ -53,7 +59,7 @@ class Live:
         self._weights = {robot: weight_of(compiled, robot) for robot in self.sampler.bases}
         self._control = Control()
         self._text = self._policy.warning
-        self._number, self._state = 0, self._look()
+        self._number, self._state = 0, self._state_now()
         self._changed = threading.Condition()
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -136,18 +142,26 @@ class Live:
     # --- the thread -----------------------------------------------------------------------------
 
     def _run(self) -> None:
+        """Flies until close(); an error stops the flight, and its text reaches the page."""
+        try:
+            self._fly()
+        except (Error, ValueError) as error:
+            self._text = f"stopped: {error}"
+            self._publish()
+
+    def _fly(self) -> None:
         period = self.compiled.dt * self.compiled.action_repeat
         owed = 0.0  # simulated time that is to be made [s]
         before = time.monotonic()
         while not self._closed.wait(1.0 / RATE):
+            control = self._take_changes()
             now = time.monotonic()
-            with self._changed:
-                control, self._control.steps = self._taken(), 0
-                owed = 0.0 if control.paused else owed + control.speed * (now - before)
-                steps = control.steps if control.paused else int(owed / period)
-                steps = min(steps, round(max(1.0, control.speed * 0.2 / period)))
-                owed = max(owed - steps * period, 0.0)
+            owed += control.speed * (now - before)
             before = now
+            if control.paused:
+                steps, owed = control.steps, 0.0
+            else:
+                steps, owed = due_steps(owed, period, control.speed)
             self._advance(steps)
             self._publish()
             if self.sampler.ending() and not control.paused:
@@ -155,14 +169,15 @@ class Live:
                 self._begin()
                 before, owed = time.monotonic(), 0.0
 
-    def _taken(self) -> Control:
-        """Carries out what waits, and returns a copy of the control."""
-        if self._control.reset:
+    def _take_changes(self) -> Control:
+        """Applies the waiting reset and parameters; returns the control as it was."""
+        with self._changed:
+            taken = replace(self._control)
+            self._control.steps, self._control.reset, self._control.params = 0, False, {}
+        if taken.reset:
             self._begin()
-        for path, value in self._control.params.items():
+        for path, value in taken.params.items():
             self._simulation.set_param(path, value)
-        taken = Control(self._control.paused, self._control.speed, self._control.steps)
-        self._control.reset, self._control.params = False, {}
         return taken
 
     def _begin(self) -> None:
@@ -181,10 +196,11 @@ class Live:
 
     def _publish(self) -> None:
         with self._changed:
-            self._number, self._state = self._number + 1, self._look()
+            self._number, self._state = self._number + 1, self._state_now()
             self._changed.notify_all()
 
-    def _look(self) -> dict[str, Any]:
+    def _state_now(self) -> dict[str, Any]:
+        """The present row as a page takes it."""
         row = self.sampler.row()
         return {
             "time": round(row.time, 6),
@@ -197,6 +213,21 @@ class Live:
             "values": listed(row.values),
             "touching": row.touching,
         }
+
+
+def due_steps(owed: float, period: float, speed: float) -> tuple[int, float]:
+    """Steps to make now, and the time that is then still owed [s].
+
+    A machine that is too slow for the speed makes the steps of LONGEST_TURN; the rest is dropped,
+    so that the flight does not race when the machine has time again.
+
+    Args:
+        owed: simulated time that is to be made [s].
+        period: of a step [s].
+        speed: of simulated time over that on the wall.
+    """
+    steps, most = int(owed / period), max(1, round(speed * LONGEST_TURN / period))
+    return (most, 0.0) if steps > most else (steps, owed - steps * period)
 
 
 def number(value: object, low: float, high: float) -> float:

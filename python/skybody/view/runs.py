@@ -39,8 +39,12 @@ def write_run_page(run: Path, out: Path) -> None:
     folders = spread(checkpoint_folders(run), MOST_SHOWN)
     if not folders:
         raise UsageError(f"{run}: there is no checkpoint yet; `skybody train` writes them")
-    shown = [Shown(fly_checkpoint(compiled, folder), label_of(folder)) for folder in folders]
-    write_page(out, compiled.name, shown, curve_of(run, shown))
+    steps = [int(read_meta(folder)["steps"]) for folder in folders]
+    shown = [
+        Shown(fly_checkpoint(compiled, folder), label_of(count))
+        for folder, count in zip(folders, steps, strict=True)
+    ]
+    write_page(out, compiled.name, shown, curve_of(run, steps))
 
 
 def fly_checkpoint(compiled: CompiledScenario, folder: Path) -> Samples:
@@ -50,9 +54,9 @@ def fly_checkpoint(compiled: CompiledScenario, folder: Path) -> Samples:
     return fly(simulation, FlightPolicy(compiled, str(folder)), round(MOST_SECONDS / step))
 
 
-def label_of(folder: Path) -> str:
-    """The checkpoint's number of steps in words."""
-    return f"{read_meta(folder)['steps']:,} steps"
+def label_of(steps: int) -> str:
+    """Name of the checkpoint after a number of steps."""
+    return f"{steps:,} steps"
 
 
 def spread(folders: list[Path], most: int) -> list[Path]:
@@ -63,13 +67,18 @@ def spread(folders: list[Path], most: int) -> list[Path]:
     return [folders[round(last * (1.0 - k / (most - 1)))] for k in range(most)]
 
 
-def curve_of(run: Path, shown: list[Shown]) -> Curve | None:
-    """The mean return over the steps of a run; None before its first row."""
+def curve_of(run: Path, shown: list[int]) -> Curve | None:
+    """The mean return over the steps of a run; None before its first row.
+
+    Args:
+        run: its folder.
+        shown: steps of the checkpoints that the page shows; they are marked.
+    """
     rows = read_table(run / "progress.csv")
     points = [(float(row["steps"]), float(row["recent_return_mean"])) for row in rows]
     points = [(x, y) for x, y in points if math.isfinite(y)]
     if not points:
         return None
     thin = points[:: max(1, len(points) // 400)]
-    marks = [(float(one.label.split()[0].replace(",", "")), one.label) for one in shown]
+    marks = [(float(steps), label_of(steps)) for steps in shown]
     return Curve("Learning curve", "environment steps", "return", thin, marks)

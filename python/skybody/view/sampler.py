@@ -9,7 +9,7 @@ import numpy as np
 from skybody import FlightPolicy, Simulation
 from skybody.look.motion import Array
 
-from .samples import Samples, Series, bases_of
+from .samples import Samples, Series, bases_of, chosen_rows, prefixes
 
 ENDINGS = ("terminated", "truncated", "fault")
 
@@ -34,8 +34,8 @@ class Sampler:
         self.goal_names = list(simulation.goal_bodies)
         compiled = simulation.compiled
         self.bases = bases_of(self.body_names)
-        prefix = {robot: f"{robot}." if len(self.bases) > 1 else "" for robot in self.bases}
-        self.names = [
+        prefix = prefixes(self.bases)
+        self.names = [  # and units, of Row.values
             *((f"{prefix[robot]}height", "m") for robot in self.bases),
             *((f"{prefix[robot]}speed", "m/s") for robot in self.bases),
             ("reward", ""),
@@ -76,15 +76,21 @@ def name_of(name: str, k: int, count: int) -> str:
 
 
 def fly(simulation: Simulation, policy: FlightPolicy, most_steps: int) -> Samples:
-    """Flies an episode to its end, or for some steps."""
+    """Flies an episode to its end, or for some steps.
+
+    Returns:
+        Its samples: all rows, or those that chosen_rows() keeps of them.
+    """
     simulation.reset()
     sampler = Sampler(simulation)
-    rows, drawn = [sampler.row()], sampler.drawn()
-    while len(rows) <= most_steps and not sampler.ending():
+    flown, drawn = [sampler.row()], sampler.drawn()
+    while len(flown) <= most_steps and not sampler.ending():
         simulation.step(policy.act(simulation))
-        rows.append(sampler.row())
+        flown.append(sampler.row())
+    width = sum(np.size(value) for value in flown[0])
+    kept = chosen_rows(np.array([row.time for row in flown]), width)
     time, poses, rotors, goals, values, touching = (
-        np.array(column) for column in zip(*rows, strict=True)
+        np.array(column) for column in zip(*(flown[k] for k in kept), strict=True)
     )
     return Samples(
         compiled=simulation.compiled,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 
@@ -89,7 +90,7 @@ def chosen_rows(time: Array, width: int) -> NDArray[np.intp]:
     """
     duration = max(float(time[-1] - time[0]), 1e-9)
     rate = min(FASTEST, max(NUMBERS / width, LEAST_RATE))
-    stride = max(1, round((len(time) - 1) / duration / rate))
+    stride = max(1, math.ceil((len(time) - 1) / duration / rate - 1e-6))  # less rounding
     return np.unique(np.append(np.arange(0, len(time), stride), len(time) - 1))
 
 
@@ -97,6 +98,12 @@ def bases_of(body_names: list[str]) -> dict[str, int]:
     """The first body of each robot, by the robot's name."""
     robots = [name.split(".")[0] for name in body_names]
     return {robot: robots.index(robot) for robot in dict.fromkeys(robots)}
+
+
+def prefixes(robots: Iterable[str]) -> dict[str, str]:
+    """The start of the names of each robot's values: `ROBOT.`; empty for a robot alone."""
+    names = list(robots)
+    return {name: f"{name}." if len(names) > 1 else "" for name in names}
 
 
 def motion_series(
@@ -108,8 +115,9 @@ def motion_series(
         bodies: rows x bodies x 10 or more: pose, velocity (W) [m/s].
     """
     robots = bases_of(body_names)
+    starts = prefixes(robots)
     for robot, base in robots.items():
-        prefix = f"{robot}." if len(robots) > 1 else ""
+        prefix = starts[robot]
         yield Series(f"{prefix}height", "m", bodies[:, base, 2])
         yield Series(f"{prefix}speed", "m/s", np.linalg.norm(bodies[:, base, 7:10], axis=1))
         if (goal := goals.get(body_names[base])) is not None:

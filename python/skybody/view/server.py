@@ -19,10 +19,12 @@ MOST_BYTES = 4096  # of a change
 class Server(ThreadingHTTPServer):
     """Serves the page, its states as events, and takes changes."""
 
-    daemon_threads = True
-
     def __init__(self, live: Live, port: int) -> None:
-        """Listens.
+        """Begins to listen; requests wait for serve_forever().
+
+        Args:
+            live: not started yet: the page has its present parameters.
+            port: 0: any that is free.
 
         Raises:
             InputError: the port is in use.
@@ -63,7 +65,7 @@ class Handler(BaseHTTPRequestHandler):
         if not self._is_ours():
             return
         size = self.headers.get("Content-Length", "")
-        if self.path != "/change" or not size.isdigit() or int(size) > MOST_BYTES:
+        if self.path != "/change" or not size.isdecimal() or int(size) > MOST_BYTES:
             self.send_error(HTTPStatus.BAD_REQUEST)
             return
         try:
@@ -71,7 +73,7 @@ class Handler(BaseHTTPRequestHandler):
             if not isinstance(wish, dict):
                 raise ValueError("a change is a map")
             self.server.live.change(wish)
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, RecursionError) as error:
             self._reply(HTTPStatus.BAD_REQUEST, "text/plain; charset=utf-8", str(error).encode())
             return
         self._reply(HTTPStatus.OK, "text/plain", b"")
@@ -92,6 +94,8 @@ class Handler(BaseHTTPRequestHandler):
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(body)))
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("X-Frame-Options", "DENY")  # no other site may show the page in its own
         self.end_headers()
         self.wfile.write(body)
 
@@ -104,5 +108,5 @@ class Handler(BaseHTTPRequestHandler):
             for state in self.server.live.states():
                 self.wfile.write(f"data: {json.dumps(state, allow_nan=False)}\n\n".encode())
                 self.wfile.flush()
-        except (BrokenPipeError, ConnectionResetError):
+        except ConnectionError:
             return  # the browser has left

@@ -5,6 +5,7 @@ import { make } from "./panel.js";
 
 const KEPT = 60; // of the past [s]
 const RATE = 30; // states per second
+const NOTICE = 5; // for which a refusal is shown [s]
 
 /** The connection to `skybody view --live`. */
 export class Live {
@@ -67,11 +68,15 @@ export class Live {
     }
     speeds.onchange = () => this.send({ speed: Number(speeds.value) });
     place.append(pause, step, reset, speeds, clock, text);
-    this.say = (message) => (text.textContent = message);
+    let notice = { text: "", end: 0 };
+    this.say = (message) => {
+      notice = { text: message, end: performance.now() + 1000 * NOTICE };
+      text.textContent = message;
+    };
     this.show = () => {
       pause.textContent = this.state.paused ? "Go" : "Pause";
       clock.textContent = `episode ${this.state.episode}, ${this.state.time.toFixed(2)} s`;
-      text.textContent = this.state.text;
+      text.textContent = performance.now() < notice.end ? notice.text : this.state.text;
     };
     this.show();
     const track = this.track;
@@ -129,6 +134,7 @@ class Drag {
     canvas.addEventListener("pointerdown", (event) => this.begin(event), { capture: true });
     addEventListener("pointermove", (event) => this.move(event));
     addEventListener("pointerup", () => this.end());
+    addEventListener("pointercancel", () => this.end());
     setInterval(() => this.pull(), 1000 / RATE);
   }
 
@@ -136,6 +142,7 @@ class Drag {
     const { body, point } = this.stage.pick(event.clientX, event.clientY);
     if (body === null || event.button !== 0) return;
     event.stopImmediatePropagation(); // the view stays
+    event.target.setPointerCapture(event.pointerId); // a release outside of the window counts, too
     this.body = body;
     const away = this.stage.camera.getWorldDirection(new THREE.Vector3());
     this.plane.setFromNormalAndCoplanarPoint(away, point);

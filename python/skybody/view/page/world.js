@@ -120,6 +120,7 @@ export class World {
     this.rotors = this.data.rotors.map((rotor) => this.addRotor(rotor));
     this.couplings = this.data.couplings.map((coupling) => this.addCoupling(coupling));
     this.size = this.sizeOf();
+    this.touch = this.addTouch();
     this.trails = this.data.robots.map((robot) => this.addTrail(robot));
     this.goals = track.goalNames.map(() => this.addGoal());
     this.setGhost(ghost);
@@ -328,16 +329,21 @@ export class World {
     return goal;
   }
 
+  /** The ring about the first body while something touches. */
+  addTouch() {
+    const ring = new THREE.TorusGeometry(1.15 * this.size, 0.05 * this.size, 8, 40);
+    const touch = new THREE.Mesh(ring, new THREE.MeshBasicMaterial({ color: TOUCH_COLOR }));
+    this.group.add(touch);
+    return touch;
+  }
+
+  /** Radius of the largest body with its rotors, at least 0.05 [m]. */
   sizeOf() {
     const far = [0.05];
     for (const r of this.data.rotors) far.push(Math.hypot(...r.position) + r.radius);
     for (const s of this.data.shapes) {
       if (s.kind !== "plane") far.push(Math.max(...s.half) + Math.hypot(...s.position));
     }
-    const size = Math.max(...far);
-    const ring = new THREE.TorusGeometry(1.15 * size, 0.05 * size, 8, 40);
-    this.touch = new THREE.Mesh(ring, new THREE.MeshBasicMaterial({ color: TOUCH_COLOR }));
-    this.group.add(this.touch);
-    return size;
+    return Math.max(...far);
   }
 }
