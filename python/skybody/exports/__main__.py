@@ -15,7 +15,7 @@ from typing import Any
 
 from skybody import InputError
 from skybody.command_line import CommandLine, real, report_error, whole
-from skybody.look.flight import open_flight
+from skybody.look.flight import log_and_episode, open_flight
 from skybody.program import run_program
 from skybody.whole_output import whole_output
 
@@ -102,10 +102,9 @@ def default_out(source: str, form: Format, opened: Any) -> Path:
     if isinstance(opened, PolicySource):
         folder = Path(source) if Path(source).is_dir() else Path(source).parent
         return (Path() if source == SHIPPED else folder) / f"{opened.name}{form.ending}"
-    path, _, episode = source.rpartition(":")
-    log = Path(path if path and episode.isdigit() else source)
-    log = log / "flight.h5" if log.is_dir() else log
-    number = f"-{episode}" if path and episode.isdigit() else ""
+    path, episode = log_and_episode(source)
+    log = Path(path) / "flight.h5" if Path(path).is_dir() else Path(path)
+    number = "" if episode is None else f"-{episode}"
     return log.with_name(f"{log.stem}{number}{form.ending}")
 
 

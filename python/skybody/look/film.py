@@ -39,10 +39,10 @@ Frame = NDArray[np.uint8]  # (height, width, 3)
 
 @dataclass(frozen=True)
 class Size:
-    """Of a film."""
+    """Size, rate and lens of a film."""
 
     width: int = 1920  # [pixels]
-    height: int = 1080
+    height: int = 1080  # [pixels]
     rate: float = 30.0  # frames per second
     field_of_view: float = 1.05  # horizontal [rad]
     quality: int = 80  # of WebP, up to 100
@@ -53,8 +53,8 @@ class Panel:
     """A part of the picture: a world by a camera."""
 
     scenes: tuple[Scene, ...]  # drawn into one world; the camera is the first one's
-    camera: str
-    left: int
+    camera: str  # of skybody.look.cameras.CAMERAS
+    left: int  # of the picture, as all that follow [pixels]
     top: int
     width: int
     height: int
@@ -105,7 +105,7 @@ class Film:
 
 
 def _prepare(panel: Panel, size: Size) -> tuple[Renderer, Camera]:
-    focal = 0.5 * size.width / np.tan(0.5 * size.field_of_view) * panel.width / size.width
+    focal = 0.5 * panel.width / np.tan(0.5 * size.field_of_view)  # [pixels]
     shapes = sum(scene.most for scene in panel.scenes)
     triangles = sum(scene.triangles for scene in panel.scenes)
     if triangles > MOST_TRIANGLES:

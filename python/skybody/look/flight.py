@@ -133,10 +133,7 @@ class Flight(Motion):
     @cached_property
     def goals(self) -> dict[str, Array]:
         """By the name of the body that has it: rows x 4, position (W) [m] and yaw [rad]."""
-        if not self.goal_columns:
-            return {}
-        goal = self._group["goal"][:]
-        return {name: goal[:, k] for name, k in self.goal_columns.items()}
+        return self.goals_in(np.arange(len(self.time)))
 
     @cached_property
     def goal_columns(self) -> dict[str, int]:
@@ -237,10 +234,14 @@ class Flight(Motion):
 
 def open_flight(argument: str, *, has_bodies: bool = True) -> Flight:
     """Opens `LOG` or `LOG:EPISODE` of a command line; as Flight(), also for errors."""
+    path, episode = log_and_episode(argument)
+    return Flight(path, episode, has_bodies=has_bodies)
+
+
+def log_and_episode(argument: str) -> tuple[str, int | None]:
+    """The parts of `LOG:EPISODE` of a command line; None: there is no number."""
     path, _, number = argument.rpartition(":")
-    if path and number.isdigit():
-        return Flight(path, int(number), has_bodies=has_bodies)
-    return Flight(argument, has_bodies=has_bodies)
+    return (path, int(number)) if path and number.isdecimal() else (argument, None)
 
 
 def _open(path: Path) -> h5py.File:

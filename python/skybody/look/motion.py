@@ -75,7 +75,7 @@ class Motion(ABC):
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Time of the last row, since the reset [s]."""
         return float(self.time[-1])
 
     def at(self, time: float) -> tuple[Array, Array]:
@@ -116,10 +116,15 @@ class Motion(ABC):
 
     def goals_at(self, time: float) -> dict[str, Array]:
         """By body: position (W) [m] and yaw [rad]."""
+        rows = np.array([self.row_at(time)], np.intp)
+        return {name: goal[0] for name, goal in self.goals_in(rows).items()}
+
+    def goals_in(self, rows: NDArray[np.intp]) -> dict[str, Array]:
+        """By body: rows x 4, position (W) [m] and yaw [rad]; empty: there are no goals."""
         if not self.goal_columns:
             return {}
-        goal = self.rows("goal")[[self.row_at(time)]][0]
-        return {name: goal[k] for name, k in self.goal_columns.items()}
+        goal = self.rows("goal")[rows]
+        return {name: goal[:, k] for name, k in self.goal_columns.items()}
 
     def stretch(self, first: float, last: float, most: int) -> NDArray[np.intp]:
         """At most `most` + 1 rows between two times [s]; those of all stretches lie on one grid."""
@@ -131,10 +136,11 @@ class Motion(ABC):
     def overview(self) -> Overview:
         """Rows of all of it, at most MOST."""
         rows = np.unique(np.linspace(0, len(self.time) - 1, self.MOST).astype(np.intp))
-        goal = self.rows("goal")[rows] if self.goal_columns else None
-        goals = {} if goal is None else {name: goal[:, k] for name, k in self.goal_columns.items()}
         return Overview(
-            self.time[rows], self.rows("bodies")[rows], self.rows("rotor_speed")[rows], goals
+            self.time[rows],
+            self.rows("bodies")[rows],
+            self.rows("rotor_speed")[rows],
+            self.goals_in(rows),
         )
 
 

@@ -48,8 +48,7 @@ OBSTACLES: dict[str, Color] = {
     "sphere": (0.25, 0.45, 0.70),
 }
 STONE: Color = (0.62, 0.56, 0.47)
-
-
+MOST_ROWS = 400  # of a flight that Scene.points() takes
 FLOOR_SHAPE = Fixed(
     GROUND, -1, np.zeros(3), IDENTITY, (0.0, 0.0, 0.0), FLOOR[0], checker=(FLOOR[1], 1.0)
 )
@@ -196,9 +195,6 @@ def parts_of(scene: Scene) -> list[Callable[[Lines, float], None]]:
     if style.contacts:
         found.append(Contacts(flight, scene.bodies, scene.obstacles, scene.size()).add)
     return found
-
-
-MOST_ROWS = 400  # of a flight that Scene.points() takes
 
 
 def blade_radii(rotors: Sequence[Rotor]) -> dict[str, float]:

@@ -63,11 +63,7 @@ class Trails:
         if self._most == 0.0:
             view = self._motion.overview
             self._most = max(float(np.nanmax(self._value(view.bodies, view.goals))), 1e-9)
-        goals: dict[str, Array] = {}
-        if self._motion.goal_columns:
-            goal = self._motion.rows("goal")[rows]
-            goals = {name: goal[:, k] for name, k in self._motion.goal_columns.items()}
-        values = self._value(bodies, goals) / self._most
+        values = self._value(bodies, self._motion.goals_in(rows)) / self._most
         return np.concatenate([values, values[-1:]])
 
     def _speeds(self, bodies: Array, goals: Mapping[str, Array]) -> Array:

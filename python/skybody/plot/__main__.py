@@ -26,7 +26,7 @@ except ImportError as error:
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
-from skybody.look.flight import Flight, open_flight
+from skybody.look.flight import Flight, log_and_episode, open_flight
 from skybody.whole_output import whole_output
 
 from .page import PANELS, PATH, draw_chosen, draw_for_paper, draw_page, names_on_page
@@ -108,8 +108,8 @@ def plot(options: argparse.Namespace) -> int:
     if options.pdf and options.style == "paper":
         raise InputError("--pdf: --style paper writes PDF and SVG; leave --pdf out")
     first = open_flight(options.log)
-    is_named = options.log.endswith(f":{first.episode}")
-    episodes = [first.episode] if is_named else first.episodes[: options.most]
+    _, episode = log_and_episode(options.log)
+    episodes = first.episodes[: options.most] if episode is None else [episode]
     folder = options.out or first.path.parent
     # "default": independent of a matplotlibrc in the working folder.
     with plt.style.context(("default", STYLE)):

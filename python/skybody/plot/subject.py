@@ -62,8 +62,7 @@ class Subject:
     @cached_property
     def goals(self) -> dict[str, Array]:
         """By the name of the body that has it: rows x 4, as of Flight.goals."""
-        goal = self.flight.rows("goal")[self.rows]
-        return {name: goal[:, k] for name, k in self.flight.goal_columns.items()}
+        return self.flight.goals_in(self.rows)
 
     @cached_property
     def rotor_speed(self) -> Array:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from skybody import CompiledScenario, Error
 from skybody.command_line import CommandLine, report_error, whole
-from skybody.look.flight import Flight, open_flight
+from skybody.look.flight import Flight, log_and_episode, open_flight
 from skybody.program import run_program
 from skybody.train.hyperparameters import UsageError
 
@@ -93,7 +93,8 @@ def page_beside(first: Path) -> Path:
 def flights_in(argument: str) -> list[Shown]:
     """The episode that LOG:EPISODE names, or the first ones of LOG."""
     flight = open_flight(argument)
-    others = [] if argument.endswith(f":{flight.episode}") else flight.episodes[1:MOST_EPISODES]
+    _, episode = log_and_episode(argument)
+    others = flight.episodes[1:MOST_EPISODES] if episode is None else []
     flights = [flight, *(Flight(flight.path, number) for number in others)]
     name = flight.path.parent.name or flight.path.name
     return [Shown(of_flight(one), f"{name}, episode {one.episode}") for one in flights]

@@ -59,10 +59,7 @@ def of_flight(flight: Flight) -> Samples:
     robots = bases_of(flight.body_names)
     rows = chosen_rows(flight.time, width + len(columns) + 3 * len(robots))
     bodies = flight.rows("bodies")[rows]
-    goals = {}
-    if flight.goal_columns:
-        goal = flight.rows("goal")[rows]
-        goals = {name: goal[:, k] for name, k in flight.goal_columns.items()}
+    goals = flight.goals_in(rows)
     return Samples(
         compiled=flight.compiled,
         episode=flight.episode,
