@@ -149,6 +149,27 @@ def test_a_rate_thins_out_messages_by_simulated_time() -> None:
     assert counts == [101, 11]
 
 
+def test_a_rate_between_those_of_steps_holds_on_average() -> None:
+    made = bridge("hover", Row("/pose", "geometry_msgs/msg/PoseStamped", "pose", rate=300.0))
+    count = 0
+    for _ in range(100):  # of 1 ms
+        count += len(made.due())
+        made.simulation.step(np.zeros(4, np.float32))
+    assert count == 30
+
+
+def test_messages_are_due_when_a_restore_puts_the_time_back() -> None:
+    made = bridge("hover", Row("/pose", "geometry_msgs/msg/PoseStamped", "pose", rate=10.0))
+    saved = made.simulation.save()
+    for _ in range(50):
+        made.due()
+        made.simulation.step(np.zeros(4, np.float32))
+    made.simulation.restore(saved)
+    assert made.due() == []
+    made.make_due()
+    assert made.due() == [0]
+
+
 # --- commands -----------------------------------------------------------------------------------
 
 
@@ -218,6 +239,12 @@ def test_a_wrong_command_is_refused_and_nothing_moves(data: list[float], problem
         (f"command: [{{topic: /a, type: {NUMBERS}, to: ctbr}}, "
          f"{{topic: /a, type: {NUMBERS}, to: ctbr}}]", "topics are named twice: /a"),
         ("publish: [", "is no YAML"),
+        ("publish: 3", "publish: is `3`; allowed: a list of rows"),
+        ("publish: [{topic: 5, type: a, from: b}]", "`topic` is `5`; allowed: a text"),
+        ("publish: [{topic: /a, type: nav_msgs/msg/Odometry, from: odometry, rate: x}]",
+         "/a: `rate` is `x`; allowed: 0 to 1e+06"),
+        (f"{{control: attitude, command: [{{topic: /a, type: {NUMBERS}, to: ctbr}}]}}",
+         "/a: `to: ctbr` needs `control: ctbr`; the map has `control: attitude`"),
     ],
 )  # fmt: skip
 def test_a_wrong_map_is_one_error_with_its_remedy(text: str, message: str, tmp_path: Path) -> None:
@@ -236,6 +263,7 @@ def test_a_wrong_map_is_one_error_with_its_remedy(text: str, message: str, tmp_p
         (Row("/i", "sensor_msgs/msg/Image", "front.rgb"), "no image `front.rgb`"),
         (Row("/i", "my_msgs/msg/Own", "pose"), "there is no such row"),
         (Row("/p", "geometry_msgs/msg/PoseStamped", "pose", robot="qaud"), "qaud"),
+        (Row("/p", "geometry_msgs/msg/PoseStamped", "pose", body="quad.leg"), "no body `quad.leg`"),
     ],
 )
 def test_a_part_that_the_scenario_lacks_is_one_error(row: Row, message: str) -> None:

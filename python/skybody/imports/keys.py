@@ -109,6 +109,15 @@ def read_keys(file: Path) -> Keys:
     Raises:
         InputError: it cannot be read, or is no YAML with keys.
     """
+    return Keys(file, "", read_yaml(file))
+
+
+def read_yaml(file: Path) -> Any:
+    """The content of a map.
+
+    Raises:
+        InputError: PyYAML is missing, or the file is long, cannot be read, or is no YAML.
+    """
     try:
         import yaml
     except ModuleNotFoundError:
@@ -118,7 +127,7 @@ def read_keys(file: Path) -> Keys:
             data = opened.read(MOST_BYTES + 1)
         if len(data) > MOST_BYTES:
             raise InputError(f"{file}: has more than {MOST_BYTES} bytes; a map is a short text")
-        return Keys(file, "", yaml.safe_load(data))
+        return yaml.safe_load(data)
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror})") from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:

@@ -82,11 +82,11 @@ class Bridge:
     def reset(self, seed: int | None = None) -> None:
         """Begins the next episode; waiting commands go."""
         self._waiting = {}
-        self._due = [0.0] * len(self.publish)
         if seed is None:
             self.simulation.reset()
         else:
             self.simulation.reset(seed)
+        self.make_due()
 
     # --- states ---------------------------------------------------------------------------------
 
@@ -96,8 +96,14 @@ class Bridge:
         found = [k for k, time in enumerate(self._due) if now >= time - 1e-9]
         for k in found:
             rate = self.publish[k].rate
-            self._due[k] = now + 1.0 / rate if rate > 0.0 else now
+            period = 1.0 / rate if rate > 0.0 else 0.0
+            # On a grid of its own, so that a rate between those of steps holds on average.
+            self._due[k] = max(self._due[k] + period, now)
         return found
+
+    def make_due(self) -> None:
+        """All messages are due: the time has gone back, or someone asks for them again."""
+        self._due = [self.simulation.time] * len(self.publish)
 
     def fill(self, number: int, message: Any) -> None:
         """Writes a row's message, with its frame; the stamp is the caller's."""

@@ -6,14 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from skybody import InputError
+from skybody.imports.keys import is_number, read_yaml
+from skybody.simulation import CONTROL_MODES
 
 from .commands import COMMANDS
 from .states import STATES
 
 KEYS = {"control", "publish", "command", "clock"}
+MOST_RATE = 1e6  # of messages of a row, per second of simulated time
 ROW = {"topic", "type", "from", "to", "robot", "body", "rate", "frame"}
 
 
@@ -44,24 +45,33 @@ def read_map(path: Path) -> BridgeMap:
     """Reads a map.
 
     Raises:
-        InputError: every mistake, with the file and the row.
+        InputError: the first mistake, with the file and the row.
     """
-    try:
-        content = yaml.safe_load(path.read_text())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except yaml.YAMLError as error:
-        raise InputError(f"{path}: is no YAML: {error}") from None
+    content = read_yaml(path)
     if not isinstance(content, dict):
         raise InputError(f"{path}: a map has the keys {', '.join(sorted(KEYS))}")
     if unknown := set(content) - KEYS:
         raise InputError(
             f"{path}: unknown key {sorted(unknown)}; allowed: {', '.join(sorted(KEYS))}"
         )
-    publish = [row_of(path, entry, "from") for entry in content.get("publish") or []]
-    command = [row_of(path, entry, "to") for entry in content.get("command") or []]
+    publish = rows_of(path, content, "publish", "from")
+    command = rows_of(path, content, "command", "to")
     check(path, publish, command)
-    return BridgeMap(publish, command, content.get("control"), bool(content.get("clock", True)))
+    control, clock = content.get("control"), content.get("clock", True)
+    if not isinstance(control, str | None):
+        raise InputError(f"{path}: control: is `{control}`; allowed: a text, as skybody.Simulation")
+    if not isinstance(clock, bool):
+        raise InputError(f"{path}: clock: is `{clock}`; allowed: true, false")
+    check_control(path, control, command)
+    return BridgeMap(publish, command, control, clock)
+
+
+def rows_of(path: Path, content: dict[str, Any], key: str, part: str) -> list[Row]:
+    """The rows of `publish` or `command`."""
+    entries = content.get(key) or []
+    if not isinstance(entries, list):
+        raise InputError(f"{path}: {key}: is `{entries}`; allowed: a list of rows")
+    return [row_of(path, entry, part) for entry in entries]
 
 
 def row_of(path: Path, entry: Any, part: str) -> Row:
@@ -71,8 +81,16 @@ def row_of(path: Path, entry: Any, part: str) -> Row:
             f"{path}: {entry!r} is no row; a row has topic, type, {part}, and may have "
             f"{', '.join(sorted(ROW - {'topic', 'type', 'from', 'to'}))}"
         )
+    for key in sorted(set(entry) - {"rate"}):
+        if not isinstance(entry[key], str):
+            raise InputError(f"{path}: {entry!r}: `{key}` is `{entry[key]}`; allowed: a text")
+    rate = entry.get("rate", 0.0)
+    if not is_number(rate) or not 0.0 <= rate <= MOST_RATE:
+        raise InputError(
+            f"{path}: {entry['topic']}: `rate` is `{rate}`; allowed: 0 to {MOST_RATE:g}"
+        )
     values = {key: entry[key] for key in ROW & set(entry) - {"from", "to", "rate"}}
-    return Row(part=str(entry[part]), rate=float(entry.get("rate", 0.0)), **values)
+    return Row(part=entry[part], rate=float(rate), **values)
 
 
 def check(path: Path, publish: list[Row], command: list[Row]) -> None:
@@ -94,3 +112,14 @@ def check(path: Path, publish: list[Row], command: list[Row]) -> None:
     topics = [row.topic for row in (*publish, *command)]
     if twice := {topic for topic in topics if topics.count(topic) > 1}:
         raise InputError(f"{path}: topics are named twice: {', '.join(sorted(twice))}")
+
+
+def check_control(path: Path, control: str | None, command: list[Row]) -> None:
+    """Compares commands with the control mode; of a list of controllers the sizes tell."""
+    for row in command:
+        wanted = COMMANDS[row.part].control
+        if wanted is not None and control in CONTROL_MODES and control != wanted:
+            raise InputError(
+                f"{path}: {row.topic}: `to: {row.part}` needs `control: {wanted}`; the map has "
+                f"`control: {control}`"
+            )

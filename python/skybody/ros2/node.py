@@ -9,6 +9,7 @@ from skybody import InputError
 
 from .bridge import Bridge
 from .bridge_map import BridgeMap
+from .states import set_stamp
 
 REMEDY = "source the setup of a ROS 2 workspace that has it"
 DEPTH = 10  # of queues
@@ -156,6 +157,7 @@ class Node:
         return f"{self.bridge.simulation.time:.6f} s"
 
     def _send(self) -> str:
+        self.bridge.make_due()
         self.send_states()
         return f"{self.bridge.simulation.time:.6f} s"
 
@@ -167,6 +169,7 @@ class Node:
         if self._saved is None:
             raise ValueError("nothing was saved")
         self.bridge.simulation.restore(self._saved)
+        self.bridge.make_due()
         self.send_states()
         return "restored"
 
@@ -199,9 +202,3 @@ def answering(act: Any) -> Any:
         return response
 
     return handle
-
-
-def set_stamp(stamp: Any, time: float) -> None:
-    """Whole seconds and nanoseconds."""
-    nanoseconds = round(time * 1e9)
-    stamp.sec, stamp.nanosec = nanoseconds // 10**9, nanoseconds % 10**9

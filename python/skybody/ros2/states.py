@@ -32,7 +32,10 @@ class State:
 def body_of(simulation: Simulation, row: Any) -> BodyState:
     """The body of a row: named, or the base of its robot."""
     if row.body:
-        return simulation.bodies[simulation.body_names.index(row.body)]
+        names = simulation.body_names
+        if row.body not in names:
+            raise ValueError(f"no body `{row.body}`: there are {', '.join(names)}")
+        return simulation.bodies[names.index(row.body)]
     return simulation.base(row.robot)
 
 
@@ -64,6 +67,11 @@ def set_pose(to: Any, body: BodyState) -> None:
     set_quaternion(to.orientation, body.rotation)
 
 
+def set_stamp(stamp: Any, time: float) -> None:
+    """Whole seconds and nanoseconds of a time [s]."""
+    stamp.sec, stamp.nanosec = divmod(round(time * 1e9), 10**9)
+
+
 # --- motion -------------------------------------------------------------------------------------
 
 
@@ -90,6 +98,8 @@ def twist_stamped(message: Any, simulation: Simulation, row: Any) -> None:
 
 def goal(message: Any, simulation: Simulation, row: Any) -> None:
     """The task's first goal in W."""
+    if len(simulation.goals) == 0:
+        raise ValueError("the task has no goal")
     x, y, z, yaw = simulation.goals[:4]
     set_vector(message.pose.position, (x, y, z))
     set_quaternion(message.pose.orientation, (np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)))
@@ -162,7 +172,10 @@ def image(message: Any, simulation: Simulation, row: Any) -> None:
     pixels = simulation.image(row.part)
     pixels = pixels if pixels.ndim == 3 else pixels[..., None]
     message.height, message.width, channels = pixels.shape
-    message.encoding = ENCODINGS[pixels.dtype.name, channels]
+    kind = pixels.dtype.name, channels
+    if kind not in ENCODINGS:
+        raise ValueError(f"ROS has no encoding of {channels} channels of {kind[0]}")
+    message.encoding = ENCODINGS[kind]
     message.step = message.width * channels * pixels.itemsize
     message.is_bigendian = 0
     message.data = pixels.tobytes()
@@ -207,8 +220,7 @@ def transforms(message: Any, simulation: Simulation, row: Any) -> None:
     for name, body in zip(simulation.body_names, simulation.bodies, strict=True):
         one = transform()
         one.header.frame_id, one.child_frame_id = "world", frame_of(name)
-        nanoseconds = round(simulation.time * 1e9)
-        one.header.stamp.sec, one.header.stamp.nanosec = divmod(nanoseconds, 10**9)
+        set_stamp(one.header.stamp, simulation.time)
         set_vector(one.transform.translation, body.position)
         set_quaternion(one.transform.rotation, body.rotation)
         message.transforms.append(one)
