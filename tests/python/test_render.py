@@ -195,6 +195,8 @@ def test_ctrl_c_leaves_nothing_half_written(logs: dict[str, Path], tmp_path: Pat
         (["--size", "101x96"], "--size is 101x96; allowed: even numbers, 64x64 to 3840x2160"),
         (["--size", "big"], "--size is `big`; allowed: WIDTHxHEIGHT, such as 1280x720"),
         (["--rate", "0"], "--rate is 0; allowed: 1 to 120"),
+        (["--from", "nan"], "--from is nan; allowed: 0 to 1e+09"),
+        (["--trail", "nan"], "--trail is nan; allowed: 0 to 1e+09"),
         (["--plot", "sped"], "no value `sped`; there are: reward, gates_passed"),
         (["--hide", "goals"], "--hide goals: unknown; allowed: goal, reference, contacts"),
         (["--from", "9"], "no frames between --from 9 and --to"),

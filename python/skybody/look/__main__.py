@@ -26,6 +26,7 @@ from .scene import Scene, Style
 from .strip import Strip, tint
 
 HIDDEN = ("goal", "reference", "contacts")
+LONGEST = 1e9  # of a flight [s]
 STRIP_SHARE = 0.24  # height of the plots, as a share of the film's
 
 
@@ -77,6 +78,21 @@ def scenes_of(flights: list[Flight], options: argparse.Namespace) -> list[Scene]
     return [Scene(f, replace(style, ghost=g)) for f, g in zip(flights, ghosts, strict=True)]
 
 
+def check_ranges(options: argparse.Namespace) -> None:
+    """Raises InputError for the first number that is out of its range, or NaN."""
+    for name, value, least, most in (
+        ("--from", options.first, 0.0, LONGEST),
+        ("--to", options.last, 0.0, LONGEST),
+        ("--at", options.at, 0.0, LONGEST),
+        ("--trail", options.trail, 0.0, LONGEST),
+        ("--rate", options.rate, 1.0, 120.0),
+        ("--speed", options.speed, 0.01, 100.0),
+        ("--field-of-view", options.field_of_view, 10.0, 120.0),
+    ):
+        if value is not None and not least <= value <= most:
+            raise InputError(f"{name} is {value:g}; allowed: {least:g} to {most:g}")
+
+
 def size_of(options: argparse.Namespace) -> Size:
     """The film's size.
 
@@ -84,18 +100,11 @@ def size_of(options: argparse.Namespace) -> Size:
         InputError: it cannot be drawn.
     """
     words = options.size.lower().split("x")
-    if len(words) != 2 or not all(word.isdigit() for word in words):
+    if len(words) != 2 or not all(word.isdecimal() for word in words):
         raise InputError(f"--size is `{options.size}`; allowed: WIDTHxHEIGHT, such as 1280x720")
     width, height = int(words[0]), int(words[1])
     if not (64 <= width <= 3840 and 64 <= height <= 2160) or width % 2 or height % 2:
         raise InputError(f"--size is {width}x{height}; allowed: even numbers, 64x64 to 3840x2160")
-    for name, value, least, most in (
-        ("--rate", options.rate, 1.0, 120.0),
-        ("--speed", options.speed, 0.01, 100.0),
-        ("--field-of-view", options.field_of_view, 10.0, 120.0),
-    ):
-        if not least <= value <= most:
-            raise InputError(f"{name} is {value:g}; allowed: {least:g} to {most:g}")
     return Size(width, height, options.rate, float(np.radians(options.field_of_view)))
 
 
@@ -126,6 +135,7 @@ def counted(frames: Iterator[Frame], of: int) -> Iterator[Frame]:
 
 def render(options: argparse.Namespace) -> int:
     """Writes the film."""
+    check_ranges(options)
     size = size_of(options)
     flights = [open_flight(log) for log in options.logs]
     scenes = scenes_of(flights, options)
