@@ -97,7 +97,7 @@ def written_racer(folder: Path) -> str:
     """The scenario of a racer with propellers of 5 inches, by `skybody new vehicle`."""
     command = [str(PROGRAM), "new", "vehicle", "racer", *RACER, "--dir", str(folder)]
     subprocess.run(command, check=True, capture_output=True)
-    return str(next((folder / "racer").glob("*.yaml")))
+    return str(folder / "racer/scenario.yaml")
 
 
 def measure(options: Any) -> list[dict[str, Any]]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -214,3 +216,32 @@ def test_values_that_are_no_throttle_stop_the_rotors(values: list[float]) -> Non
     vehicle = Vehicle("px4", Setup("hover_crazyflie"))
     vehicle.advance(values, 100)
     assert not vehicle.simulation.rotor_speeds.any()
+
+
+# --- the page -----------------------------------------------------------------------------------
+
+PAGE = Path(__file__).resolve().parents[2] / "docs/sitl.md"
+WORDS = {
+    **{45: "front right", 30: "front right", 135: "back right", 150: "back right"},
+    **{-45: "front left", -30: "front left", -135: "back left", -150: "back left"},
+    **{0: "front", 180: "back", 90: "right", -90: "left"},
+}
+
+
+def test_the_page_has_the_table_of_motors() -> None:
+    rows = [
+        f"| {autopilot} | `{name}` | "
+        + ", ".join(f"{WORDS[int(b)]} {'ccw' if s == CCW else 'cw'}" for b, s in frame.motors)
+        + f" | {frame.settings} |"
+        for autopilot, frames_of_it in FRAMES.items()
+        for name, frame in frames_of_it.items()
+    ]
+    assert "\n".join(rows) in PAGE.read_text(encoding="utf-8")
+
+
+def test_the_page_has_every_option(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    options = set(re.findall(r"--[a-z-]+", capsys.readouterr().out)) - {"--help", "--model"}
+    page = PAGE.read_text(encoding="utf-8")
+    assert [option for option in sorted(options) if f"`{option}" not in page] == []

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
 import socket
 import struct
 import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +18,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from sitl_pilots import Array, HoldPilot, Kept
-from skybody.program import module_command
 from skybody.sitl import betaflight, betaflight_link, betaflight_pilot
 from skybody.sitl.__main__ import main
 from skybody.sitl.betaflight_link import BetaflightLink
@@ -24,6 +25,7 @@ from skybody.sitl.betaflight_program import settings_for
 from skybody.sitl.frames import HOME
 from skybody.sitl.vehicle import Setup, Vehicle
 
+ROOT = Path(__file__).resolve().parents[2]
 FUZZED = 10_000
 FIRMWARE = os.environ.get("SKYBODY_BETAFLIGHT", "")
 
@@ -191,16 +193,27 @@ def test_a_program_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -
 # --- the real one -------------------------------------------------------------------------------
 
 
+def test_the_build_script_wants_a_folder() -> None:
+    command = ["bash", str(ROOT / "scripts/build_betaflight.sh")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "usage: scripts/build_betaflight.sh FOLDER" in done.stderr
+
+
 @pytest.mark.skipif(not FIRMWARE, reason="set SKYBODY_BETAFLIGHT to Betaflight's SITL to fly it")
 @pytest.mark.skipif(shutil.which("unshare") is None, reason="needs unshare")
-def test_betaflight_itself_takes_off_and_hovers() -> None:
-    words = ["betaflight", "hover_crazyflie", "--pilot", "hold", "--seconds", "14"]
+def test_betaflight_itself_takes_off_and_hovers(tmp_path: Path) -> None:
+    """`scripts/build_betaflight.sh` builds it."""
+    command = [sys.executable, "-m", "research", "run", "betaflight_hold", "--quick"]
     done = subprocess.run(
-        module_command("skybody.sitl", *words, "--program", str(Path(FIRMWARE).resolve())),
+        [*command, "--firmware", FIRMWARE, "--out", str(tmp_path)],
+        cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=200,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "time     14.000 s" in done.stdout
+    flight = json.loads((tmp_path / "data/betaflight_hold.json").read_text())["flights"][0]
+    assert flight["largest_tilt"] < 30.0  # [deg]; the kick is 4 rad/s
+    assert flight["height_error"] < 0.5  # [m]; of a take-off

@@ -133,7 +133,7 @@ def test_random_bytes_do_no_harm() -> None:
         for _ in range(generator.choice((0, 0, 0, 1, 3))):
             packet[generator.randrange(len(packet))] = generator.randrange(256)
         if generator.random() < 0.2:
-            packet = bytearray(generator.randbytes(generator.randrange(300)))
+            packet = bytearray(generator.randbytes(generator.randrange(1, 300)))
         if generator.random() < 0.2:
             del packet[generator.randrange(len(packet)) :]
         found += link.incoming(bytes(packet))

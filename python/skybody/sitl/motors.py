@@ -44,22 +44,15 @@ FRAMES: dict[str, dict[str, Frame]] = {
         "plus-reversed": Frame(reversed_spins(QUAD_PLUS), "FRAME_CLASS 1, FRAME_TYPE 6"),
     },
     "px4": {
-        "x": Frame(QUAD_X, "airframe 4001, CA_ROTOR0_KM and 1 positive, 2 and 3 negative"),
-        "plus": Frame(QUAD_PLUS, "airframe 5001, CA_ROTOR0_KM and 1 positive, 2 and 3 negative"),
-        "hexa-x": Frame(
-            HEXA_X, "airframe 6001, CA_ROTOR0_KM, 2 and 5 negative, 1, 3 and 4 positive"
-        ),
-        "x-reversed": Frame(
-            reversed_spins(QUAD_X),
-            "airframe 4001, CA_ROTOR0_KM and 1 negative, 2 and 3 positive",
-        ),
+        "x": Frame(QUAD_X, "CA_ROTORn_KM: 0, 1 positive; 2, 3 negative"),
+        "plus": Frame(QUAD_PLUS, "CA_ROTORn_KM: 0, 1 positive; 2, 3 negative"),
+        "hexa-x": Frame(HEXA_X, "CA_ROTORn_KM: 1, 3, 4 positive; 0, 2, 5 negative"),
+        "x-reversed": Frame(reversed_spins(QUAD_X), "CA_ROTORn_KM: 2, 3 positive; 0, 1 negative"),
         "plus-reversed": Frame(
-            reversed_spins(QUAD_PLUS),
-            "airframe 5001, CA_ROTOR0_KM and 1 negative, 2 and 3 positive",
+            reversed_spins(QUAD_PLUS), "CA_ROTORn_KM: 2, 3 positive; 0, 1 negative"
         ),
         "hexa-x-reversed": Frame(
-            reversed_spins(HEXA_X),
-            "airframe 6001, CA_ROTOR0_KM, 2 and 5 positive, 1, 3 and 4 negative",
+            reversed_spins(HEXA_X), "CA_ROTORn_KM: 0, 2, 5 positive; 1, 3, 4 negative"
         ),
     },
     # The packet's four values are its motors 2, 3, 4 and 1.
