@@ -204,5 +204,12 @@ def test_unusable_mcap_files_are_errors(
     write_map(used, {"topic": "/log/info"}, time=None)
     message = refused(capsys, log, "--map", used)
     assert "messages of `/log/info` are of type skybody.info; allowed: foxglove.Odom" in message
-    log.write_bytes(log.read_bytes()[:3000])
+    content = log.read_bytes()
+    log.write_bytes(content[:3000])
     assert f"error: {log}: cannot be read as MCAP" in refused(capsys, log)
+    for place in range(100, len(content), len(content) // 20):
+        log.write_bytes(content[:place] + bytes(8) + content[place + 8 :])
+        if main([str(log), "-o", str(tmp_path / "a.h5")]) != 0:
+            message = capsys.readouterr().err
+            assert message.count("\n") == 1
+            assert message.startswith(f"error: {log}: ")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -95,6 +96,18 @@ def test_equal_times_count_once(tmp_path: Path) -> None:
     twice = {name: np.repeat(values, 2) for name, values in columns().items()}
     _, body = load(tmp_path, twice, PLACE | TURN)
     np.testing.assert_array_equal(body[:, :3], BODY[:, :3])
+
+
+def test_damaged_compressed_rows_are_one_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    used = write_map(tmp_path / "map.yaml", PLACE | TURN)
+    data = bytearray(gzip.compress(write_csv(tmp_path / "flight.csv", columns()).read_bytes()))
+    data[20:22] = b"\xff\xff"
+    log = tmp_path / "flight.csv.gz"
+    log.write_bytes(data)
+    message = refused(capsys, log, "--map", used)
+    assert f"{log}: its compressed data is damaged" in message or "cannot be read" in message
 
 
 def test_rows_that_are_cut_short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -66,6 +67,8 @@ def opened(path: Path) -> Iterator[io.TextIOBase]:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except EOFError:
         raise InputError(f"{path}: is cut short: its compressed data has no end") from None
+    except zlib.error as error:
+        raise InputError(f"{path}: its compressed data is damaged ({error})") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: is no text in UTF-8") from None
     except csv.Error as error:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from google.protobuf.message import Message
-from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from mcap.records import Schema
 from mcap_protobuf.decoder import DecoderFactory
@@ -24,6 +23,7 @@ from .map_file import Map
 from .own_mcap import restored
 
 NANO = 1e-9
+MOST_LETTERS = 200  # of another package's message
 MOST_ARRAY = 64  # numbers of an array that become columns: images and clouds have more
 
 
@@ -33,10 +33,16 @@ def opened(path: Path, **settings: Any) -> Iterator[McapReader]:
     try:
         with path.open("rb") as file:
             yield make_reader(file, **settings)
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except McapError as error:
-        raise InputError(f"{path}: cannot be read as MCAP ({error}); it may be cut short") from None
+    except Exception as error:  # of mcap, its codecs and the decoders, for damaged bytes
+        problem = " ".join(str(error).split())[:MOST_LETTERS]
+        raise InputError(
+            f"{path}: cannot be read as MCAP ({type(error).__name__}: {problem}); it may be "
+            "damaged or cut short"
+        ) from None
 
 
 def restore(path: Path) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ def restored(path: Path, reader: McapReader) -> Log | None:
     """The flight log; None: `skybody export` has not written the file.
 
     Raises:
-        InputError: the file lacks a part.
+        InputError: the file lacks a part, or is damaged.
     """
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
     about = metadata.get(ABOUT, {})
@@ -38,6 +39,10 @@ def restored(path: Path, reader: McapReader) -> Log | None:
     for schema, channel, message in reader.iter_messages():
         found.add(schema, channel, message)
     datasets = found.datasets()
+    check_texts(path, [*about.values(), *metadata.get(PARAMETERS, {})])
+    check_texts(path, (text for _, text in found.events))
+    for name, dataset in datasets.items():
+        check_texts(path, [name, *dataset.columns, *dataset.units, *dataset.items])
     bodies = list(datasets["bodies"].items) if "bodies" in datasets else []
     rotors = list(datasets["rotor_speed"].columns) if "rotor_speed" in datasets else []
     return Log(
@@ -56,6 +61,12 @@ def restored(path: Path, reader: McapReader) -> Log | None:
         events=found.events,
         params={path: float(value) for path, value in metadata.get(PARAMETERS, {}).items()},
     )
+
+
+def check_texts(path: Path, texts: Iterable[str]) -> None:
+    """Raises InputError for a zero byte, which HDF5 cannot store: the file is damaged."""
+    if any("\0" in text for text in texts):
+        raise InputError(f"{path}: is damaged: a text in it contains a zero byte")
 
 
 class Parts:

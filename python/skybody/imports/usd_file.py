@@ -25,7 +25,10 @@ MAGIC = 0xBC
 VERSIONS = (1, 2)
 CRC_BYTES = 4
 PERIODIC = "fixedFrequency"  # the event of variables that are logged at a rate
-LETTERS = "fHhIiBbQqdL"  # of struct
+TYPES = {  # of NumPy, by the letters of Python's struct
+    "f": "<f4", "d": "<f8", "b": "<i1", "h": "<i2", "i": "<i4", "q": "<i8",
+    "B": "<u1", "H": "<u2", "I": "<u4", "L": "<u4", "Q": "<u8",
+}  # fmt: skip
 MICRO = 1e-6
 
 
@@ -94,10 +97,10 @@ def definitions(path: Path, data: bytes) -> tuple[dict[int, Event], int]:
             fields: list[tuple[str, str]] = [("number", "<u2"), ("time", "<u8")]
             for _ in range(variables):
                 word, place = text_at(data, place)
-                found = re.fullmatch(rf"(.+)\(([{LETTERS}])\)", word)
+                found = re.fullmatch(rf"(.+)\(([{''.join(TYPES)}])\)", word)
                 if found is None:
                     raise ValueError(f"variable `{word}` has no known type")
-                fields.append((found[1], f"<{found[2]}"))
+                fields.append((found[1], TYPES[found[2]]))
             events[number] = Event(name, np.dtype(fields))
     except (struct.error, ValueError) as error:
         raise InputError(f"{path}: is cut short or damaged in its head ({error})") from None
