@@ -98,7 +98,7 @@ def write_unit(source: PolicySource, folder: Path, program: str) -> Path:
         f"void begin(void) {{ {points} {name}_reset(&state{robot}); }}",
         f'#include "{program}"',
     ]
-    unit = folder / f"unit_{program}"
+    unit = folder / f"unit-{program}"
     unit.write_text("\n".join(lines) + "\n")
     return unit
 
@@ -136,7 +136,7 @@ def nanoseconds(source: PolicySource, folder: Path, rounds: int, calls: int) -> 
 
 def size_of(target: Target, source: PolicySource, folder: Path) -> Size:
     """Flash and RAM by the compiler's `size`, without the self-test."""
-    unit, made = folder / "size.c", folder / f"{target.name}.o"
+    unit, made = folder / "unit-size.c", folder / f"{target.name}.o"
     unit.write_text(f'#include "{source.name}.c"\n{source.name}_state state;\n')
     flags = [flag for flag in target.flags if flag != "-nostdlib"]
     command = [target.compiler, "-std=c99", "-O2", *flags, f"-I{folder}", "-c", str(unit)]

@@ -39,7 +39,7 @@ def compile_library(source: PolicySource, folder: Path, out: Path, *flags: str) 
     Raises:
         InputError: the compiler is missing, or refuses them.
     """
-    unit = out.with_suffix(".c")
+    unit = out.with_name("with-size.c")  # no identifier, so never the name of the policy
     size = f"const unsigned long state_size = sizeof({source.name}_state);"
     unit.write_text(f'#include "{source.name}.c"\n{size}\n')
     command = [compiler(), *FLAGS, *flags, f"-D{source.name.upper()}_SELF_TEST", "-fPIC", "-shared"]

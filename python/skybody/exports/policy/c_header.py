@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .c_text import comment
+from .c_text import comment, number
 from .interface import Image, Interface, Output, Signal
 from .network import Network
 from .source import PolicySource
@@ -29,7 +29,7 @@ extern "C" {{
 
 #define {upper}_PERIOD {interface.period!r}f /* s between calls of {name}_step() */
 #define {upper}_ACTIONS {len(interface.outputs)}
-{_robots(name, interface)}
+{_ranges(name, interface)}{_robots(name, interface)}
 {comment(f"Inputs. {FRAMES}")}
 typedef struct {{
 {_inputs(interface)}
@@ -83,6 +83,18 @@ def about(source: PolicySource) -> str:
         f"{attributes['steps']:,} steps, written by `skybody export --to c`.{team} "
         f"{source.name}.md describes it."
     )
+
+
+def _ranges(name: str, interface: Interface) -> str:
+    """Constants with the range of each output; none if robots have different ones."""
+    if interface.ranges_differ:
+        return ""
+    lines = []
+    for output in interface.outputs:
+        for word, values in (("LOW", output.low), ("HIGH", output.high)):
+            macro = f"{name}_{output.name}_{word}".upper()
+            lines.append(f"#define {macro} ({number(values[0])})\n")
+    return "".join(lines)
 
 
 def _robots(name: str, interface: Interface) -> str:

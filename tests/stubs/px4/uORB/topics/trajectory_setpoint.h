@@ -1,0 +1,1 @@
+#include "px4_stub.hpp"
