@@ -7,18 +7,18 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from foxglove import messages as fox
 
+from skybody.look.couplings import RADIUS
 from skybody.look.flight import Array
 from skybody.look.scene import ROPE, Fixed
 from skybody.look.shapes import BOX, CYLINDER, MESH, SPHERE
 
-from .frames import WORLD, finite, goal_quaternions, quaternion_of, to_body
+from .frames import CAMERA, WORLD, finite, goal_quaternions, quaternion_of, to_body
 from .images import FOCAL, SIZE, Picture
-from .table import Block
+from .lens import NOT_TURNED, camera_matrix, projection_matrix
+from .table import NANO, Block
 from .world import Part, World
 
-NANO = 10**9
-CAMERA = "camera"  # frame of images
-LINE_WIDTH = 0.012  # of couplings [m]
+LINE_WIDTH = 2.0 * RADIUS  # of couplings [m]
 
 
 def stamp_of(nanoseconds: int) -> fox.Timestamp:
@@ -208,9 +208,9 @@ def calibration(stamp: int) -> fox.CameraCalibration:
         frame_id=CAMERA,
         width=SIZE.width,
         height=SIZE.height,
-        K=[FOCAL, 0.0, x, 0.0, FOCAL, y, 0.0, 0.0, 1.0],
-        R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-        P=[FOCAL, 0.0, x, 0.0, 0.0, FOCAL, y, 0.0, 0.0, 0.0, 1.0, 0.0],
+        K=camera_matrix(FOCAL, x, y),
+        R=NOT_TURNED,
+        P=projection_matrix(FOCAL, x, y),
     )
 
 

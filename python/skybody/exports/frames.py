@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from skybody.look.flight import Array, rotation_of
 
 WORLD = "world"  # frame of W
+CAMERA = "camera"  # frame of images
 # From (x, y, z) with z up, or y left, to (x, -y, -z): W to NED (W's x is north), B to FRD.
 FLIP = np.array([1.0, -1.0, -1.0])
 FLIP_QUATERNION = np.array([1.0, 1.0, -1.0, -1.0])  # w x y z, for both frames at once

@@ -16,11 +16,10 @@ from foxglove.mcap import MCAPWriteOptions
 
 from . import foxglove_messages as made
 from .about import SCENARIO, about
-from .foxglove_messages import NANO
 from .frames import frame_of, topic_of
 from .images import pictures
 from .order import Stream, Timed, events, in_order
-from .table import Block, Table
+from .table import NANO, Block, Table
 from .values import Values
 from .world import World
 

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from skybody.look.couplings import RADIUS
 from skybody.look.flight import Array
 from skybody.look.scene import ROPE, Fixed
 from skybody.look.shapes import BOX, CYLINDER, MESH, SPHERE, Color
@@ -18,15 +20,13 @@ from .about import SCENARIO, about
 from .frames import WORLD, finite, frame_of, goal_quaternions, quaternion_of
 from .images import FOCAL, SIZE, Picture, pictures
 from .order import events
-from .table import Block, Table
+from .table import NANO, Block, Table
 from .world import World
 
 os.environ.setdefault("RUST_LOG", "off")  # Rerun prints errors beside those that it raises
 import rerun
 
-NANO = 10**9
 TIME = "time"  # timeline
-LINE_RADIUS = 0.006  # of couplings [m]
 AXIS_LENGTH = 0.2  # of goals [m]
 SOLID = rerun.components.FillMode.Solid
 
@@ -119,20 +119,19 @@ def write_block(file: rerun.RecordingStream, table: Table, world: World, block: 
         write_lines(file, world, block)
 
 
-def time_of(block: Block) -> rerun.TimeColumn:
-    """The times of a block."""
-    return rerun.TimeColumn(TIME, duration=block.stamps(NANO).astype("timedelta64[ns]"))
+def time_of(block: Block, rows: NDArray[np.bool_] | slice = slice(None)) -> rerun.TimeColumn:
+    """The times of some rows of a block; default: of all."""
+    return rerun.TimeColumn(TIME, duration=block.stamps(NANO)[rows].astype("timedelta64[ns]"))
 
 
 def write_poses(file: rerun.RecordingStream, entity: str, block: Block, poses: Array) -> None:
     """Poses of 7 numbers: position, quaternion w x y z; those that are not finite are left out."""
     known = finite(poses)
-    time = rerun.TimeColumn(TIME, duration=block.stamps(NANO)[known].astype("timedelta64[ns]"))
     columns = rerun.Transform3D.columns(
         translation=poses[known, :3], quaternion=poses[known][:, [4, 5, 6, 3]]
     )
     if known.any():
-        file.send_columns(entity, [time], columns)
+        file.send_columns(entity, [time_of(block, known)], columns)
 
 
 def write_plot(file: rerun.RecordingStream, entity: str, block: Block, values: Array) -> None:
@@ -148,7 +147,7 @@ def write_lines(file: rerun.RecordingStream, world: World, block: Block) -> None
         if lines is not None:
             set_time(file, time)
             strips = [np.array(line) for line in lines.values()]
-            drawn = rerun.LineStrips3D(strips, radii=LINE_RADIUS, colors=rgb(ROPE))
+            drawn = rerun.LineStrips3D(strips, radii=RADIUS, colors=rgb(ROPE))
             file.log(f"{WORLD}/couplings", drawn)
 
 

@@ -8,19 +8,19 @@ from typing import Any
 import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
+from skybody.look.couplings import RADIUS
 from skybody.look.flight import Array
 from skybody.look.scene import ROPE, Fixed
 from skybody.look.shapes import BOX, CYLINDER, MESH, SPHERE
 
-from .frames import WORLD, finite, goal_quaternions, quaternion_of, to_body
+from .frames import CAMERA, WORLD, finite, goal_quaternions, quaternion_of, to_body
 from .images import FOCAL, SIZE, Picture
-from .table import Block
+from .lens import NOT_TURNED, camera_matrix, projection_matrix
+from .table import NANO, Block
 from .world import Part, World
 
-NANO = 10**9
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
-CAMERA = "camera"  # frame of images
-LINE_WIDTH = 0.012  # of couplings [m]
+LINE_WIDTH = 2.0 * RADIUS  # of couplings [m]
 NO_COVARIANCE = np.zeros(36)  # unknown, by ROS's convention
 UNKNOWN = np.array([-1.0, 0, 0, 0, 0, 0, 0, 0, 0])  # covariance of values that are not there
 NUMBERS = np.zeros(0)
@@ -254,9 +254,9 @@ def lens(stamp: int) -> Any:
         width=SIZE.width,
         distortion_model="plumb_bob",
         d=np.zeros(5),
-        k=np.array([FOCAL, 0.0, x, 0.0, FOCAL, y, 0.0, 0.0, 1.0]),
-        r=np.eye(3).ravel(),
-        p=np.array([FOCAL, 0.0, x, 0.0, 0.0, FOCAL, y, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        k=np.array(camera_matrix(FOCAL, x, y)),
+        r=np.array(NOT_TURNED),
+        p=np.array(projection_matrix(FOCAL, x, y)),
         binning_x=0,
         binning_y=0,
         roi=whole,

@@ -27,9 +27,9 @@ from .about import about
 from .frames import frame_of, topic_of
 from .images import pictures
 from .order import Timed, events, in_order
-from .ros_messages import NANO, TYPES
+from .ros_messages import TYPES
 from .sensors import imus
-from .table import Block, Table
+from .table import NANO, Block, Table
 from .world import World
 
 VERSION: Literal[8] = 8  # of bags: the greatest one that ROS 2 Humble reads

@@ -16,6 +16,7 @@ from skybody.look.flight import Array, Flight, texts
 MOST_ROWS = 1024  # that are read at a time: the greatest number in a chunk of the log
 MOST_VALUES = 1 << 19  # that are read at a time
 ITEMS = ("bodies", "goal")  # datasets with a middle index
+NANO = 10**9  # nanoseconds in a second
 POSE = slice(0, 7)  # of the 13 values of a body: position, quaternion w x y z
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from skybody import BodyState, Simulation
 from skybody.camera import Camera
 from skybody.exports.frames import frame_of, to_body
+from skybody.exports.lens import NOT_TURNED, camera_matrix, projection_matrix
 
 Fill = Callable[[Any, Simulation, Any], None]  # message, simulation, row of the map
 
@@ -194,9 +195,8 @@ def camera_info(message: Any, simulation: Simulation, row: Any) -> None:
     k = [*camera.distortion, 0.0, 0.0, 0.0, 0.0, 0.0]
     message.d = k[: 5 if camera.projection == "pinhole" else 4]
     focal, x, y = camera.focal, 0.5 * camera.width, 0.5 * camera.height
-    message.k = [focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0]
-    message.r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
-    message.p = [focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0]
+    message.k, message.p = camera_matrix(focal, x, y), projection_matrix(focal, x, y)
+    message.r = NOT_TURNED
 
 
 def point_cloud(message: Any, simulation: Simulation, row: Any) -> None:
