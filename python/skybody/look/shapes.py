@@ -31,7 +31,7 @@ Color = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Block:
-    """n shapes; the renderer's own words say what the arrays mean."""
+    """n shapes as arrays, one row a shape; Renderer.draw() describes them."""
 
     kinds: NDArray[np.int32]
     positions: Array
@@ -99,12 +99,6 @@ class Shapes:
     def add(self, *blocks: Block) -> None:
         """Adds shapes."""
         self._blocks += blocks
-
-    def add_line(
-        self, start: Array, end: Array, radius: float, color: Color, *, shadow: bool
-    ) -> None:
-        """Adds a capsule from point to point, W [m]."""
-        self.add(tubes(start[None], end[None], radius, color, shadow=shadow))
 
     def __len__(self) -> int:
         return sum(len(block.kinds) for block in self._blocks)

@@ -17,6 +17,8 @@ from .subject import Subject
 GOAL, COMMAND, STEPS, LINE = "goal", "command", "steps", "line"  # styles of curves
 BLACK: Color = (0.0, 0.0, 0.0)
 GREY: Color = (0.35, 0.35, 0.35)
+LEAST_ERROR = 1e-4  # [m]; smaller errors are drawn as this
+MOST_NAMED = 15  # joints with individual names; of more only the lines are drawn
 MOST_APART = 6  # robots whose rotors are drawn apart, and rotors with names
 
 
@@ -211,9 +213,6 @@ def tilts(subject: Subject) -> list[Curve]:
     """Tilts of loads that several robots carry."""
     return [Curve(values, subject.color(name)) for name, values in tilt(subject)]
 
-
-LEAST_ERROR = 1e-4  # [m]; smaller errors are drawn as this
-MOST_NAMED = 15  # joints with individual names; of more only the lines are drawn
 
 ROWS: dict[str, Row] = {
     "x": Row("x [m]", partial(positions, axis=0), span=0.02),

@@ -20,15 +20,16 @@ class Row(NamedTuple):
     time: float  # since the reset [s]
     poses: Array  # bodies x 7: position (W) [m], quaternion w x y z
     rotor_speed: Array  # [rad/s]
-    goals: Array  # goals x 4
+    goals: Array  # goals x 4: position (W) [m], yaw [rad]
     values: Array  # as Sampler.names
-    touching: bool
+    touching: bool  # the ground, an obstacle or another robot
 
 
 class Sampler:
     """Reads rows of a simulation."""
 
     def __init__(self, simulation: Simulation) -> None:
+        """Looks names up; the simulation has begun an episode."""
         self.simulation = simulation
         self.body_names = list(simulation.body_names)
         self.goal_names = list(simulation.goal_bodies)
