@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from skybody import InputError
-from skybody.look.flight import Array, rotation_of
+from skybody.look.motion import Array, continuous, rotation_of
 
 from .channels import Samples
 
 ORDER = 2  # of the polynomials of derivatives
 LEAST_ROWS = 5  # in the window of a derivative
+BLOCK_ROWS = 4096  # of derivatives that are made at once: a window takes memory for each row
 
 
 def at(samples: Samples, times: Array) -> Array:
@@ -30,13 +31,6 @@ def held(samples: Samples, times: Array) -> Array:
 def quaternions_at(samples: Samples, times: Array) -> Array:
     """Unit quaternions w x y z at times, (times, 4); neighbours have near signs."""
     return normalized(at(Samples(samples.time, continuous(samples.values)), times))
-
-
-def continuous(quaternions: Array) -> Array:
-    """The same rotations, with signs that do not jump."""
-    products = np.sum(quaternions[1:] * quaternions[:-1], axis=1)
-    signs = np.concatenate([[1.0], np.cumprod(np.where(products < 0.0, -1.0, 1.0))])
-    return np.asarray(quaternions * signs[:, None])
 
 
 def normalized(quaternions: Array) -> Array:
@@ -85,12 +79,16 @@ def derivative(time: Array, values: Array, window: float) -> Array:
         return np.zeros_like(values)
     step = float(np.median(np.diff(time)))
     width = min(max(LEAST_ROWS, round(window / step) | 1), rows)
-    first = np.clip(np.arange(rows) - width // 2, 0, rows - width)
-    places = first[:, None] + np.arange(width)
-    from_here = (time[places] - time[:, None]) / (step * width)  # about 1
-    powers = from_here[:, :, None] ** np.arange(min(ORDER, width - 1) + 1)
-    fitted = np.linalg.pinv(powers) @ values[places]  # (rows, powers, columns)
-    return np.asarray(fitted[:, 1] / (step * width))
+    slopes = np.empty_like(values)
+    for begin in range(0, rows, BLOCK_ROWS):
+        some = np.arange(begin, min(begin + BLOCK_ROWS, rows))
+        first = np.clip(some - width // 2, 0, rows - width)
+        places = first[:, None] + np.arange(width)
+        from_here = (time[places] - time[some, None]) / (step * width)  # about 1
+        powers = from_here[:, :, None] ** np.arange(min(ORDER, width - 1) + 1)
+        fitted = np.linalg.pinv(powers) @ values[places]  # (rows, powers, columns)
+        slopes[some] = fitted[:, 1] / (step * width)
+    return slopes
 
 
 def angular_velocities(time: Array, quaternions: Array, window: float) -> Array:

@@ -144,6 +144,14 @@ class Motion(ABC):
         )
 
 
+def continuous(quaternions: Array) -> Array:
+    """The same rotations (rows, ..., 4), with signs that do not jump from row to row."""
+    products = np.sum(quaternions[1:] * quaternions[:-1], axis=-1, keepdims=True)
+    found = quaternions.copy()
+    found[1:] *= np.cumprod(np.where(products < 0.0, -1.0, 1.0), axis=0)
+    return found
+
+
 def rotation_of(quaternions: Array) -> Array:
     """Matrices of quaternions w x y z of any length above 0, along the last axis."""
     w, x, y, z = np.moveaxis(
