@@ -24,6 +24,7 @@ STATE_PERIOD = 0.001  # [s]
 RADIO_PERIOD = 0.004  # [s]
 ANSWER = 0.02  # on the wall, longest wait for motors; then the state is sent again [s]
 LATE = 0.1  # on the wall, behind the wanted rate before that begins anew [s]
+STARTS, PROBES = 8, 50  # of Betaflight; answers of one whose clock runs
 SILENCE = 2.0  # on the wall, before a message [s]
 
 
@@ -79,8 +80,10 @@ class BetaflightLink:
     def serve(self, seconds: float, program: BetaflightProgram | None) -> None:
         """Flies until the simulated time is over; waits for a Betaflight that is silent."""
         with bound(socket.SOCK_DGRAM, MOTOR_PORT, "ending it: Betaflight has no other") as link:
-            self._await_console(program)
             link.settimeout(ANSWER)
+            self._await_console(program)
+            if program is not None:
+                self._await_clock(link, program)
             begun, first = time.monotonic(), self.vehicle.time
             while self.vehicle.time < seconds:
                 waited = self._exchange(link, self.vehicle.read(), program)
@@ -104,6 +107,33 @@ class BetaflightLink:
                 return
             except TimeoutError:
                 continue
+
+    def _await_clock(self, link: socket.socket, program: BetaflightProgram) -> None:
+        """Starts Betaflight anew until its clock runs.
+
+        At its first states the clock sometimes leaps by an hour: its control loop then waits for
+        that time.
+
+        Raises:
+            ValueError: it does not answer after some starts.
+        """
+        for _ in range(STARTS):
+            reading, answers = self.vehicle.read(), 0
+            end = time.monotonic() + SILENCE
+            while answers < PROBES and time.monotonic() < end:
+                link.sendto(self.state(reading), (HOST, STATE_PORT))
+                self.late += STATE_PERIOD
+                try:
+                    answers += self.take(link.recv(4096))
+                except (TimeoutError, ConnectionError):
+                    continue
+                time.sleep(STATE_PERIOD / self.factor)
+            if answers == PROBES:
+                return
+            self.messages.counts["starts of Betaflight that failed"] += 1
+            program.restart()
+            program.console().close()
+        raise ValueError(f"Betaflight answers to no state after {STARTS} starts")
 
     def _exchange(
         self, link: socket.socket, reading: Reading, program: BetaflightProgram | None

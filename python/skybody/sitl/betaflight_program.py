@@ -141,6 +141,12 @@ class BetaflightProgram:
                 f"{self._program} does not open TCP port {CONSOLE} within {START:g} s"
             ) from None
 
+    def restart(self) -> None:
+        """Ends it and starts it anew, with the saved settings."""
+        self._process.send_signal(signal.SIGKILL)
+        self._process.wait()
+        self._process = self._started()
+
     def check(self) -> None:
         """Raises ValueError if it has ended."""
         status = self._process.poll()
