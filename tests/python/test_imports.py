@@ -221,7 +221,7 @@ def test_the_program_writes_below_flights_by_default(tmp_path: Path) -> None:
     used = write_map(tmp_path / "map.yaml", PLACE | TURN)
     command = [PROGRAM, "import", log.name, "--map", used.name]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    expected = "flight   3.990 s, 400 rows, 1 bodies\nlog      flights/my_flight/flight.h5\n"
+    expected = "flight   3.990 s, 400 rows, 1 body\nlog      flights/my_flight/flight.h5\n"
     assert done.stdout == expected
     assert Flight(tmp_path / "flights/my_flight").scenario == "my_flight"
 

@@ -82,12 +82,25 @@ def test_a_vehicle_is_drawn_where_it_is(
     with_vehicle = picture(scene, 0.4)
     monkeypatch.setattr(scene, "add_robots", lambda shapes, time: None)  # the world alone
     changed = np.argwhere((with_vehicle != picture(scene, 0.4)).any(axis=2))
-    view = camera("fixed", Scene(flight, PLAIN), SMALL.field_of_view)(0.4)
+    view = camera("fixed", [Scene(flight, PLAIN)], SMALL.field_of_view)(0.4)
     ahead = view.axes.T @ (flight.at(0.4)[0][0] - view.eye)
     focal = 0.5 * SMALL.width / np.tan(0.5 * SMALL.field_of_view)
     at = focal * ahead[:2] / ahead[2] + [SMALL.width / 2, SMALL.height / 2]
     nearest = np.linalg.norm(changed[:, ::-1] + 0.5 - at, axis=1).min()
     assert nearest < 1.5  # pixels: the base's box is about its origin
+
+
+@pytest.mark.parametrize("name", ["fixed", "orbit"])
+def test_a_camera_of_two_flights_in_a_world_sees_the_vehicles_of_both(
+    logs: dict[str, Path], name: str
+) -> None:
+    scenes = [Scene(Flight(logs[log]), PLAIN) for log in ("racing", "arm")]  # 4 m apart
+    tangents = np.tan(0.5 * SMALL.field_of_view) * np.array([1.0, 0.6])
+    view = camera(name, scenes, SMALL.field_of_view, 0.6)(0.4)
+    for scene in scenes:
+        ahead = view.axes.T @ (scene.flight.at(0.4)[0][0] - view.eye)
+        assert ahead[2] > 0.0
+        assert (np.abs(ahead[:2] / ahead[2]) < tangents).all()
 
 
 def test_gates_are_drawn_where_the_episode_has_them(logs: dict[str, Path]) -> None:
@@ -200,6 +213,7 @@ def test_ctrl_c_leaves_nothing_half_written(logs: dict[str, Path], tmp_path: Pat
         (["--plot", "sped"], "no value `sped`; there are: reward, gates_passed"),
         (["--hide", "goals"], "--hide goals: unknown; allowed: goal, reference, contacts"),
         (["--from", "9"], "no frames between --from 9 and --to"),
+        (["--at", "99"], "--at is 99; the flight ends at 0.8 s"),
         (["-o", "film.avi"], "film.avi: unknown ending `.avi`; allowed: .mp4, .gif, .webp, .png"),
         (["-o", "/proc/none/film.gif"], "/proc/none/film.gif: cannot be written"),
     ],

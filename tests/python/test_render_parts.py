@@ -97,6 +97,9 @@ def test_goals_that_stand_or_jump_have_no_path() -> None:
     assert breaks(way).tolist() == [1] + [0] * 49
     jumping = way + np.repeat([0.0, 5.0], 25)[:, None]
     assert np.flatnonzero(breaks(jumping)).tolist() == [0, 25]
+    strayed = way.copy()
+    strayed[30] += 5.0  # for a row: away and back
+    assert np.flatnonzero(breaks(strayed)).tolist() == [0, 30, 31]
 
 
 def test_goals_are_crosses_and_unknown_ones_nothing() -> None:

@@ -7,6 +7,7 @@ import hashlib
 import http.client
 import json
 import re
+import signal
 import subprocess
 import threading
 from collections.abc import Iterator
@@ -225,8 +226,8 @@ def server() -> Iterator[Server]:
     thread.start()
     yield made
     made.shutdown()
-    made.server_close()
     live.close()
+    made.server_close()
 
 
 AWAY = (
@@ -335,6 +336,21 @@ def test_an_error_of_the_flight_reaches_the_page(
     assert next(state for state in states if state["text"])["text"] == "stopped: no policy"
 
 
+def test_ctrl_c_ends_a_page_that_a_browser_shows_with_one_line(browser: Browser) -> None:
+    command = [str(PROGRAM), "view", "--live", "hover"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        address = process.stdout.readline().split()[1]
+        tab = Tab(browser, address)
+        tab.page.wait_for_function("skybody.live.state.time > 0.1")
+        process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=60)
+    tab.page.close()
+    assert (process.returncode, message) == (130, "interrupted\n")
+
+
 # --- errors -------------------------------------------------------------------------------------
 
 
@@ -358,4 +374,4 @@ def test_a_wrong_command_is_one_error(arguments: list[str], message: str, tmp_pa
 def test_a_page_that_cannot_be_written_is_one_error(racing: Path) -> None:
     done = skybody("view", racing, "-o", "/proc/none/page.html")
     assert done.returncode == 2
-    assert re.fullmatch("error: .*/proc/none/page.html.*\n", done.stderr)
+    assert re.fullmatch(r"error: .*/proc/none/page.html: cannot be written \(.*\)\n", done.stderr)

@@ -40,7 +40,7 @@ def pictures(table: Table, name: str | None) -> Iterator[tuple[float, Picture]]:
         return
     scene = Scene(table.flight)
     film = Film([Panel((scene,), name, 0, 0, SIZE.width, SIZE.height)], SIZE)
-    eye = camera(name, scene, SIZE.field_of_view)
+    eye = camera(name, [scene], SIZE.field_of_view)
     first, last = table.ends
     for time in np.arange(first, np.nextafter(last, np.inf), 1.0 / RATE).tolist():
         file = io.BytesIO()

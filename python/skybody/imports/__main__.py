@@ -71,7 +71,8 @@ def import_log(options: argparse.Namespace) -> int:
     for note in notes:
         print(f"note: {note}", file=sys.stderr)
     bodies = len(log.bodies) if "bodies" in log.datasets else 0
-    print(f"flight   {log.time[-1]:.3f} s, {len(log.time)} rows, {bodies} bodies")
+    count = "1 body" if bodies == 1 else f"{bodies} bodies"
+    print(f"flight   {log.time[-1]:.3f} s, {len(log.time)} rows, {count}")
     print(f"log      {out}")
     return 0
 

@@ -154,13 +154,16 @@ def render(options: argparse.Namespace) -> int:
     step = options.speed / size.rate
     times = np.arange(options.first, last + 0.5 * step, step)
     if options.at is not None:
+        if options.at > film.duration:
+            raise InputError(f"--at is {options.at:g}; the flight ends at {film.duration:g} s")
         times = np.array([options.at])
     elif options.out.suffix == ".png":
         times = np.array([0.5 * (options.first + last)])
     if len(times) == 0:
         raise InputError(f"no frames between --from {options.first:g} and --to {last:g}")
     write(options.out, size, counted(film.frames(list(times), finish), len(times)))
-    print(f"film     {options.out}" if len(times) > 1 else f"picture  {options.out}")
+    kind = "picture" if len(times) == 1 else "film" if options.out.suffix else "frames"
+    print(f"{kind:9}{options.out}")
     return 0
 
 

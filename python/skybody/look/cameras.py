@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,9 +70,9 @@ def fit(points: Array, azimuth: float, elevation: float, half: tuple[float, floa
     return View(view.axes @ eye, view.axes)
 
 
-def fixed(scene: Scene, field_of_view: float, aspect: float) -> Camera:
-    """Sees the whole flight from one place: the one from which it is most spread out."""
-    points = scene.points()
+def fixed(scenes: Sequence[Scene], field_of_view: float, aspect: float) -> Camera:
+    """Sees all of the flights from one place: the one from which they are most spread out."""
+    points = np.concatenate([scene.points() for scene in scenes])
     half = np.tan(0.5 * field_of_view) * MARGIN
     views = [
         fit(points, np.radians(azimuth), np.radians(24.0), (half, half * aspect))
@@ -90,13 +90,13 @@ def spread(points: Array, view: View) -> float:
     return float(np.mean(np.log(apart + 1e-2)))
 
 
-def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
+def orbit(scenes: Sequence[Scene], field_of_view: float, aspect: float) -> Camera:
     """Goes about the robots, a turn in 24 s, as near as they allow, farther where they are fast."""
     half = np.tan(0.5 * field_of_view) * FILLED
 
     def view(time: float) -> View:
         azimuth = np.radians(-125.0 + 15.0 * time)
-        places = places_about(scene, time)
+        places = places_about(scenes, time)
         views = [fit(at, azimuth, np.radians(22.0), (half, half * aspect)) for at in places]
         middles = places.mean(axis=1)
         way = float(np.linalg.norm(np.diff(middles, axis=0), axis=1).sum())
@@ -106,8 +106,9 @@ def orbit(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     return view
 
 
-def chase(scene: Scene, field_of_view: float, aspect: float) -> Camera:
+def chase(scenes: Sequence[Scene], field_of_view: float, aspect: float) -> Camera:
     """Follows the first robot from behind, along its way."""
+    scene = scenes[0]
     first, count = next(iter(scene.robots.values()))
     own = slice(first, first + count)
     position, quaternion = scene.flight.poses([0.0])
@@ -124,8 +125,9 @@ def chase(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     return view
 
 
-def onboard(scene: Scene, field_of_view: float, aspect: float) -> Camera:
+def onboard(scenes: Sequence[Scene], field_of_view: float, aspect: float) -> Camera:
     """Looks ahead from the first robot."""
+    scene = scenes[0]
     first = next(iter(scene.robots.values()))[0]
     ahead = np.column_stack([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 
@@ -137,7 +139,7 @@ def onboard(scene: Scene, field_of_view: float, aspect: float) -> Camera:
     return view
 
 
-CAMERAS: dict[str, Callable[[Scene, float, float], Camera]] = {
+CAMERAS: dict[str, Callable[[Sequence[Scene], float, float], Camera]] = {
     "chase": chase,
     "fixed": fixed,
     "orbit": orbit,
@@ -145,10 +147,13 @@ CAMERAS: dict[str, Callable[[Scene, float, float], Camera]] = {
 }
 
 
-def camera(name: str, scene: Scene, field_of_view: float, aspect: float = 0.5625) -> Camera:
+def camera(
+    name: str, scenes: Sequence[Scene], field_of_view: float, aspect: float = 0.5625
+) -> Camera:
     """A camera by its name.
 
     Args:
+        scenes: at least one, of one world; `chase` and `onboard` go with the first one.
         field_of_view: horizontal [rad].
         aspect: height of the picture over its width.
 
@@ -157,7 +162,7 @@ def camera(name: str, scene: Scene, field_of_view: float, aspect: float = 0.5625
     """
     if name not in CAMERAS:
         raise InputError(f"no camera `{name}`; there are: {', '.join(CAMERAS)}")
-    return CAMERAS[name](scene, field_of_view, aspect)
+    return CAMERAS[name](scenes, field_of_view, aspect)
 
 
 def direction(azimuth: float, elevation: float) -> Array:
@@ -166,15 +171,16 @@ def direction(azimuth: float, elevation: float) -> Array:
     return np.array([c * np.cos(azimuth), c * np.sin(azimuth), np.sin(elevation)])
 
 
-def places_about(scene: Scene, time: float) -> Array:
+def places_about(scenes: Sequence[Scene], time: float) -> Array:
     """Points about all bodies at some times about a time, (times, n, 3), W [m]."""
-    flight = scene.flight
-    times = np.clip(time + np.linspace(-SMOOTH, SMOOTH, 9), 0.0, flight.duration)
-    position, quaternion = flight.poses(times)
-    known = np.isfinite(position).all(axis=(1, 2))
-    if not known.any():
-        return np.zeros((1, 1, 3))
-    return scene.places(position[known], quaternion[known]).reshape(int(known.sum()), -1, 3)
+    about = time + np.linspace(-SMOOTH, SMOOTH, 9)
+    found = []
+    for scene in scenes:
+        poses = scene.flight.poses(np.clip(about, 0.0, scene.flight.duration))
+        found.append(scene.places(*poses).reshape(len(about), -1, 3))
+    places = np.concatenate(found, axis=1)
+    known = np.isfinite(places).all(axis=(1, 2))
+    return places[known] if known.any() else np.zeros((1, 1, 3))
 
 
 def heading(scene: Scene, body: int, time: float) -> Array:

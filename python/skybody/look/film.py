@@ -52,7 +52,7 @@ class Size:
 class Panel:
     """A part of the picture: a world by a camera."""
 
-    scenes: tuple[Scene, ...]  # drawn into one world; the camera is the first one's
+    scenes: tuple[Scene, ...]  # drawn into one world, at least one
     camera: str  # of skybody.look.cameras.CAMERAS
     left: int  # of the picture, as all that follow [pixels]
     top: int
@@ -115,7 +115,7 @@ def _prepare(panel: Panel, size: Size) -> tuple[Renderer, Camera]:
         )
     renderer = Renderer(panel.width, panel.height, focal, shapes, triangles, FARTHEST)
     aspect = panel.height / panel.width
-    return renderer, camera(panel.camera, panel.scenes[0], size.field_of_view, aspect)
+    return renderer, camera(panel.camera, panel.scenes, size.field_of_view, aspect)
 
 
 # --- files --------------------------------------------------------------------------------------

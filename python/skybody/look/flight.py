@@ -207,7 +207,9 @@ class Flight(Motion):
                 k = names.index(name)
                 return np.asarray(self._group[dataset][:, k], dtype=np.float64), columns[k][1]
             known += names
-        raise InputError(f"{self.path}: no value `{name}`; there are: {', '.join(known[:40])}")
+        raise InputError(
+            f"{self.path}: no value `{name}`; there are: {', '.join(dict.fromkeys(known))}"
+        )
 
     def columns(self, dataset: str) -> list[tuple[str, str]]:
         """Names and units of a dataset's columns; none if the log does not have it."""

@@ -62,8 +62,8 @@ class Strip:
 
 
 def tint(number: int) -> Color:
-    """Colour of one of several flights, from 0; gates are vermilion, so this comes last."""
-    order = (0, 2, 3, 5, 4, 1)
+    """Colour of one of several flights, from 0; last those of goals (green) and gates."""
+    order = (0, 3, 5, 4, 2, 1)
     return ROBOTS[order[number % len(order)]]
 
 

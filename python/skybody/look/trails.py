@@ -14,8 +14,9 @@ from .shapes import IDENTITY, Color
 GOAL: Color = (0.05, 0.55, 0.25)
 WIDTH = 4.0  # of trails at their robots [pixels of 1080 rows]
 PARTS = 90  # most parts of a trail
-MOST_JUMPS = 2  # of a goal with a path
-JUMP = 8.0  # a path is broken where a step is that many times as long as those beside it,
+MOST_JUMPS = 4  # of a goal with a path
+JUMP = 8.0  # a path is broken where a step is that many times as long as the median
+NEAR = 4  # of so many steps on both sides,
 SHORT = 0.01  # and longer than this share of all of it
 
 
@@ -147,6 +148,9 @@ def moves(path: Array) -> bool:
 def breaks(path: Array) -> Array:
     """1 at points to which no line leads: the goal has jumped."""
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    beside = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
+    if len(steps) == 0:
+        return np.ones(len(path), np.uint8)
+    near = np.lib.stride_tricks.sliding_window_view(np.pad(steps, NEAR, "edge"), 2 * NEAR + 1)
+    beside = np.median(near, axis=1)  # is not raised by a jump away and back
     least = SHORT * np.nansum(steps)
     return np.concatenate([[1], (steps > JUMP * beside) & (steps > least)]).astype(np.uint8)

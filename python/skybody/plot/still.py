@@ -44,7 +44,7 @@ def draw_still(panel: Axes, subject: Subject, pixels: tuple[int, int]) -> None:
         panel.text(0.5, 0.5, fill(subject.problem, 60), ha="center", transform=panel.transAxes)
         return
     scene = Scene(subject.flight, Style(trail=0.0, contacts=False, reference=is_one_path(subject)))
-    view = fixed(scene, FIELD_OF_VIEW, pixels[1] / pixels[0])(0.0)
+    view = fixed([scene], FIELD_OF_VIEW, pixels[1] / pixels[0])(0.0)
     times = instants(subject)
     panel.imshow(render(subject, scene, view, times, pixels), interpolation="antialiased")
     if len(times) > 1:

@@ -114,8 +114,8 @@ def serve(options: argparse.Namespace) -> int:
     try:
         server.serve_forever()
     finally:
-        server.server_close()
         live.close()
+        server.server_close()
     return 0
 
 

@@ -69,7 +69,7 @@ class Live:
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the thread."""
+        """Ends the thread, and all states()."""
         self._closed.set()
         self._thread.join()
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from skybody import InputError
 from skybody.look.palette import ROBOTS
 from skybody.train.files import write_file
 
@@ -142,6 +143,9 @@ def write_page(
     """Writes the page; nothing is left of one that could not be finished.
 
     Raises:
-        OSError: the file cannot be written.
+        InputError: the file cannot be written.
     """
-    write_file(path, document(title, flights, curve).encode())
+    try:
+        write_file(path, document(title, flights, curve).encode())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None

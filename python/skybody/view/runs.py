@@ -30,7 +30,7 @@ def write_run_page(run: Path, out: Path) -> None:
     Raises:
         UsageError: the scenario cannot be loaded, or there is no checkpoint.
         ValueError: a checkpoint is damaged.
-        OSError: the page cannot be written.
+        InputError: the page cannot be written.
     """
     config = Config.read(run)
     compiled = load_recorded(

@@ -17,7 +17,13 @@ MOST_BYTES = 4096  # of a change
 
 
 class Server(ThreadingHTTPServer):
-    """Serves the page, its states as events, and takes changes."""
+    """Serves the page, its states as events, and takes changes.
+
+    server_close() waits for the requests' threads, so that none of them holds the simulation when
+    the process ends; live.close() comes before.
+    """
+
+    daemon_threads = False
 
     def __init__(self, live: Live, port: int) -> None:
         """Begins to listen; requests wait for serve_forever().
@@ -48,6 +54,7 @@ class Handler(BaseHTTPRequestHandler):
     """One request. Only pages of this server may make it, not those of other sites."""
 
     server: Server
+    timeout = 2.0  # of a browser that neither asks nor reads [s]
 
     def do_GET(self) -> None:
         """The page, or its states until the browser leaves."""
@@ -108,5 +115,5 @@ class Handler(BaseHTTPRequestHandler):
             for state in self.server.live.states():
                 self.wfile.write(f"data: {json.dumps(state, allow_nan=False)}\n\n".encode())
                 self.wfile.flush()
-        except ConnectionError:
+        except (ConnectionError, TimeoutError):
             return  # the browser has left

@@ -321,6 +321,7 @@ export class World {
     const goal = new THREE.Group();
     for (const axis of [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) {
       const one = stick(GOAL_COLOR, 0.06 * arm);
+      one.castShadow = false;
       const end = new THREE.Vector3(...axis).multiplyScalar(arm);
       between(one, end.clone().negate(), end);
       goal.add(one);
