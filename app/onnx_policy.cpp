@@ -34,6 +34,18 @@ class TemporaryFolder {
   std::string path_;
 };
 
+/// The folders that are searched for plugins before the default ones.
+std::vector<fs::path> plugin_folders(const LoadOptions& options) {
+  std::vector<fs::path> folders = options.plugin_path;
+  if (!options.trust_scenario) return folders;
+  const fs::path own = fs::absolute(scenario_file(options.scenario)).parent_path();
+  std::error_code ignored;
+  for (const fs::path& folder : {own, own / "plugins"}) {
+    if (fs::is_directory(folder, ignored)) folders.push_back(folder);
+  }
+  return folders;
+}
+
 }  // namespace
 
 bool is_onnx(const std::string& policy) {
@@ -48,7 +60,7 @@ std::unique_ptr<Policy> open_onnx_policy(const std::string& file, const LoadOpti
       file, "--to", "h5", "--scenario", options.scenario, "-o", converted.string()};
   for (const std::string& override : options.overrides)
     words.insert(words.end(), {"--set", override});
-  for (const fs::path& path : options.plugin_path) {
+  for (const fs::path& path : plugin_folders(options)) {
     words.insert(words.end(), {"--plugin-path", path.string()});
   }
   if (!map.empty()) words.insert(words.end(), {"--map", map.string()});
