@@ -29,3 +29,9 @@ def whole_output(path: Path) -> Iterator[Path]:
             part.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def refuse_source(path: Path, source: Path) -> None:
+    """Raises InputError if a command would replace the file that it reads by its output."""
+    if path.exists() and source.exists() and path.samefile(source):
+        raise InputError(f"{path}: is the file to read; give the output another name")

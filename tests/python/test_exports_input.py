@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 from exported import (
     FORMATS,
+    PROGRAM,
     changed,
     export,
     read_bag,
@@ -20,6 +23,7 @@ from exported import (
 )
 from skybody import InputError
 from skybody.exports import formats
+from skybody.look.flight import log_file
 
 pytestmark = pytest.mark.usefixtures("small_blocks")
 
@@ -50,6 +54,22 @@ def test_wrong_options_are_errors(
     out = tmp_path / "out"
     assert message in refused(capsys, logs["chase"], *options, "-o", out)
     assert not list(tmp_path.iterdir())  # nothing half-written
+
+
+@pytest.mark.parametrize("command", [["export", "--to", "csv"], ["view"]])
+def test_no_output_replaces_the_log_that_is_read(
+    logs: dict[str, Path], tmp_path: Path, command: list[str]
+) -> None:
+    log = tmp_path / "flight.h5"
+    shutil.copy(log_file(logs["chase"]), log)
+    before = log.read_bytes()
+    words = [PROGRAM, command[0], tmp_path, *command[1:], "-o", log]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (
+        2,
+        f"error: {log}: is the file to read; give the output another name\n",
+    )
+    assert log.read_bytes() == before
 
 
 def cut(file: h5py.File) -> None:

@@ -15,9 +15,9 @@ from typing import Any
 
 from skybody import InputError
 from skybody.command_line import CommandLine, real, report_error, whole
-from skybody.look.flight import log_and_episode, open_flight
+from skybody.look.flight import log_and_episode, log_file, open_flight
 from skybody.program import run_program
-from skybody.whole_output import whole_output
+from skybody.whole_output import refuse_source, whole_output
 
 from .formats import FLIGHT, FORMATS, POLICY, Format
 from .policy.lockstep import Different
@@ -103,7 +103,7 @@ def default_out(source: str, form: Format, opened: Any) -> Path:
         folder = Path(source) if Path(source).is_dir() else Path(source).parent
         return (Path() if source == SHIPPED else folder) / f"{opened.name}{form.ending}"
     path, episode = log_and_episode(source)
-    log = Path(path) / "flight.h5" if Path(path).is_dir() else Path(path)
+    log = log_file(path)
     number = "" if episode is None else f"-{episode}"
     return log.with_name(f"{log.stem}{number}{form.ending}")
 
@@ -115,6 +115,7 @@ def export(options: argparse.Namespace) -> int:
     write = form.writer()
     source = SOURCES[form.reads](options)
     out = options.out or default_out(options.source, form, source)
+    refuse_source(out, log_file(log_and_episode(options.source)[0]))
     with whole_output(out) as part:
         write(source, part, options)
     print(f"{form.name:<8} {out}")

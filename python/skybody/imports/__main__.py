@@ -14,7 +14,7 @@ from pathlib import Path
 from skybody import InputError
 from skybody.command_line import CommandLine, real, report_error
 from skybody.program import run_program
-from skybody.whole_output import whole_output
+from skybody.whole_output import refuse_source, whole_output
 
 from .map_file import find_map, read_map, shipped_maps
 from .sources import Source, source_of
@@ -66,6 +66,7 @@ def import_log(options: argparse.Namespace) -> int:
         made = build(channels, used, name, options.first, options.until)
         log, notes = made.log(options.log.name), channels.notes
     out = options.out or Path("flights") / name / "flight.h5"
+    refuse_source(out, options.log)
     with whole_output(out) as part:
         write(part, log)
     for note in notes:

@@ -47,7 +47,7 @@ class Flight(Motion):
         Raises:
             InputError: the file is no flight log, or has no such episode.
         """
-        self.path = Path(log) / "flight.h5" if Path(log).is_dir() else Path(log)
+        self.path = log_file(log)
         self._file = _open(self.path)
         names = sorted(self._file["episodes"])
         name = f"{episode:04d}" if episode is not None else (names or [""])[0]
@@ -238,6 +238,11 @@ def open_flight(argument: str, *, has_bodies: bool = True) -> Flight:
     """Opens `LOG` or `LOG:EPISODE` of a command line; as Flight(), also for errors."""
     path, episode = log_and_episode(argument)
     return Flight(path, episode, has_bodies=has_bodies)
+
+
+def log_file(log: str | Path) -> Path:
+    """The file of a log that is given as a file, or as a folder with flight.h5."""
+    return Path(log) / "flight.h5" if Path(log).is_dir() else Path(log)
 
 
 def log_and_episode(argument: str) -> tuple[str, int | None]:

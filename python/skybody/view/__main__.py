@@ -16,9 +16,10 @@ from pathlib import Path
 
 from skybody import CompiledScenario, Error
 from skybody.command_line import CommandLine, report_error, whole
-from skybody.look.flight import Flight, log_and_episode, open_flight
+from skybody.look.flight import Flight, log_and_episode, log_file, open_flight
 from skybody.program import run_program
 from skybody.train.hyperparameters import UsageError
+from skybody.whole_output import refuse_source
 
 from .live import Live
 from .page import Shown, write_page
@@ -74,6 +75,8 @@ def write(options: argparse.Namespace) -> int:
     """Writes the page of flights or of a run."""
     first = Path(options.shown[0])
     out = options.out or page_beside(first)
+    for name in options.shown:
+        refuse_source(out, log_file(log_and_episode(name)[0]))
     if is_run(first):
         write_run_page(first, out)
     else:
