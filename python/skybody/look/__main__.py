@@ -27,6 +27,7 @@ from .strip import Strip, tint
 
 HIDDEN = ("goal", "reference", "contacts")
 LONGEST = 1e9  # of a flight [s]
+GAP = 4  # between views [pixels]
 STRIP_SHARE = 0.24  # height of the plots, as a share of the film's
 
 
@@ -116,11 +117,9 @@ def panels_of(
     cells = [(world, name) for world in worlds for name in cameras]
     columns = int(np.ceil(np.sqrt(len(cells))))
     rows = int(np.ceil(len(cells) / columns))
-    width, tall = size.width // columns, height // rows
-    return [
-        Panel(world, name, (k % columns) * width, (k // columns) * tall, width, tall)
-        for k, (world, name) in enumerate(cells)
-    ]
+    width, tall = (size.width + GAP) // columns - GAP, (height + GAP) // rows - GAP
+    places = [(k % columns * (width + GAP), k // columns * (tall + GAP)) for k in range(len(cells))]
+    return [Panel(world, name, *places[k], width, tall) for k, (world, name) in enumerate(cells)]
 
 
 def counted(frames: Iterator[Frame], of: int) -> Iterator[Frame]:

@@ -70,7 +70,7 @@ class Film:
 
     def frame(self, time: float) -> Frame:
         """The picture at a time since the reset [s]. Threads may draw at the same time."""
-        picture = np.zeros((self.size.height, self.size.width, 3), np.uint8)
+        picture = np.full((self.size.height, self.size.width, 3), 255, np.uint8)
         for panel, renderer, eye in self._panels:
             rows = slice(panel.top, panel.top + panel.height)
             part = picture[rows, panel.left : panel.left + panel.width]
