@@ -154,12 +154,13 @@ def page(about: dict[str, Any], flights: list[dict[str, Any]], options: Any) -> 
 
 {machine_line(about)}
 
-    python -m research run {PAGE} --firmware PROGRAM
+    python -m research run {PAGE} --firmware PROGRAM --factor {options.factor:g}
 
 Betaflight 4.6.0 (SITL), stock gains, angle mode, {SECONDS:g} s of simulated time at
 {options.factor:g} times real time, sticks in the middle; throttle by `skybody sitl betaflight
 --pilot hold`. At 12, 24, 36 and 48 s the vehicle is set turning at 3, -3 and 2 rad/s. "Settled" is
 from {SETTLED:g} s after a kick until the next. The IMU has the noise of an ICM-42688.
+The height error is the overshoot of the take-off.
 
 {markdown_table(rows, text=(0, 1))}
 
