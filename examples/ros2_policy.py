@@ -20,6 +20,7 @@ import time
 
 import numpy as np
 import rclpy
+from skybody.program import run_program
 from skybody.train.policy_file import read_policy, shipped_policy
 from std_msgs.msg import Float32MultiArray
 from std_srvs.srv import Trigger
@@ -57,4 +58,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)
