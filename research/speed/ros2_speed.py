@@ -58,7 +58,11 @@ def in_process(policy: Policy, steps: int) -> tuple[list[Row], list[float], floa
     begin = time.perf_counter()
     for _ in range(steps):
         seen.append(simulation.observation)
-        simulation.step(policy(seen[-1][None])[0].astype(np.float32))
+        action = policy(seen[-1][None])[0].astype(np.float32)
+        if simulation.terminated or simulation.truncated:
+            simulation.reset()  # as the node does
+        else:
+            simulation.step(action)
         errors.append(float(simulation.info[first]))
     return seen, errors, steps / (time.perf_counter() - begin)
 
