@@ -165,7 +165,7 @@ void draw_picture(Picture& self, const Doubles1& position, const Axes& axes, con
                   const Marks& shadows, const nb::typed<nb::list, nb::object>& meshes,
                   const Doubles2& line_points, const Floats1& line_widths,
                   const Floats4& line_colors, const Marks& line_firsts, const render::Sky& sky,
-                  Rgb rgb) {
+                  const Rgb& rgb) {
   std::vector<const Mesh*> used;
   for (const nb::handle mesh : meshes) {
     used.push_back(mesh.is_none() ? nullptr : nb::cast<const Mesh*>(mesh));

@@ -1,13 +1,15 @@
 // Colours: light, squares of the ground, sky.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/render/scenes.h"
 
 namespace skybody::testing {
 namespace {
 
 /// A byte of a colour, rounded.
-int byte_of(double share) { return static_cast<int>(share * 255.0 + 0.5); }
+int byte_of(double share) { return static_cast<int>(std::lround(share * 255.0)); }
 
 /// Looks straight down from 2 m at a wide plane.
 class ShadesTest : public ::testing::Test {
