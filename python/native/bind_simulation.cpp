@@ -176,7 +176,7 @@ void bind_outcome(Class& c) {
       },
       nb::arg("image"),
       nb::sig("def image_bytes(self, image: int) -> numpy.typing.NDArray[numpy.uint8]"),
-      "(bytes,) uint8, a copy: what skybody.Simulation.image() reads.");
+      "(bytes,) uint8, a copy: the memory of skybody.Simulation.image().");
   c.def_prop_ro("reward", of(&Simulation::reward), "Of the last step; of a team, the team's.");
   def_array(c, "agent_rewards", "float32", row_of(&Simulation::agent_rewards),
             "(agents,) float32: each agent's own; the team's where the task gives no own.");

@@ -76,7 +76,7 @@ def parts(file: rerun.RecordingStream, table: Table, camera: str | None) -> Iter
 
 
 def set_time(file: rerun.RecordingStream, time: float) -> None:
-    """Sets the time of what is logged next [s]."""
+    """Sets the time of the next values [s]."""
     file.set_time(TIME, duration=np.timedelta64(round(time * NANO), "ns"))
 
 

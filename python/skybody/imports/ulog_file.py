@@ -27,13 +27,13 @@ def read(path: Path, used: Map) -> Channels:
     if used.time is not None:
         raise InputError(f"{used.file}: time: is not for this log, which has own times")
     try:
-        with contextlib.redirect_stdout(io.StringIO()):  # pyulog prints what it finds
+        with contextlib.redirect_stdout(io.StringIO()):  # pyulog prints its findings
             log = pyulog.ULog(str(path))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except Exception as error:  # pyulog's own, and those of damaged bytes
         raise InputError(f"{path}: cannot be read as a ULog ({error})") from None
-    notes = [f"{path}: is damaged; what could be read is used"] if log.file_corruption else []
+    notes = [f"{path}: is damaged; its readable part is used"] if log.file_corruption else []
     columns: dict[str, Array] = {}
     times: dict[str, Array] = {}
     for topic in log.data_list:

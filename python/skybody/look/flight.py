@@ -53,7 +53,8 @@ class Flight(Motion):
         name = f"{episode:04d}" if episode is not None else (names or [""])[0]
         if name not in names:
             there = f"it has {', '.join(str(int(n)) for n in names)}" if names else "it has none"
-            raise InputError(f"{self.path}: no episode {episode or 1}; {there}")
+            wanted = 1 if episode is None else episode
+            raise InputError(f"{self.path}: no episode {wanted}; {there}")
         self.episode = int(name)
         self._rows: dict[str, Rows] = {}
         self._group = self._file["episodes"][name]

@@ -16,7 +16,7 @@ from .scene import Scene, Style
 
 TRAIL = 2.0  # length of trails [s]
 STYLE = Style(trail=TRAIL, trail_value="", reference=False, contacts=False)
-World = tuple[float, ...]  # number of the episode, and values of what stands in the world
+World = tuple[float, ...]  # number of the episode, and values of the obstacles
 PARTS = ("position", "rotation", "velocity", "angular_velocity")  # of a row of `bodies`
 
 

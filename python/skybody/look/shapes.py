@@ -55,7 +55,7 @@ class Block:
         meshes: Sequence[Mesh | None] | None = None,
         checkers: Sequence[tuple[Color, float] | None] = (),
     ) -> Block:
-        """Shapes of equal or different kinds; what is given once holds for all.
+        """Shapes of equal or different kinds; a value that is given once holds for all.
 
         Args:
             positions, axes: of their frames, W [m], (n, 3), and W from them, (n, 3, 3).

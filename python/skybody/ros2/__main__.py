@@ -63,8 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def spin(options: argparse.Namespace) -> int:
     """Runs the node until Ctrl-C."""
-    rclpy = load_rclpy()
     table = read_map(options.map)
+    rclpy = load_rclpy()
     simulation = Simulation(
         options.scenario, table.control, overrides=options.overrides, seed=options.seed
     )

@@ -1,4 +1,4 @@
-// Lines over an image: where they are, how they mix, and what hides them.
+// Lines over an image: their places, how they mix, and surfaces that hide them.
 #include "render/lines.h"
 
 #include <gtest/gtest.h>

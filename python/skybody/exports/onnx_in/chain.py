@@ -1,4 +1,4 @@
-"""What a tensor of a network is in terms of policy.h5: inputs, an image, or outputs of layers.
+"""Tensors of a network as parts of policy.h5: inputs, an image, or outputs of layers.
 
 Each value has an affine map, `factor` and `term` for each entry, that is still to be applied. The
 next layer takes it into its weights.
@@ -142,7 +142,7 @@ def with_layer(value: Inputs | Hidden, layer: Layer) -> Hidden:
 
 @dataclass(frozen=True)
 class Picture:
-    """An image, or what convolutions made of it: times `factor` plus `term`, for each channel."""
+    """An image, or convolutions of it: times `factor` plus `term`, for each channel."""
 
     image: int
     low: float
