@@ -25,6 +25,7 @@ constexpr PythonCommand kCommands[] = {
     {"tune", "skybody.tune", "Fit the gains of a chain of controllers to a vehicle"},
     {"render", "skybody.look", "Draw flights as films or pictures"},
     {"view", "skybody.view", "Show flights, or a running simulation, in a browser"},
+    {"ros1", "skybody.ros1", "Run a scenario as a node of ROS 1"},
     {"ros2", "skybody.ros2", "Run a scenario as a node of ROS 2"},
     {"sitl", "skybody.sitl", "Let ArduPilot, PX4 or Betaflight fly a robot, in lockstep"},
     {"export", "skybody.exports", "Write a flight or a policy in a format of other programs"},

@@ -37,7 +37,7 @@ const Wrong kWrong[] = {
      {},
      "error: no command is given; there are run, check, hash, replay, bench, scenarios, plugins, "
      "modes, plan, "
-     "schema, train, tune, render, view, ros2, sitl, export, import, plot, new; "
+     "schema, train, tune, render, view, ros1, ros2, sitl, export, import, plot, new; "
      "see `skybody --help`"},
     {"unknown_command",
      {"rnu"},
@@ -134,11 +134,15 @@ const Wrong kWrong[] = {
     {"unknown_kind",
      {"new", "contoller", "law"},
      "error: KIND: there is no kind `contoller`; did you mean `controller`?; allowed: controller, "
-     "sensor, randomizer, task, effect, vehicle; see `skybody new --help`"},
+     "sensor, randomizer, task, effect, vehicle, lab; see `skybody new --help`"},
     {"misspelt_vehicle",
      {"new", "vehicel", "racer"},
      "error: KIND: there is no kind `vehicel`; did you mean `vehicle`?; allowed: controller, "
-     "sensor, randomizer, task, effect, vehicle; see `skybody new --help`"},
+     "sensor, randomizer, task, effect, vehicle, lab; see `skybody new --help`"},
+    {"lab_of_another_spelling",
+     {"new", "lab", "MyLab"},
+     "error: `MyLab_law` cannot name a plugin; allowed: at most 64 lower-case letters, digits and "
+     "single underscores, a letter first, such as wind_gust"},
     {"mass_out_of_range",
      {"new", "vehicle", "--mass", "1500", "--arm", "0.2", "--thrust-to-weight", "2"},
      "error: --mass: 1500 is out of range; allowed: 0.001..1000 kg; see `skybody new vehicle "

@@ -69,8 +69,10 @@ def set_pose(to: Any, body: BodyState) -> None:
 
 
 def set_stamp(stamp: Any, time: float) -> None:
-    """Whole seconds and nanoseconds of a time [s]."""
-    stamp.sec, stamp.nanosec = divmod(round(time * 1e9), 10**9)
+    """Whole seconds and nanoseconds of a time [s], under the names of ROS 2 or of ROS 1."""
+    names = ("sec", "nanosec") if hasattr(stamp, "nanosec") else ("secs", "nsecs")
+    for name, value in zip(names, divmod(round(time * 1e9), 10**9), strict=True):
+        setattr(stamp, name, value)
 
 
 # --- motion -------------------------------------------------------------------------------------
@@ -193,10 +195,15 @@ def camera_info(message: Any, simulation: Simulation, row: Any) -> None:
         raise ValueError(f"ROS has no name for the lens of a {camera.projection}")
     message.distortion_model = MODELS[camera.projection]
     k = [*camera.distortion, 0.0, 0.0, 0.0, 0.0, 0.0]
-    message.d = k[: 5 if camera.projection == "pinhole" else 4]
     focal, x, y = camera.focal, 0.5 * camera.width, 0.5 * camera.height
-    message.k, message.p = camera_matrix(focal, x, y), projection_matrix(focal, x, y)
-    message.r = NOT_TURNED
+    matrices = {
+        "d": k[: 5 if camera.projection == "pinhole" else 4],
+        "k": camera_matrix(focal, x, y),
+        "r": NOT_TURNED,
+        "p": projection_matrix(focal, x, y),
+    }
+    for name, matrix in matrices.items():  # ROS 1 has them as D, K, R, P
+        setattr(message, name if hasattr(message, name) else name.upper(), matrix)
 
 
 def point_cloud(message: Any, simulation: Simulation, row: Any) -> None:

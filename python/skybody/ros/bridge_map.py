@@ -1,4 +1,4 @@
-"""The map of a ROS 2 bridge: which topic has which type and which part of the simulation."""
+"""The map of a bridge to ROS: which topic has which type and which part of the simulation."""
 
 from __future__ import annotations
 
@@ -90,7 +90,13 @@ def row_of(path: Path, entry: Any, part: str) -> Row:
             f"{path}: {entry['topic']}: `rate` is `{rate}`; allowed: 0 to {MOST_RATE:g}"
         )
     values = {key: entry[key] for key in ROW & set(entry) - {"from", "to", "rate"}}
+    values["type"] = full_type(entry["type"])
     return Row(part=entry[part], rate=float(rate), **values)
+
+
+def full_type(name: str) -> str:
+    """PACKAGE/msg/TYPE, of which ROS 1 writes PACKAGE/TYPE."""
+    return name if name.count("/") != 1 else name.replace("/", "/msg/")
 
 
 def check(path: Path, publish: list[Row], command: list[Row]) -> None:

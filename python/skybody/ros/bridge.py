@@ -88,6 +88,12 @@ class Bridge:
             self.simulation.reset(seed)
         self.make_due()
 
+    def restore(self, saved: Any) -> None:
+        """Back to a saved state; waiting commands go."""
+        self._waiting = {}
+        self.simulation.restore(saved)
+        self.make_due()
+
     # --- states ---------------------------------------------------------------------------------
 
     def due(self) -> list[int]:
