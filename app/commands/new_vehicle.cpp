@@ -3,13 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/base/system/error.h"
 #include "core/io/files/text.h"
 #include "core/io/yaml/plausibility_limits.h"
 #include "core/model/constants.h"
-#include "core/plugin_host/new_project.h"
 #include "randomization/vehicle/laws.h"
 
 namespace skybody {
@@ -103,7 +103,7 @@ Diagnostics doubts_of_vehicle(const VehicleOptions& options) {
   return doubts;
 }
 
-std::filesystem::path write_new_vehicle(const VehicleOptions& options) {
+ProjectPart vehicle_part(const VehicleOptions& options) {
   if (!is_identifier(options.name)) {
     throw Error("`" + options.name +
                 "` cannot name a vehicle; allowed: letters, digits, '_' and '-', starting with a "
@@ -123,25 +123,28 @@ std::filesystem::path write_new_vehicle(const VehicleOptions& options) {
   const double ixx = laws.roll_inertia(options.mass, options.thrust_to_weight, full, options.arm);
   const double iyy = middle(randomization::kPitchInertia) * ixx;
   const auto constant = [&](int place) { return number(rotors.constants[place]); };
-  const ProjectWords words = {
-      {"@ABOUT@", about(options)},
-      {"@MASS@", number(options.mass)},
-      {"@IXX@", number(ixx)},
-      {"@IYY@", number(iyy)},
-      {"@IZZ@", number(middle(randomization::kYawInertia) * (ixx + iyy))},
-      {"@BODY_RADIUS@", number(options.arm)},
-      {"@BODY_HEIGHT@", number(kBodyHeight * options.arm)},
-      {"@ARMS@", arm_lines(options)},
-      {"@THRUST_CONSTANT@", constant(SKYBODY_ROTOR_THRUST_CONSTANT)},
-      {"@MOMENT_CONSTANT@", constant(SKYBODY_ROTOR_MOMENT_CONSTANT)},
-      {"@DRAG_CONSTANT@", constant(SKYBODY_ROTOR_DRAG_CONSTANT)},
-      {"@ROLLING_CONSTANT@", constant(SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT)},
-      {"@ROTOR_INERTIA@", constant(SKYBODY_ROTOR_INERTIA)},
-      {"@MAX_SPEED@", constant(SKYBODY_ROTOR_MAX_SPEED)},
-      {"@TAU_UP@", constant(SKYBODY_ROTOR_TAU_UP)},
-      {"@TAU_DOWN@", constant(SKYBODY_ROTOR_TAU_DOWN)},
-      {"@ROTORS@", rotor_lines(options)}};
-  return write_new_project({"vehicle"}, words, options.name, options.folder);
+  ProjectWords words = {{"@ABOUT@", about(options)},
+                        {"@MASS@", number(options.mass)},
+                        {"@IXX@", number(ixx)},
+                        {"@IYY@", number(iyy)},
+                        {"@IZZ@", number(middle(randomization::kYawInertia) * (ixx + iyy))},
+                        {"@BODY_RADIUS@", number(options.arm)},
+                        {"@BODY_HEIGHT@", number(kBodyHeight * options.arm)},
+                        {"@ARMS@", arm_lines(options)},
+                        {"@THRUST_CONSTANT@", constant(SKYBODY_ROTOR_THRUST_CONSTANT)},
+                        {"@MOMENT_CONSTANT@", constant(SKYBODY_ROTOR_MOMENT_CONSTANT)},
+                        {"@DRAG_CONSTANT@", constant(SKYBODY_ROTOR_DRAG_CONSTANT)},
+                        {"@ROLLING_CONSTANT@", constant(SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT)},
+                        {"@ROTOR_INERTIA@", constant(SKYBODY_ROTOR_INERTIA)},
+                        {"@MAX_SPEED@", constant(SKYBODY_ROTOR_MAX_SPEED)},
+                        {"@TAU_UP@", constant(SKYBODY_ROTOR_TAU_UP)},
+                        {"@TAU_DOWN@", constant(SKYBODY_ROTOR_TAU_DOWN)},
+                        {"@ROTORS@", rotor_lines(options)}};
+  return {options.name, {"vehicle"}, std::move(words)};
+}
+
+std::filesystem::path write_new_vehicle(const VehicleOptions& options) {
+  return write_new_project({vehicle_part(options)}, options.name, options.folder);
 }
 
 }  // namespace skybody

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/io/yaml/diagnostics.h"
+#include "core/plugin_host/new_project.h"
 
 namespace skybody {
 
@@ -23,10 +24,13 @@ struct VehicleOptions {
 /// Warnings of unlikely values, with the intended value if a known mistake explains it.
 Diagnostics doubts_of_vehicle(const VehicleOptions& options);
 
-/// Writes the folder `options.folder`/`options.name`: a URDF, rotors.yaml, a scenario that uses it
-/// and a README. @returns the new folder
-/// @throws Error if the name is invalid, if no rotors within the ranges of rotor files carry it on
-///         such arms, if the folder exists, or if it cannot be written
+/// The files of a vehicle: a URDF, rotors.yaml, a scenario that uses it and a README.
+/// @throws Error if the name is invalid, or if no rotors within the ranges of rotor files carry it
+///         on such arms
+ProjectPart vehicle_part(const VehicleOptions& options);
+
+/// Writes them into the folder `options.folder`/`options.name`. @returns the new folder
+/// @throws Error as vehicle_part() and write_new_project()
 std::filesystem::path write_new_vehicle(const VehicleOptions& options);
 
 }  // namespace skybody

@@ -132,10 +132,33 @@ class TemporaryFolder {
   fs::path path_;
 };
 
+void write_part(const ProjectPart& part, const fs::path& folder) {
+  for (const std::string& sort : part.templates) {
+    const fs::path source = template_folder() / sort;
+    for (const auto& item : fs::recursive_directory_iterator(source)) {
+      if (!item.is_regular_file() || item.path().extension() != ".in") continue;
+      // tests/NAME_test.cpp.in -> tests/wind_gust_test.cpp
+      const std::string file =
+          replaced(fs::relative(item.path(), source).string(), "NAME", part.name);
+      fs::path target = folder / file;
+      target.replace_extension();
+      fs::create_directories(target.parent_path());
+      std::string text = replaced(read(item.path()), "@NAME@", part.name);
+      for (const auto& [word, meaning] : part.words)
+        text = replaced(std::move(text), word, meaning);
+      write(target, text);
+      if (!text.starts_with("#!")) continue;
+      fs::permissions(target,
+                      fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                      fs::perm_options::add);
+    }
+  }
+}
+
 }  // namespace
 
-fs::path write_new_project(const std::vector<std::string>& templates, const ProjectWords& words,
-                           const std::string& name, const fs::path& target_dir) {
+fs::path write_new_project(const std::vector<ProjectPart>& parts, const std::string& name,
+                           const fs::path& target_dir) {
   const fs::path place = target_dir.empty() ? fs::path(".") : target_dir;
   fs::path folder = place / name;
   std::error_code ignored;
@@ -144,19 +167,7 @@ fs::path write_new_project(const std::vector<std::string>& templates, const Proj
   }
   if (!fs::is_directory(place, ignored)) throw Error("there is no folder " + place.string());
   TemporaryFolder fresh(place);
-  for (const std::string& sort : templates) {
-    const fs::path source = template_folder() / sort;
-    for (const auto& item : fs::recursive_directory_iterator(source)) {
-      if (!item.is_regular_file() || item.path().extension() != ".in") continue;
-      // tests/NAME_test.cpp.in -> tests/wind_gust_test.cpp
-      fs::path target = replaced(fs::relative(item.path(), source).string(), "NAME", name);
-      target = fresh.path() / target.replace_extension();
-      fs::create_directories(target.parent_path());
-      std::string text = replaced(read(item.path()), "@NAME@", name);
-      for (const auto& [word, meaning] : words) text = replaced(std::move(text), word, meaning);
-      write(target, text);
-    }
-  }
+  for (const ProjectPart& part : parts) write_part(part, fresh.path() / part.folder);
   // rename() only replaces an empty folder, so that it never overwrites files that appeared in the
   // meantime.
   if (::rename(fresh.path().c_str(), folder.c_str()) != 0) {
@@ -166,15 +177,20 @@ fs::path write_new_project(const std::vector<std::string>& templates, const Proj
   return folder;
 }
 
+ProjectPart plugin_part(SkybodyKind kind, const std::string& name) {
+  check_name(name);
+  const std::string word = kind_name(kind);
+  return {name,
+          {"common", word},
+          {{"@ABOUT@", read(template_folder() / word / kAboutFile)},
+           {"@CLASS@", class_name(name)},
+           {"@KIND@", word},
+           {"@A_KIND@", (kind == SKYBODY_EFFECT ? "An " : "A ") + word}}};
+}
+
 fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
                                   const fs::path& target_dir) {
-  check_name(name);
-  const ProjectWords words = {
-      {"@ABOUT@", read(template_folder() / kind_name(kind) / kAboutFile)},
-      {"@CLASS@", class_name(name)},
-      {"@KIND@", kind_name(kind)},
-      {"@A_KIND@", (kind == SKYBODY_EFFECT ? "An " : "A ") + std::string(kind_name(kind))}};
-  return write_new_project({"common", kind_name(kind)}, words, name, target_dir);
+  return write_new_project({plugin_part(kind, name)}, name, target_dir);
 }
 
 }  // namespace skybody
