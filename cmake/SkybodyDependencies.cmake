@@ -102,7 +102,7 @@ if(SKYBODY_DAQP_DIR)
   set_target_properties(skybody_daqp PROPERTIES C_VISIBILITY_PRESET hidden)
   install(FILES "${SKYBODY_DAQP_DIR}/LICENSE" DESTINATION
     "${CMAKE_INSTALL_DATADIR}/skybody/licenses"
-    RENAME daqp.txt)
+    RENAME daqp.txt COMPONENT library)
 else()
   message(STATUS "no DAQP in .daqp (`./dev build` fetches it): controller nmpc is left out")
 endif()

@@ -96,9 +96,10 @@ function(skybody_add_plugin name)
   if(own_tree AND NOT plugin_NO_INSTALL AND NOT plugin_OUTPUT_DIRECTORY)
     if(plugin_PLUGINS)
       install(FILES "${list}" DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins" RENAME
-        "${name}.plugins")
+        "${name}.plugins" COMPONENT library)
     endif()
-    install(TARGETS ${name} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins")
+    install(TARGETS ${name} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins"
+      COMPONENT library)
     set_property(GLOBAL APPEND PROPERTY SKYBODY_PLUGINS ${name})
     skybody_share_plugin_headers(${name})
   endif()

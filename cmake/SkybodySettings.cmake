@@ -34,6 +34,26 @@ file(RELATIVE_PATH skybody_bin_to_lib "/${CMAKE_INSTALL_BINDIR}" "/${CMAKE_INSTA
 set(CMAKE_INSTALL_RPATH "$ORIGIN" "$ORIGIN/${skybody_bin_to_lib}")
 set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
 
+# The number in the names of our libraries (soname). It changes with every release that breaks
+# binaries built against the one before (docs/compatibility.md).
+set(SKYBODY_ABI ${PROJECT_VERSION_MAJOR})
+set(SKYBODY_ABI_RELEASES SameMajorVersion)
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(SKYBODY_ABI 0.${PROJECT_VERSION_MINOR})
+  set(SKYBODY_ABI_RELEASES SameMinorVersion)
+endif()
+
+# Our shared libraries export only names of our own: no template of Eigen, Boost or Simbody can take
+# the place of another library's, or the other way round. Calls inside a library stay inside it,
+# whatever a consumer has compiled the same inline functions with.
+function(skybody_export_own_names library)
+  set(names "${PROJECT_SOURCE_DIR}/cmake/exported_names.map")
+  target_link_options(${library} PRIVATE "LINKER:--version-script=${names}"
+    LINKER:-Bsymbolic-functions)
+  set_property(TARGET ${library} APPEND PROPERTY LINK_DEPENDS "${names}")
+  set_target_properties(${library} PROPERTIES VERSION ${SKYBODY_ABI} SOVERSION ${SKYBODY_ABI})
+endfunction()
+
 if(SKYBODY_CCACHE)
   find_program(SKYBODY_CCACHE_PROGRAM ccache)
   if(SKYBODY_CCACHE_PROGRAM)

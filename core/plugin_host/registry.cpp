@@ -94,13 +94,7 @@ std::string no_promise(const PluginManifest& found, const PluginEntry& entry) {
 /// Whether other users may write libskybody. If so, they control the code that runs here, whatever
 /// the plugins' permissions.
 bool is_skybody_writable() {
-  static const bool writable = [] {
-    const fs::path library = library_folder() / "libskybody.so";
-    std::error_code failed;
-    const fs::path file =
-        fs::canonical(library, failed);  // a link to a version, or linked statically
-    return !trust_problem(failed ? library_folder() : file).empty();
-  }();
+  static const bool writable = !trust_problem(library_file()).empty();
   return writable;
 }
 

@@ -10,14 +10,16 @@ const char kAnchor = 0;  // an address inside libskybody
 
 }  // namespace
 
-fs::path library_folder() {
+fs::path library_file() {
   Dl_info info;
   const bool found = dladdr(&kAnchor, &info) != 0 && info.dli_fname != nullptr;
   const fs::path file = found ? fs::path(info.dli_fname) : fs::path("/proc/self/exe");
   std::error_code not_found;
   const fs::path real = fs::canonical(file, not_found);
-  return (not_found ? fs::absolute(file) : real).parent_path();
+  return not_found ? fs::absolute(file) : real;
 }
+
+fs::path library_folder() { return library_file().parent_path(); }
 
 fs::path shipped_data(const std::string& name, const std::string& source_folder) {
   std::error_code ignored;

@@ -6,7 +6,10 @@
 
 namespace skybody {
 
-/// The folder of libskybody, with symbolic links resolved.
+/// The file of libskybody, with symbolic links resolved; of the program if that holds it.
+std::filesystem::path library_file();
+
+/// The folder of library_file().
 std::filesystem::path library_folder();
 
 /// A folder of shipped files: share/skybody/NAME of the install prefix, or `source_folder` of the
