@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from skybody import InputError, Simulation
 from skybody.camera import Camera
-from skybody.ros.bridge import Bridge, _Anything
+from skybody.ros.bridge import Bridge
 from skybody.ros.bridge_map import BridgeMap, Row, read_map
 from skybody.ros.commands import COMMANDS, px4_motors, px4_rates, px4_trajectory
 from skybody.ros.frames import yaw_of
-from skybody.ros.messages import message_class
+from skybody.ros.messages import AnyMessage, message_class
 from skybody.ros.states import set_stamp
 
 NUMBERS = "std_msgs/msg/Float32MultiArray"
@@ -52,7 +52,7 @@ def test_a_heading_is_the_angle_about_the_vertical(yaw: float) -> None:
 
 
 def filled(made: Bridge, number: int = 0) -> Any:
-    message = _Anything()
+    message = AnyMessage()
     made.fill(number, message)
     return message
 
@@ -104,7 +104,7 @@ def test_transforms_and_point_clouds_have_the_fields_of_ros(
     field = type("PointField", (SimpleNamespace,), {"FLOAT32": 7})
     sensor_msgs = SimpleNamespace(PointField=field)
     monkeypatch.setitem(sys.modules, "sensor_msgs.msg", sensor_msgs)
-    geometry_msgs = SimpleNamespace(TransformStamped=_Anything)
+    geometry_msgs = SimpleNamespace(TransformStamped=AnyMessage)
     monkeypatch.setitem(sys.modules, "geometry_msgs.msg", geometry_msgs)
     lidar = "{plugin: lidar, parameters: {outputs: [points]}}"
     made = bridge(

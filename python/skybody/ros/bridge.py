@@ -12,6 +12,7 @@ from skybody import InputError, Simulation
 from .bridge_map import BridgeMap, Row
 from .commands import COMMANDS, SHARES
 from .frames import Reals
+from .messages import AnyMessage
 from .states import SENSORS, STATES, Fill, filler
 
 
@@ -127,7 +128,7 @@ class Bridge:
                 f"{row.topic}: `{row.part}` as {row.type}: there is no such row; parts are "
                 f"{', '.join(STATES)}, or a sensor or image as {', '.join(SENSORS)}"
             )
-        message = _Anything()
+        message = AnyMessage()
         try:
             fill(message, self.simulation, row)
         except ImportError:
@@ -159,17 +160,6 @@ class Bridge:
             for k in range(len(rotors))
         ]
         return float(sum(r.thrust_constant * w**2 for r, w in zip(rotors, speeds, strict=True)))
-
-
-class _Anything:
-    """A message with any field, to try a filler."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        value = [0.0] * 9 if name.endswith("covariance") else _Anything()
-        setattr(self, name, value)
-        return value
 
 
 def expanded(row: Row, robots: list[str]) -> list[Row]:

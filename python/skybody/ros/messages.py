@@ -26,6 +26,17 @@ def service_class(name: str, remedy: str) -> Any:
     return _class_of(name, "srv", remedy)
 
 
+class AnyMessage:
+    """A message with any field, for a bridge without ROS."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        value = [0.0] * 9 if name.endswith("covariance") else AnyMessage()
+        setattr(self, name, value)
+        return value
+
+
 def _class_of(name: str, folder: str, remedy: str) -> Any:
     package, _, kind = name.partition(f"/{folder}/")
     try:

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import functools
 import importlib
-import threading
-import time
 from collections.abc import Callable
 from typing import Any
 
 from skybody import InputError
-from skybody.ros import node
 from skybody.ros.bridge import Bridge
 from skybody.ros.bridge_map import BridgeMap
 from skybody.ros.messages import message_class, service_class
 from skybody.ros.node import CLOCK, DEPTH, answer
+from skybody.ros.threaded_node import ThreadedNode
 
 REMEDY = "install its Debian package, or source the setup of a ROS 1 workspace that has it"
-NAP = 0.1  # between looks at whether the node has been shut down [s]
 
 
 def load_rospy() -> Any:
@@ -38,7 +35,7 @@ def load_rospy() -> Any:
     return rospy
 
 
-class Node(node.Node):
+class Node(ThreadedNode):
     """Topics and services of a bridge on rospy, whose callbacks come from many threads."""
 
     def __init__(self, bridge: Bridge, table: BridgeMap, name: str, factor: float | None) -> None:
@@ -53,7 +50,7 @@ class Node(node.Node):
         """
         find = functools.partial(message_class, remedy=REMEDY)
         super().__init__(bridge, table, factor, find)
-        self._rospy, self._lock = load_rospy(), threading.Lock()
+        self._rospy = load_rospy()
         self._rospy.init_node(name, argv=[], disable_signals=True)
         self._publishers = [
             self._rospy.Publisher(row.topic, kind, queue_size=DEPTH)
@@ -62,32 +59,16 @@ class Node(node.Node):
         if table.clock:
             self._clock = self._rospy.Publisher("/clock", find(CLOCK), queue_size=DEPTH)
         for number, row in enumerate(bridge.command):
-            take = self._locked(functools.partial(self.take, number))
+            take = self.locked(functools.partial(self.take, number))
             self._rospy.Subscriber(
                 row.topic, find(row.type), take, queue_size=DEPTH, tcp_nodelay=True
             )
         self._add_services()
-        self._locked(self.send_states)()
+        self.locked(self.send_states)()
 
-    def spin(self) -> None:
-        """Runs until the node is shut down; in real time by the clock on the wall."""
-        due = time.monotonic()
-        while not self._rospy.is_shutdown():
-            if self.factor is None:
-                time.sleep(NAP)
-                continue
-            due = max(due + self.period, time.monotonic())  # late steps are not made up for
-            time.sleep(max(0.0, due - time.monotonic()))
-            self._locked(self.tick)()
-
-    def _locked(self, act: Callable[..., Any]) -> Callable[..., Any]:
-        """The same function, one thread at a time."""
-
-        def guarded(*arguments: Any) -> Any:
-            with self._lock:
-                return act(*arguments)
-
-        return guarded
+    def is_over(self) -> bool:
+        """Whether the node has been shut down."""
+        return bool(self._rospy.is_shutdown())
 
     def _publish(self, number: int, message: Any) -> None:
         self._publishers[number].publish(message)
@@ -107,7 +88,7 @@ class Node(node.Node):
         self._serve("set_parameters", kind, self._set_parameters)
 
     def _serve(self, name: str, kind: Any, handle: Callable[[Any], Any]) -> None:
-        self._rospy.Service(f"~{name}", kind, self._locked(handle))
+        self._rospy.Service(f"~{name}", kind, self.locked(handle))
 
     def _pause(self, request: Any) -> Any:
         response = service_class("std_srvs/srv/SetBoolResponse", REMEDY)()
