@@ -75,12 +75,23 @@ endif()
 # Bit-stable arithmetic (docs/architecture.md). fp-contract and fast-math change results. errno and
 # traps do not; without them sqrt is one instruction and selects are vectorized.
 set(SKYBODY_FP_FLAGS -fno-fast-math -ffp-contract=off -fno-math-errno -fno-trapping-math)
+# Options that tune or correct g++ alone. Other compilers do not need them, nor know all of them.
+function(skybody_gnu_options variable)
+  set(${variable} "" PARENT_SCOPE)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(${variable} ${ARGN} PARENT_SCOPE)
+  endif()
+endfunction()
 # g++ 12 fuses adjacent products with sums and differences, whatever fp-contract is. Files affected
 # by this (codegen_test.cpp lists them) take this option.
 set(SKYBODY_UNFUSED_OPTION -fno-tree-slp-vectorize)
 
 # Packs are wider than the baseline's registers; they never cross a library boundary by value.
 set(SKYBODY_PACK_FLAGS -Wno-psabi)
+# False alarms of GCC 12: on std::string (GCC bug 105651); on the undefined operands of its own
+# AVX-512 intrinsics (GCC bug 105593), in the files that use these.
+skybody_gnu_options(SKYBODY_STRING_FLAGS -Wno-restrict)
+skybody_gnu_options(SKYBODY_INTRINSICS_FLAGS -Wno-maybe-uninitialized -Wno-uninitialized)
 
 set(SKYBODY_SANITIZE_FLAGS "")
 if(SKYBODY_SANITIZE)
@@ -104,7 +115,8 @@ function(skybody_unite target)
   if(SKYBODY_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
     # g++ treats the files as headers, where anonymous namespaces would be an error.
-    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    skybody_gnu_options(options -Wno-subobject-linkage)
+    target_compile_options(${target} PRIVATE ${options})
   endif()
 endfunction()
 
@@ -135,7 +147,7 @@ target_include_directories(skybody_build_flags INTERFACE
 target_compile_options(skybody_build_flags INTERFACE
   ${SKYBODY_FP_FLAGS} ${SKYBODY_PACK_FLAGS} ${SKYBODY_SANITIZE_FLAGS}
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-  -Wno-restrict  # false alarms of GCC 12 on std::string (GCC bug 105651)
+  ${SKYBODY_STRING_FLAGS}
   $<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Werror>)
 target_compile_definitions(skybody_build_flags INTERFACE ${SKYBODY_KERNEL_DEFINITIONS})
 target_link_options(skybody_build_flags INTERFACE ${SKYBODY_SANITIZE_FLAGS})
