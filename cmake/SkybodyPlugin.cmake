@@ -31,7 +31,9 @@ function(skybody_share_plugin_headers name)
   endif()
   target_precompile_headers(${name} REUSE_FROM skybody_plugin_headers)
   # With it g++ 12 reports false alarms on std::string (GCC bug 105651), as -Wrestrict does.
-  target_compile_options(${name} PRIVATE -Wno-stringop-overflow)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${name} PRIVATE -Wno-stringop-overflow)
+  endif()
 endfunction()
 
 # How plugins are compiled, wherever they are built.
