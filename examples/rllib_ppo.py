@@ -6,8 +6,6 @@ Prints steps and mean return after each iteration. With the --address of a clust
 distributed over its machines.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from typing import Any
@@ -22,43 +20,27 @@ from skybody.ray.rllib import environments
 def config(scenario: str, envs: int, runners: int) -> PPOConfig:
     """PPO's configuration: 32 steps of every environment between two updates."""
     made: PPOConfig = environments(PPOConfig(), scenario, envs, runners=runners)
-    batch = 32 * envs * max(1, runners)
-    made.env_runners(
-        rollout_fragment_length=32,
-        env_to_module_connector=lambda env, spaces, device: MeanStdFilter(),
-    )
+    normalize = {"env_to_module_connector": lambda env, spaces, device: MeanStdFilter()}
+    made.env_runners(rollout_fragment_length=32, **normalize)
     made.rl_module(model_config={"fcnet_hiddens": [64, 64], "fcnet_activation": "tanh"})
-    made.training(
-        lr=1e-3,
-        gamma=0.98,
-        lambda_=0.95,
-        clip_param=0.2,
-        vf_clip_param=float("inf"),
-        num_epochs=2,
-        minibatch_size=min(512, batch),
-        train_batch_size_per_learner=batch,
-    )
-    return made.debugging(seed=1, log_level="ERROR")
+    batch = 32 * envs * max(1, runners)
+    sizes = {"minibatch_size": min(512, batch), "train_batch_size_per_learner": batch}
+    made.training(lr=1e-3, gamma=0.98, lambda_=0.95, clip_param=0.2, num_epochs=2, **sizes)
+    return made.training(vf_clip_param=float("inf")).debugging(seed=1, log_level="ERROR")
 
 
 def summary(result: dict[str, Any]) -> dict[str, float]:
     """Steps and mean return of an iteration's result."""
     runners = result["env_runners"]
-    return {
-        "steps": float(runners["num_env_steps_sampled_lifetime"]),
-        "return": float(runners.get("episode_return_mean", float("nan"))),
-    }
+    steps, value = runners["num_env_steps_sampled_lifetime"], runners.get("episode_return_mean")
+    return {"steps": float(steps), "return": float("nan") if value is None else float(value)}
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--iterations", type=int, default=20)
     parser.add_argument("--envs", type=int, default=64, help="environments of each runner")
-    parser.add_argument(
-        "--runners", type=int, default=0, help="number of runners; 0: in the learner's process"
-    )
+    parser.add_argument("--runners", type=int, default=0, help="0: in the learner's process")
     parser.add_argument("--scenario", default="hover_learn")
     parser.add_argument("--address", default=LOCAL, help=ADDRESS_HELP)
     given = parser.parse_args()
@@ -68,10 +50,8 @@ def main() -> None:
         for _ in range(given.iterations):
             found = summary(algorithm.train())
             rate = found["steps"] / (time.perf_counter() - begin)
-            print(
-                f"{found['steps']:9,.0f} steps, {rate:7,.0f} steps/s, return {found['return']:.1f}",
-                flush=True,
-            )
+            print(f"{found['steps']:9,.0f} steps, {rate:7,.0f} steps/s", end=", ")
+            print(f"return {found['return']:.1f}", flush=True)
         algorithm.stop()
 
 

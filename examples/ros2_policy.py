@@ -13,8 +13,6 @@ the same bits as in one process. On a vehicle the same node reads observations t
 makes, and an inner loop takes the actions.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 

@@ -7,8 +7,6 @@ network of convolutions reads the image. `skybody train landing_vision` learns t
 or two (docs/cameras.md); here some thousand steps show how the environments are used.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import torch
@@ -28,8 +26,7 @@ class RowAndImage(BaseFeaturesExtractor):
     def __init__(self, space: spaces.Dict) -> None:
         self.rows = [name for name, part in space.items() if len(part.shape) == 1]
         (self.image,) = [name for name in space if name not in self.rows]
-        values = sum(space[name].shape[0] for name in self.rows)
-        super().__init__(space, values + 64)
+        super().__init__(space, sum(space[name].shape[0] for name in self.rows) + 64)
         self.convolutions = torch.nn.Sequential(
             torch.nn.Conv2d(1, 16, 8, 4), torch.nn.ReLU(),
             torch.nn.Conv2d(16, 32, 4, 2), torch.nn.ReLU(),
@@ -42,23 +39,19 @@ class RowAndImage(BaseFeaturesExtractor):
         return torch.cat([image, *(observation[name] for name in self.rows)], dim=1)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=20000)
     parser.add_argument("--envs", type=int, default=16)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
+    torch.set_num_threads(1)  # a small network: more threads wait for one another
     envs = VecMonitor(SkybodyVecEnv("landing_vision", options.envs, seed=options.seed))
     kinds = {"features_extractor_class": RowAndImage, "normalize_images": False}
-    model = PPO(
-        "MultiInputPolicy", envs, n_steps=128, policy_kwargs=kinds, seed=options.seed, device="cpu"
-    )
-    model.learn(options.steps)
+    settings = {"n_steps": 128, "policy_kwargs": kinds, "seed": options.seed, "device": "cpu"}
+    model = PPO("MultiInputPolicy", envs, **settings).learn(options.steps)
     returns = [episode["r"] for episode in model.ep_info_buffer]
     print(f"{len(returns)} episodes, mean return {sum(returns) / max(len(returns), 1):.2f}")
-    return 0
 
 
 if __name__ == "__main__":
