@@ -72,11 +72,13 @@ class RegistryCatalog : public PluginCatalog {
 /// Creates instances from the registry's libraries.
 class RegistryFactory : public PluginFactory {
  public:
-  explicit RegistryFactory(const PluginRegistry& registry) : registry_(registry) {}
+  RegistryFactory(const PluginRegistry& registry, const LoadOptions& options)
+      : registry_(registry), options_(options) {}
 
   Made make(SkybodyKind kind, const std::string& plugin, const SkybodySetup& setup,
             const SkybodyDeclare& declare) override {
     const PluginEntry& entry = require(kind, plugin);
+    if (options_.on_setup) options_.on_setup(kind, setup);
     return {create_instance(entry, setup, declare), kernels_for(*entry.descriptor, best_isa()),
             static_cast<int>(entry.descriptor->state_words), entry.file.string(),
             kernels_for(*entry.descriptor, best_isa(), SKYBODY_NUMBER_DUAL)};
@@ -96,6 +98,7 @@ class RegistryFactory : public PluginFactory {
     return *entry;
   }
   const PluginRegistry& registry_;
+  const LoadOptions& options_;
 };
 
 /// @param who  the source of these folders, for messages
@@ -214,7 +217,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
   try {
     fit_couplings(*scenario);
     take_trajectory_of_task(*scenario);
-    RegistryFactory factory(*registry);
+    RegistryFactory factory(*registry, options);
     auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
     check_plugin_combinations(*compiled);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct LoadOptions {
   RefusedFiles refused_plugins = {};
   bool checked = false;        ///< checked mode, see CompiledScenario
   std::string reference = {};  ///< a reference that commands it, see reference_use.h; empty: none
+  /// Called with each plugin's setup before its configure(); null: not called.
+  std::function<void(SkybodyKind kind, const SkybodySetup& setup)> on_setup = nullptr;
 };
 
 /// The file of a scenario: `scenario` itself, or the shipped scenario of this name. A folder of the

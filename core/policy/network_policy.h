@@ -6,25 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "core/env/column_type.h"
 #include "core/io/files/policy_file.h"
-#include "core/policy/image_features.h"
-#include "core/policy/layer_weights.h"
+#include "core/policy/network_evaluator.h"
 #include "core/policy/policy.h"
 
 namespace skybody {
 
-/// An image in memory: height x width x channels values of a type.
-struct ImageView {
-  ColumnType type = ColumnType::kUint8;
-  const std::uint8_t* pixels = nullptr;
-};
-
-/// The deterministic policy: the mean of the action distribution. Evaluated in float by
-/// network_layers.h, whose bits are the same on every machine: also those of the C sources that
-/// `skybody export` writes. A policy shared by a team is evaluated once for each robot. A network
-/// with recurrent layers has a memory for each robot of each Simulation, which is empty at the
-/// beginning of an episode.
+/// The deterministic policy: the mean of the action distribution, evaluated by a NetworkEvaluator.
+/// A policy shared by a team is evaluated once for each robot. A network with recurrent layers has
+/// a memory for each robot of each Simulation, which is empty at the beginning of an episode.
 class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
@@ -33,7 +23,7 @@ class NetworkPolicy : public Policy {
   explicit NetworkPolicy(PolicyFile policy);
 
   /// The content of the policy file.
-  const PolicyFile& policy() const { return policy_; }
+  const PolicyFile& policy() const { return network_.policy(); }
   /// The path of the policy file.
   const std::filesystem::path& file() const { return file_; }
 
@@ -57,27 +47,15 @@ class NetworkPolicy : public Policy {
     const Simulation* simulation = nullptr;
     std::vector<float> states;
   };
-  void prepare();
   Memory& memory_of(const Simulation& simulation);
   void act(std::span<const float> observation, std::span<const ImageView> images, Memory& memory,
            std::span<float> action);
-  void act(const PolicyAgent& agent, std::span<const float> observation, float* states,
-           std::span<float> action);
-  void evaluate(std::size_t layer, float* state);
 
   std::filesystem::path file_;
-  PolicyFile policy_;
-  PolicyAgent all_;  ///< of a policy without agents
-  NormalizationWeights normalization_;
-  std::vector<LayerWeights> weights_;          ///< of each layer
-  std::vector<float> values_, next_;           ///< between two layers, as wide as the widest
-  int state_size_ = 0;                         ///< of all recurrent layers, for one robot
-  std::vector<float> sums_;                    ///< of a recurrent layer
-  std::vector<ImageFeatures> image_features_;  ///< of each image
-  std::vector<ImageView> views_;               ///< of a simulation's images
-  std::vector<float> features_;                ///< of all images
-  Memory own_;                                 ///< without a simulation
-  std::vector<Memory> memories_;               ///< one per simulation
+  NetworkEvaluator network_;
+  std::vector<ImageView> views_;  ///< of a simulation's images
+  Memory own_;                    ///< without a simulation
+  std::vector<Memory> memories_;  ///< one per simulation
 };
 
 }  // namespace skybody

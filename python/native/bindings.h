@@ -20,6 +20,7 @@ void bind_compiled_scenario(nb::module_& m);
 void bind_batch(nb::module_& m);
 void bind_learn(nb::module_& m);
 void bind_flight_policy(nb::module_& m);
+void bind_mission(nb::module_& m);
 void bind_policy_network(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);

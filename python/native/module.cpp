@@ -16,6 +16,7 @@ NB_MODULE(_native, m) {
   bind_render(m);
   bind_simulation(m);
   bind_flight_policy(m);
+  bind_mission(m);
   bind_policy_network(m);
   bind_simulation_pool(m);
   bind_versions(m);

@@ -1,0 +1,72 @@
+// Missions for the program onboard.
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/system/error.h"
+#include "core/model/located_error.h"
+#include "onboard/export_mission.h"
+#include "python/native/bindings.h"
+#include "python/native/loaded_scenario.h"
+
+namespace skybody::python {
+namespace {
+
+onboard::Limits limits_of(const std::map<std::string, std::vector<double>>& values) {
+  onboard::Limits limits;
+  const std::map<std::string, double*> numbers = {{"stale", &limits.stale},
+                                                  {"lateness", &limits.lateness},
+                                                  {"tilt", &limits.tilt},
+                                                  {"safe_thrust", &limits.safe_thrust},
+                                                  {"safe_time", &limits.safe_time}};
+  for (const auto& [name, list] : values) {
+    const auto number = numbers.find(name);
+    if (number != numbers.end() && list.size() == 1) {
+      *number->second = list[0];
+    } else if (name == "fence" && list.size() == 6) {
+      std::copy_n(list.begin(), 3, limits.fence_low.begin());
+      std::copy_n(list.begin() + 3, 3, limits.fence_high.begin());
+    } else if (name == "safe" && list.size() == 1) {
+      limits.safe = list[0] == 0.0 ? onboard::SafeAction::kStop : onboard::SafeAction::kDescend;
+    } else {
+      throw nb::value_error(("no limit `" + name + "` of this size").c_str());
+    }
+  }
+  return limits;
+}
+
+nb::bytes mission_bytes(const LoadedScenario& compiled, const std::string& policy, int agent,
+                        const std::map<std::string, std::vector<double>>& limits) {
+  const onboard::Limits wanted = limits_of(limits);
+  std::string bytes;
+  {
+    const nb::gil_scoped_release release;
+    try {
+      auto mission = onboard::make_mission(compiled.options(), read_policy(policy), agent, wanted);
+      bytes = onboard::to_bytes(mission);
+    } catch (const LocatedError& error) {
+      throw Error(error.mark().file + ": " + error.what());
+    }
+  }
+  return nb::bytes(bytes.data(), bytes.size());
+}
+
+}  // namespace
+
+void bind_mission(nb::module_& m) {
+  m.def("mission_bytes", &mission_bytes, nb::arg("compiled"), nb::arg("policy"),
+        nb::arg("agent") = 0, nb::arg("limits") = std::map<std::string, std::vector<double>>{},
+        "The content of a mission for the program onboard (docs/onboard.md).\n\n"
+        "policy: policy.h5\n"
+        "agent: place among the robots that share the policy\n"
+        "limits: stale, lateness, safe_time [s], tilt [rad], safe (0 stop, 1 descend), "
+        "safe_thrust, one value each; fence: x, y, z, x, y, z [m], W\n\n"
+        "Raises Error if the policy does not fit, sees images, or flies several robots at once; "
+        "ValueError for another limit.");
+}
+
+}  // namespace skybody::python
