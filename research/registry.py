@@ -18,9 +18,12 @@ FOLDERS = {  # in the order of the index
     "speed": "Speed",
     "peers": "Speed",
     "physics": "Physics",
+    "real": "Real flights",
     "control": "Control",
     "learning": "Learning",
     "deploy": "Deployment",
+    "sync": "Deployment",
+    "transfer": "Transfer",
     "determinism": "Determinism",
     "documents": "Documents",
 }

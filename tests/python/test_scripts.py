@@ -104,6 +104,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "policy_export": Call("--quick --out {out}", package="onnxruntime"),
     "race_lines": QUICK,
     "ray_speed": Call("--quick --out {out}", package="ray"),
+    "real_flights": Elsewhere("test_real_flights.py"),
     "recurrent_policy": Call("--quick --tasks hover --out {out}"),
     "reference_figures": QUICK,
     "ros2_speed": Call("--quick --out {out}", package="rclpy"),

@@ -1,0 +1,176 @@
+"""The page and the pictures of real_flights.py."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from research.common.machine import machine_line
+from research.common.pages import markdown_table
+from research.common.plots import panels, plain_logarithms, save
+from research.real.errors import QUANTITIES, UNITS
+from research.real.windows import (
+    CLEARANCE,
+    HORIZONS,
+    MOST_BRIDGED,
+    MOST_GAP,
+    REASONS,
+    WARM_UP,
+    Windows,
+)
+
+if TYPE_CHECKING:
+    from research.real.real_flights import Row
+
+LAST = f"{HORIZONS[-1]:g}"
+COLOURS = ("0.4", "#1f77b4", "#2ca02c", "#d62728", "#ff7f0e", "#9467bd", "#8c564b", "#e377c2")
+SHOWN_PATHS = 12  # windows of a flight in the picture
+
+
+def page(
+    rows: Sequence[Row], windows: Sequence[Windows], found: dict[str, Any], stride: float
+) -> str:
+    """The text of the page."""
+    count = max(len(row.states) for row in rows)
+    skipped = "".join(f"\n{name}: left out, {why}.\n" for name, why in found["skipped"].items())
+    return f"""# Replays of recorded flights
+
+{machine_line(found["facts"])}
+
+    .venv/bin/{found["command"]}
+
+Open-loop replays of flights of a real Crazyflie 2.1 from the data set nanobench (Ullah and Baca,
+arXiv 2603.09908): {count} windows of {HORIZONS[-1]:g} s, every {stride:g} s. A window begins at the
+recorded state: position, attitude and velocity by motion capture, body rates by the gyroscope.
+Then each model gets the recorded motor commands, and no correction. The rotors of all models follow
+the commands of the {WARM_UP:g} s before. No model or factor saw the flight on which it is judged.
+
+- **published**: constants and curves as their authors give them. The inputs are below.
+- **trimmed**: four factors on the rotors' thrusts, from the other flights: each rotor carries a
+  quarter of the mean specific force along z. This is the least that a user would do at hover.
+
+Errors are distances (cm, m/s, rad/s) and angles (deg) between predicted and recorded states.
+Figures in parentheses are 95 % intervals: flights, and blocks of 2 s in them, are drawn with
+replacement. With so few flights they are coarse.
+
+## After {LAST} s
+
+{last_table(rows)}
+{skipped}
+![Errors over time](images/real_flights.png)
+
+## Medians after {", ".join(f"{h:g}" for h in HORIZONS)} s
+
+{medians_table(rows)}
+
+## Inputs
+
+{inputs_table(rows)}
+
+The models `so_rpy` take the angles that the onboard controller asked for, not motor commands. Their
+fitted response contains that controller, so that their attitude cannot drift away. They answer an
+easier question, and a comparison with models of motor commands is not like with like.
+
+## Screening
+
+{screening_table(windows)}
+
+A window is left out if one of its rows is near the ground (less than {100 * CLEARANCE:g} cm above
+rest, or before take-off and after landing), has impossible commands (below 0 or above 65535), lies
+in a gap, or has a saturated rotor. Gaps are pauses of more than {1e3 * MOST_GAP:g} ms between
+poses, and straight lines of all commands or all rates that last more than {MOST_BRIDGED:g} s: the
+data set fills lost telemetry by straight lines. Each window counts once, by the first reason.
+
+![Paths of a flight](images/real_flights_paths.png)
+
+Horizontal paths of one flight: recorded (black), and predicted from some of its windows.
+"""
+
+
+def last_table(rows: Sequence[Row]) -> str:
+    """Medians and means after the longest horizon, with intervals."""
+    columns = [f"{q} [{UNITS[q]}]" for q in QUANTITIES]
+    lines = [["model", "form", "windows", "", *columns]]
+    for row in rows:
+        figures = row.figures
+        for name in ("median", "mean"):
+            values = [str(figures[q][LAST][name]) for q in QUANTITIES]
+            head = [row.model.title, row.form, str(len(row.states))]
+            lines.append([*(head if name == "median" else ["", "", ""]), name, *values])
+    return markdown_table(lines, text=(0, 1, 3))
+
+
+def medians_table(rows: Sequence[Row]) -> str:
+    """Medians of all quantities and horizons."""
+    lines = [["model", "form", *(f"{q} [{UNITS[q]}]" for q in QUANTITIES)]]
+    for row in rows:
+        medians = np.median(row.errors, axis=0)
+        texts = [", ".join(f"{value:.3g}" for value in column) for column in medians.T]
+        lines.append([row.model.title, row.form, *texts])
+    return markdown_table(lines, text=(0, 1))
+
+
+def inputs_table(rows: Sequence[Row]) -> str:
+    """The inputs of each model."""
+    inputs = {row.model.title: row.model.inputs for row in rows}
+    return markdown_table([["model", "input"], *map(list, inputs.items())], text=(0, 1))
+
+
+def screening_table(windows: Sequence[Windows]) -> str:
+    """Windows of each flight, used and left out."""
+    lines = [["flight", "used", *REASONS]]
+    for w in windows:
+        lines.append([w.flight.name, str(len(w.starts)), *(str(w.rejected[r]) for r in REASONS)])
+    return markdown_table(lines)
+
+
+def draw_errors(rows: Sequence[Row], path: Path) -> None:
+    """Medians over the horizons, logarithmic: solid trimmed, dashed published."""
+    drawing, axes = panels(1, len(QUANTITIES), (13.0, 5.2), sharex=True)
+    titles = list(dict.fromkeys(row.model.title for row in rows))
+    for row in rows:
+        medians = np.median(row.errors, axis=0)
+        is_only = sum(other.model is row.model for other in rows) == 1
+        style = "-" if row.form != "published" or is_only else "--"
+        colour = COLOURS[titles.index(row.model.title) % len(COLOURS)]
+        for q, axis in enumerate(axes[0]):
+            label = ", ".join(filter(None, [row.model.title, row.form])) if q == 0 else None
+            axis.plot(HORIZONS, medians[:, q], style, marker=".", color=colour, label=label)
+    for axis, quantity in zip(axes[0], QUANTITIES, strict=True):
+        axis.set(title=f"{quantity} [{UNITS[quantity]}]", xlabel="horizon [s]", yscale="log")
+        plain_logarithms(axis.yaxis)
+    drawing.legend(loc="outside lower center", ncols=3, fontsize=9)
+    save(drawing, path)
+
+
+def draw_flight(rows: Sequence[Row], path: Path) -> None:
+    """Recorded and predicted horizontal paths of the flight with most windows."""
+    best = max(range(len(rows[0].windows)), key=lambda k: len(rows[0].windows[k].starts))
+    flight = rows[0].windows[best].flight
+    chosen = [row for row in rows if any(w.flight is flight for w in row.windows)]
+    last = {row.model.title: row for row in chosen}  # the trimmed form, if there is one
+    drawing, axes = panels(1, len(last), (3.4 * len(last), 4.0), sharex=True, sharey=True)
+    inside = usable_span(rows[0].windows[best])
+    for axis, row in zip(axes[0], last.values(), strict=True):
+        axis.plot(*flight.states[inside, :2].T, color="black", linewidth=0.8)
+        k = next(k for k, w in enumerate(row.windows) if w.flight is flight)
+        first = sum(len(w.starts) for w in row.windows[:k])
+        own = row.windows[k]
+        some = np.linspace(0, len(own.starts) - 1, min(SHOWN_PATHS, len(own.starts))).astype(int)
+        starts = own.states(0.0)[some, :2]
+        path_of = np.concatenate([starts[:, None], row.states[first + some, :, :2]], axis=1)
+        for line in path_of:
+            axis.plot(*line.T, color="#d62728", linewidth=1.4, marker=".", markersize=3)
+        axis.set(title=f"{row.model.title}\n{row.form}", xlabel="x [m]", aspect="equal")
+        axis.title.set_fontsize(8)
+    axes[0][0].set_ylabel("y [m]")
+    save(drawing, path)
+
+
+def usable_span(windows: Windows) -> slice:
+    """Rows of the flight from the first to the last window."""
+    ends = np.searchsorted(windows.flight.time, [windows.starts[0], windows.starts[-1] + 0.5])
+    return slice(int(ends[0]), int(ends[1]))
