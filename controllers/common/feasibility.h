@@ -156,6 +156,8 @@ struct PacedReference {
   Duration duration;
   bool ends = false;  ///< it must end at rest
 };
+template <class Point, class Duration>
+PacedReference(Point, Duration, bool) -> PacedReference<Point, Duration>;
 
 /// The worst violation at a time scale, of 2000 samples.
 template <class Reference>

@@ -27,7 +27,7 @@ struct Harmonic {
                              on_axis<N>(angle, rate, centre.z, amplitude.z, cycles.z, phase.z)};
     const Real rise = climb * (0.5 / kPi);
     point.z.c[0] = point.z.c[0] + rise * angle;
-    if (N > 1) point.z.c[1] = point.z.c[1] + rise * rate;
+    if constexpr (N > 1) point.z.c[1] = point.z.c[1] + rise * rate;
     return point;
   }
 

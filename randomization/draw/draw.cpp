@@ -42,7 +42,7 @@ class Draw : public Randomizer {
   }
 
  private:
-  static constexpr const char *kReset = "reset", *kRequest = "request", *kTime = "time";
+  static constexpr const char *kRequest = "request", *kTime = "time";
 
   struct Target {
     int param;
