@@ -1,0 +1,1 @@
+"""How synchronous the steps of a policy are: in one process, and through middleware."""
