@@ -21,7 +21,8 @@ from research.sync.work import ACTS, END, LOOPS, PERIOD, RESTORE, STEPS, WRENCHE
 
 LINKS = {
     "ros2": ("link_ros2", "Ros2Link"),
-    "gazebo": ("link_gazebo", "GazeboLink"),
+    "cyclone": ("link_native", "cyclone"),
+    "gazebo": ("link_native", "gazebo"),
     "ros1": ("link_ros1", "Ros1Link"),
 }
 NOTHING = np.zeros(6)

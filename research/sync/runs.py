@@ -20,7 +20,7 @@ import skybody
 
 from research.common.places import ROOT
 from research.common.programs import RunError, output_of
-from research.sync import gazebo
+from research.sync import native
 from research.sync.agent import Trials
 from research.sync.counting import Counted, counted
 from research.sync.in_process import DirectLink
@@ -30,25 +30,39 @@ LONGEST = 5.0  # of a trial, with its beginning [s]
 PATIENCE = 30.0  # for the start of a process or its file [s]
 
 
+OURS = Path(sys.executable)
+ROS1, ROS2 = (ROOT / f".peers/{name}/bin/python" for name in ("ros1", "ros"))
+
+
 @dataclass(frozen=True)
 class Middleware:
     """A way from the policy's process to the simulator's."""
 
-    name: str  # of agent and server
+    agent: str  # name of the policy's end
+    server: str  # name of the simulator's end
     title: str
-    python: Path  # of both processes
-    remedy: str
+    python: Path = OURS  # of the policy's process
+    server_python: Path = OURS  # of the simulator's process
+    library: native.Library | None = None
 
     @property
     def is_there(self) -> bool:
         """Whether it is installed."""
-        return self.python.exists() and (self.name != "gazebo" or gazebo.is_there())
+        pythons = self.python.exists() and self.server_python.exists()
+        return pythons and (self.library is None or self.library.is_there)
 
 
 MIDDLEWARES = (
-    Middleware("ros2", "ROS 2, Fast DDS", ROOT / ".peers/ros/bin/python", "./dev ros"),
-    Middleware("gazebo", "Gazebo Transport 11", Path(sys.executable), "./dev ros"),
-    Middleware("ros1", "ROS 1", ROOT / ".peers/ros1/bin/python", "./dev ros"),
+    Middleware("ros2", "ros2", "ROS 2, Fast DDS", ROS2, ROS2),
+    Middleware(
+        "cyclone",
+        "ros2",
+        "ROS 2, Cyclone DDS to Fast DDS",
+        server_python=ROS2,
+        library=native.CYCLONE,
+    ),
+    Middleware("gazebo", "gazebo", "Gazebo Transport 11", library=native.GAZEBO),
+    Middleware("ros1", "ros1", "ROS 1", ROS1, ROS1),
 )
 
 
@@ -72,7 +86,7 @@ def environment(port: int, folder: str) -> dict[str, str]:
         "ROS_LOG_DIR": folder,
         "IGN_PARTITION": f"skybody_{os.getpid()}",
     }
-    return os.environ | own | gazebo.LOCAL
+    return os.environ | own | native.LOCAL
 
 
 @contextlib.contextmanager
@@ -99,16 +113,17 @@ def running(command: list[str], variables: dict[str, str], first: str = "") -> I
 def serving(way: Middleware, is_free: bool, rows: Path) -> Iterator[dict[str, str]]:
     """The simulator's process, and a master if the middleware needs one; their variables."""
     variables = environment(free_port(), str(rows.parent))
-    if way.name == "gazebo":
-        gazebo.build()
-    server = [str(way.python), "-m", "research.sync.server", way.name, "--out", str(rows)]
+    if way.library is not None:
+        way.library.build()
+    command = [str(way.server_python), "-m", "research.sync.server", way.server]
+    free = ["--free"] if is_free else []
     with contextlib.ExitStack() as stack:
-        if way.name == "ros1":
+        if way.server == "ros1":
             port = variables["ROS_MASTER_URI"].rpartition(":")[2]
             stack.enter_context(running(["rosmaster", "--core", "-p", port], variables))
             wait_for_port(int(port))
-        free = ["--free"] if is_free else []
-        stack.enter_context(running([*server, *free], variables, "ready"))
+        words = ["--out", str(rows), *free]
+        stack.enter_context(running([*command, *words], variables, "ready"))
         yield variables
 
 
@@ -128,7 +143,7 @@ def wait_for_port(port: int) -> None:
 
 def agent_of(way: Middleware, loop: str, *words: str) -> list[str]:
     """The command of the policy's process."""
-    return [str(way.python), "-m", "research.sync.agent", way.name, "--loop", loop, *words]
+    return [str(way.python), "-m", "research.sync.agent", way.agent, "--loop", loop, *words]
 
 
 def flown(way: Middleware, loop: str, trials: int, is_free: bool) -> Counted:

@@ -8,7 +8,6 @@ With --free the physics steps follow the clock on the wall; otherwise each wrenc
 from __future__ import annotations
 
 import argparse
-import contextlib
 import functools
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +18,7 @@ from skybody.ros.bridge_map import BridgeMap
 from skybody.ros.messages import AnyMessage
 from skybody.ros.threaded_node import ThreadedNode
 
-from research.sync import gazebo
+from research.sync import native
 from research.sync.link import fill_wrench, state_of
 from research.sync.recorded import RecordedBridge, RecordedNode, bridge_map
 from research.sync.work import ODOMETRY, WRENCH, Reals
@@ -40,8 +39,11 @@ def serve_ros2(bridge: RecordedBridge, factor: float | None, ended: Ended) -> No
     made.ended = ended
     made.acts()["save"]()
     print("ready", flush=True)
-    with contextlib.suppress(rclpy.executors.ExternalShutdownException):
+    try:
         rclpy.spin(made.node)
+    except Exception:
+        if rclpy.ok():  # else a signal has ended it
+            raise
 
 
 def serve_ros1(bridge: RecordedBridge, factor: float | None, ended: Ended) -> None:
@@ -72,13 +74,13 @@ class GazeboNode(RecordedNode, ThreadedNode):
 
     def __init__(self, bridge: RecordedBridge, table: BridgeMap, factor: float | None) -> None:
         super().__init__(bridge, table, factor, lambda _: AnyMessage)
-        self._odometry = gazebo.Publisher(ODOMETRY, is_wrench=False)
+        self._odometry = native.Publisher(native.GAZEBO, ODOMETRY, is_wrench=False)
         take = self.locked(functools.partial(self.take, 0))
 
         def act(word: str, wrench: Reals) -> None:
             take(fill_wrench(AnyMessage(), word, wrench))
 
-        gazebo.take_wrenches(WRENCH, act)
+        native.take_wrenches(native.GAZEBO, WRENCH, act)
 
     def is_over(self) -> bool:
         """As ThreadedNode: it ends with its process."""

@@ -4,11 +4,11 @@
 
 The paper's figures 4 and 5, made anew: trials of 200 wrenches at 100 Hz, 10 physics steps of 1 ms
 each, from the same state, as a list (open loop) and by a law of position (closed loop). In process;
-and between two processes over ROS 2 (Fast DDS), Gazebo Transport and ROS 1, free-running (the
-simulator by the clock on the wall, odometry after each physics step) and in lockstep (each wrench
-makes 10 steps). Middleware that is not installed is left out: `./dev ros` installs it. Writes
-synchronization.md, its JSON and pictures. Fails if a step in process or in lockstep has physics
-steps between, or other bits than in process.
+and between two processes over ROS 2 (Fast DDS; Cyclone DDS at the policy's end), Gazebo Transport
+and ROS 1: free-running (the simulator by the clock on the wall, odometry after each physics step)
+and in lockstep (each wrench makes 10 steps). Middleware that is not installed is left out: `./dev
+ros` installs it. Writes synchronization.md, its JSON and pictures. Fails if a step in process or in
+lockstep has physics steps between, or other bits than in process.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def measured(trials: int, runs: Path) -> list[dict[str, Any]]:
         rows.append(summary("one process", "in process", loop, alone, reference))
         for way in MIDDLEWARES:
             for stepping in ("lockstep", "free-running") if way.is_there else ():
-                kept = runs / f"{way.name}_{stepping}_{loop}_{trials}.json"
+                kept = runs / f"{way.agent}_{stepping}_{loop}_{trials}.json"
                 if not kept.exists():
                     print(f"{way.title}, {loop} loop, {stepping}", flush=True)
                     found = flown(way, loop, trials, stepping == "free-running")
