@@ -44,6 +44,7 @@ void declare_commands(CLI::App& app, Action& chosen) {
   add_plan_command(app, chosen);
   add_schema_command(app, chosen);
   add_python_commands(app, chosen);
+  add_onboard_command(app, chosen);
   add_new_command(app, chosen);
 }
 

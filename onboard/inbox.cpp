@@ -131,10 +131,11 @@ bool Inbox::take_motion(int body, const Motion& motion, double stamp, double now
   const int base = pilot_.mission().vehicle().first_body;
   if (body < 0) body = base;
   const auto other = std::find(bodies_.begin(), bodies_.end(), body);
-  if (body != base && other == bodies_.end()) {
-    refuse(Refusal::kUnknown, "the observation does not need body " + std::to_string(body));
+  if (body >= pilot_.situation().body_count()) {
+    refuse(Refusal::kUnknown, "the mission has no body " + std::to_string(body));
     return false;
   }
+  if (body != base && other == bodies_.end()) return false;  // not needed
   if (!motion.is_finite()) {
     refuse(Refusal::kBad, "a pose is not finite, or its quaternion has not the length 1");
     return false;

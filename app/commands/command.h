@@ -15,6 +15,7 @@ void add_check_command(CLI::App& app, Action& chosen);
 void add_hash_command(CLI::App& app, Action& chosen);
 void add_replay_command(CLI::App& app, Action& chosen);
 void add_bench_command(CLI::App& app, Action& chosen);
+void add_onboard_command(CLI::App& app, Action& chosen);
 void add_plugins_command(CLI::App& app, Action& chosen);
 void add_modes_command(CLI::App& app, Action& chosen);
 void add_plan_command(CLI::App& app, Action& chosen);

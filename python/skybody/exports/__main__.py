@@ -60,6 +60,13 @@ def parser() -> argparse.ArgumentParser:
     add("--plugin-path", action="append", type=Path, metavar="DIR", help="likewise")
     add("--map", type=Path, help="YAML file: observations that are a policy.onnx's inputs")
     add("--name", help="of a policy's functions and files (default: the scenario's)")
+    add("--robot", help="of a mission: which of those that share the policy")
+    add(
+        "--limit",
+        action="append",
+        metavar="NAME=V,...",
+        help="of a mission: stale, lateness, tilt, fence, safe, safe_thrust, safe_time",
+    )
     add(
         "--check",
         type=whole(1, 10**6),

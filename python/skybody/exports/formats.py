@@ -80,6 +80,10 @@ FORMATS = {
             "onnx", POLICY, ".onnx", "policy.onnx_file", ("onnx", "onnxruntime"), NETWORK,
             "a policy for ONNX Runtime and others",
         ),
+        Format(
+            "onboard", POLICY, ".mission", "policy.mission_file", (),
+            (*READ, "check", "robot", "limit"), "a mission for `skybody onboard`, on a vehicle",
+        ),
         Format("h5", POLICY, ".h5", "policy.h5_file", (), READ, "a policy of `skybody run`"),
     )
 }  # fmt: skip
