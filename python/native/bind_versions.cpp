@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/simd/isa.h"
+#include "core/base/system/installation.h"
 #include "core/version.h"
 #include "python/native/bindings.h"
 
@@ -31,6 +32,9 @@ void bind_versions(nb::module_& m) {
       "versions", &versions,
       "What results may depend on: versions of Skybody, Simbody, compiler and libraries, how they "
       "were\nbuilt, and the instruction set that kernels use here (all sets give the same bits).");
+  m.def(
+      "library_folder", [] { return library_folder().string(); },
+      "The folder of libskybody: of a build, of an installation or of the wheel `libskybody`.");
   m.attr("__version__") = version();
 }
 

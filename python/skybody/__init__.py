@@ -33,10 +33,9 @@ try:
         versions,
     )
 except ImportError as error:
-    raise ImportError(
-        f"skybody's native module is not built for this Python ({error}): run `./dev build` in "
-        "Skybody's source tree and use .venv/bin/python, or install the package: `pip install .`"
-    ) from error
+    from .native_problem import native_problem
+
+    raise native_problem(error) from error
 from .extras import EXTRAS, missing_package
 from .pool import Pool
 from .registration import register

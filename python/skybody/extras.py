@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable
+from importlib import metadata
 
 EXTRAS = {  # of the modules that are imported at their first use; empty: a plain installation
     "camera": "",
     "env": "",
     "vector": "",
     "multi_agent": "multi-agent",
-    "look": "train",
+    "look": "",
     "python_task": "",
     "sb3": "sb3",
     "sb3_adapter": "sb3",
@@ -17,9 +19,22 @@ EXTRAS = {  # of the modules that are imported at their first use; empty: a plai
 
 
 def install_command(extras: Iterable[str]) -> str:
-    """The command in words; from the source folder, since Skybody is in no package registry."""
+    """The command that installs the packages of some extras, or those of every installation."""
     names = ",".join(filter(None, extras))
-    return f"`pip install '.{f'[{names}]' if names else ''}'` in Skybody's source folder"
+    wanted = f"[{names}]" if names else ""
+    if _is_installed():
+        return f"`pip install 'skybody{wanted}'`"
+    return f"`pip install '.{wanted}'` in Skybody's source folder"
+
+
+@functools.cache
+def _is_installed() -> bool:
+    """Whether pip knows this package; it does not in a source tree."""
+    try:
+        metadata.distribution("skybody")
+    except metadata.PackageNotFoundError:
+        return False
+    return True
 
 
 def missing_package(module: str, error: ModuleNotFoundError) -> ImportError:

@@ -1,4 +1,4 @@
-"""Packages that training needs beside those of a plain `pip install .`, by extra."""
+"""Packages that training needs, by the extra that brings them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import UsageError
 
 EXTRAS = {
-    "train": ("matplotlib", "tqdm"),  # all learners
+    "": ("matplotlib", "tqdm"),  # all learners; every installation by pip has them
     "sb3": ("stable_baselines3", "torch"),  # learners that are not in C++
 }
 COMPUTING = ("torch", "numpy", "stable-baselines3", "gymnasium")
@@ -18,7 +18,7 @@ COMPUTING = ("torch", "numpy", "stable-baselines3", "gymnasium")
 
 def packages_of(algorithm: str) -> tuple[str, ...]:
     """Packages that a learner's training needs. Raises UsageError if there is no such learner."""
-    return EXTRAS["train"] + (() if algorithm_of(algorithm).is_native else EXTRAS["sb3"])
+    return EXTRAS[""] + (() if algorithm_of(algorithm).is_native else EXTRAS["sb3"])
 
 
 def package_versions(algorithm: str) -> dict[str, str]:
@@ -42,5 +42,5 @@ def demand_packages(names: Iterable[str]) -> None:
 def missing_text(packages: Iterable[str]) -> str:
     """Message about missing packages, with the install command."""
     names = list(packages)
-    extras = [extra for extra, brought in EXTRAS.items() if set(names) & set(brought)] or ["train"]
+    extras = [extra for extra, brought in EXTRAS.items() if set(names) & set(brought)]
     return f"needs {', '.join(names)}, not installed here: {install_command(extras)}"

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody.extras import install_command
+
 from .gains import LARGEST_FACTOR
 from .vehicle import TuneError
 
@@ -39,8 +41,7 @@ def minimize(
             from cmaes import CMA  # type: ignore[import-untyped, unused-ignore]
     except ModuleNotFoundError as error:
         raise TuneError(
-            "the search needs the package `cmaes`, not installed here: `pip install '.[tune]'` in "
-            "Skybody's source folder"
+            "the search needs the package `cmaes`, not installed here: " + install_command(["tune"])
         ) from error
     bound = np.log(LARGEST_FACTOR)
     search = CMA(
