@@ -29,7 +29,7 @@ LIMIT = 25e6  # bytes of a wheel
 COMPONENTS = ("library", "development", "program")
 STATIC = ("AEC", "BLAS", "HDF5", "LAPACK", "SZ")  # archives of others, linked in (packaging/wheel)
 MODULE_FINDS_LIBRARY = "$ORIGIN/../libskybody/lib"
-LIBRARY_PACKAGE = '''"""The library of Skybody for C++ and for the package `skybody`, below this folder."""
+LIBRARY_PACKAGE = '''"""The library of Skybody, for C++ and for the package `skybody`: a prefix."""
 
 from pathlib import Path
 
