@@ -14,6 +14,7 @@ lockstep has physics steps between, or other bits than in process.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from research.common.machine import facts, machine_line
 from research.common.options import Options
 from research.common.pages import markdown_table, write_json, write_page
 from research.sync.figures import draw_spread, draw_timing
-from research.sync.runs import MIDDLEWARES, flown, flown_in_process, newest_rate
+from research.sync.runs import MIDDLEWARES, Middleware, flown, flown_in_process, newest_rate
 from research.sync.summary import QUANTILES, label, rows_of, summary
 from research.sync.work import LOOPS
 
@@ -29,15 +30,15 @@ PAGE = "synchronization"
 COUNTED = 2.0  # of steps that do not wait [s]
 
 
-def measured(trials: int, runs: Path) -> list[dict[str, Any]]:
-    """Figures of all ways, both loops; finished ones are kept in `runs`, and found again."""
+def measured(trials: int, ways: Sequence[Middleware], runs: Path) -> list[dict[str, Any]]:
+    """Figures of these ways, both loops; finished ones are kept in `runs`, and found again."""
     rows = []
     for loop in LOOPS:
         alone = flown_in_process(loop, trials)
         reference = alone.position[0]
         rows.append(summary("one process", "in process", loop, alone, reference))
-        for way in MIDDLEWARES:
-            for stepping in ("lockstep", "free-running") if way.is_there else ():
+        for way in ways:
+            for stepping in ("lockstep", "free-running"):
                 kept = runs / f"{way.agent}_{stepping}_{loop}_{trials}.json"
                 if not kept.exists():
                     print(f"{way.title}, {loop} loop, {stepping}", flush=True)
@@ -104,7 +105,7 @@ def rate_table(rows: list[dict[str, Any]], newest: dict[str, Any]) -> str:
 def page(found: dict[str, Any]) -> str:
     """The page."""
     rows, left_out = found["rows"], found["left_out"]
-    missing = [f"Not installed, left out: {', '.join(left_out)}.\n"] if left_out else []
+    missing = [f"Left out: {', '.join(left_out)}.\n"] if left_out else []
     return "\n".join(
         [
             "# Synchronization of actions and physics\n",
@@ -149,18 +150,22 @@ def page(found: dict[str, Any]) -> str:
 
 def main() -> int:
     """Measures, draws, writes; returns the exit code."""
+    names = [way.agent for way in MIDDLEWARES]
     options = (
         Options(__doc__, __name__, "2 trials")
         .add("--trials", type=int, default=100, help="of each way and loop; default: 100")
+        .add("--only", nargs="*", choices=names, default=names,
+             help="some of the middleware, or none; default: all that is installed")
         .of_runs()
         .given()
-    )
+    )  # fmt: skip
+    ways = [way for way in MIDDLEWARES if way.agent in options.only and way.is_there]
     trials = 2 if options.quick else options.trials
     content: dict[str, Any] = facts() | {
         "trials": trials,
-        "left_out": [way.title for way in MIDDLEWARES if not way.is_there],
-        "newest": {w.title: newest_rate(w, COUNTED) for w in MIDDLEWARES if w.is_there},
-        "rows": measured(trials, options.runs),
+        "left_out": [way.title for way in MIDDLEWARES if way not in ways],
+        "newest": {way.title: newest_rate(way, COUNTED) for way in ways},
+        "rows": measured(trials, ways, options.runs),
     }
     images = options.out / "images"
     draw_timing(images / f"{PAGE}_timing.png", rows_of(content["rows"], "open"))

@@ -25,8 +25,9 @@ def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
         node = Node(bridge, table, options.name, options.real_time)
         say_ready(bridge, options)
         rclpy.spin(node.node)
-    except rclpy.executors.ExternalShutdownException:
-        pass  # a signal other than Ctrl-C has ended it
+    except Exception:
+        if rclpy.ok():  # else a signal other than Ctrl-C has ended it
+            raise
     finally:
         rclpy.try_shutdown()
 
