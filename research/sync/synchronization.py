@@ -14,6 +14,7 @@ lockstep has physics steps between, or other bits than in process.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from typing import Any
 from research.common.machine import facts, machine_line
 from research.common.options import Options
 from research.common.pages import markdown_table, write_json, write_page
+from research.speed.paper_tables import OTHERS
 from research.sync.figures import draw_spread, draw_timing
 from research.sync.runs import MIDDLEWARES, Middleware, flown, flown_in_process, newest_rate
 from research.sync.summary import QUANTILES, label, rows_of, summary
@@ -43,7 +45,8 @@ def measured(trials: int, ways: Sequence[Middleware], runs: Path) -> list[dict[s
                 if not kept.exists():
                     print(f"{way.title}, {loop} loop, {stepping}", flush=True)
                     found = flown(way, loop, trials, stepping == "free-running")
-                    write_json(kept, summary(way.title, stepping, loop, found, reference))
+                    row = summary(way.title, stepping, loop, found, reference)
+                    write_json(kept, row | {"load": os.getloadavg()[0]})
                 rows.append(json.loads(kept.read_text()))
     return rows
 
@@ -102,6 +105,28 @@ def rate_table(rows: list[dict[str, Any]], newest: dict[str, Any]) -> str:
     return markdown_table(table)
 
 
+def paper_rows() -> str:
+    """The paper's rows of ROS."""
+    rows = [row for row in OTHERS if row.name.startswith("ROS")]
+    return "; ".join(
+        f"{row.name} {row.workstation.rate:g} ({row.workstation.envs} environments) and "
+        f"{row.laptop.rate:g} ({row.laptop.envs})"
+        for row in rows
+    )
+
+
+def loads(rows: list[dict[str, Any]]) -> str:
+    """How busy the machine was; empty without middleware."""
+    found = [row["load"] for row in rows if "load" in row]
+    if not found:
+        return ""
+    return (
+        f"The machine's load when the trials of a way ended: {min(found):.1f} to {max(found):.1f}, "
+        "about 1 of it from the trials; times and free-running flights are of a busy machine if "
+        "it is above that of the processors.\n"
+    )
+
+
 def page(found: dict[str, Any]) -> str:
     """The page."""
     rows, left_out = found["rows"], found["left_out"]
@@ -143,6 +168,8 @@ def page(found: dict[str, Any]) -> str:
             "*transition* waits for the odometry that belongs to its action (10 physics steps), in "
             "lockstep. One environment, 10 physics steps an action.\n",
             rate_table(rows, found["newest"]) + "\n",
+            f"The paper's rows, in thousands of steps/s on its two computers: {paper_rows()}.\n",
+            loads(rows),
             machine_line(found) + "\n",
         ]
     )
