@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 LAST = f"{HORIZONS[-1]:g}"
 COLOURS = ("0.4", "#1f77b4", "#2ca02c", "#d62728", "#ff7f0e", "#9467bd", "#8c564b", "#e377c2")
-SHOWN_PATHS = 12  # windows of a flight in the picture
+SHOWN_PATHS, ACROSS = 12, 3  # windows of a flight in the picture; its columns
 
 
 def page(
@@ -152,9 +152,14 @@ def draw_flight(rows: Sequence[Row], path: Path) -> None:
     flight = rows[0].windows[best].flight
     chosen = [row for row in rows if any(w.flight is flight for w in row.windows)]
     last = {row.model.title: row for row in chosen}  # the trimmed form, if there is one
-    drawing, axes = panels(1, len(last), (3.4 * len(last), 4.0), sharex=True, sharey=True)
+    columns = min(len(last), ACROSS)
+    lines = -(-len(last) // columns)
+    size = (4.2 * columns, 4.4 * lines)
+    drawing, axes = panels(lines, columns, size, sharex=True, sharey=True)
     inside = usable_span(rows[0].windows[best])
-    for axis, row in zip(axes[0], last.values(), strict=True):
+    for axis in axes.flat[len(last) :]:
+        axis.set_visible(False)
+    for axis, row in zip(axes.flat, last.values(), strict=False):
         axis.plot(*flight.states[inside, :2].T, color="black", linewidth=0.8)
         k = next(k for k, w in enumerate(row.windows) if w.flight is flight)
         first = sum(len(w.starts) for w in row.windows[:k])
@@ -165,8 +170,9 @@ def draw_flight(rows: Sequence[Row], path: Path) -> None:
         for line in path_of:
             axis.plot(*line.T, color="#d62728", linewidth=1.4, marker=".", markersize=3)
         axis.set(title=f"{row.model.title}\n{row.form}", xlabel="x [m]", aspect="equal")
-        axis.title.set_fontsize(8)
-    axes[0][0].set_ylabel("y [m]")
+        axis.title.set_fontsize(9)
+    for axis in axes[:, 0]:
+        axis.set_ylabel("y [m]")
     save(drawing, path)
 
 
