@@ -1,0 +1,1 @@
+"""Skybody's policies in simulators that share no code with it."""
