@@ -202,14 +202,14 @@ Sender::Sender(const Mission& mission) : mission_(mission), signal_(mission.chai
   }
 }
 
-std::string Sender::framed(std::uint32_t id, const std::string& payload) {
+std::string framed(std::uint32_t id, const std::string& payload, std::uint8_t sequence) {
   std::size_t length = payload.size();
   while (length > 1 && payload[length - 1] == '\0') --length;
   std::string out = {'\xfd',
                      static_cast<char>(length),
                      0,
                      0,
-                     static_cast<char>(sequence_++),
+                     static_cast<char>(sequence),
                      static_cast<char>(kOurSystem),
                      static_cast<char>(kOurComponent)};
   for (int k = 0; k < 3; ++k) out += static_cast<char>(id >> (8 * k));
@@ -223,7 +223,7 @@ std::string Sender::heartbeat() {
   append(payload, std::uint32_t{0});
   // MAV_TYPE_ONBOARD_CONTROLLER, MAV_AUTOPILOT_INVALID, no mode, MAV_STATE_ACTIVE, version 3
   for (const std::uint8_t byte : {18, 8, 0, 4, 3}) append(payload, byte);
-  return framed(kHeartbeat, payload);
+  return framed(kHeartbeat, payload, sequence_++);
 }
 
 std::string Sender::attitude_target(std::span<const double> c, std::uint32_t millis) const {
@@ -308,7 +308,7 @@ std::string Sender::command(const Decision& decision, double stamp, std::uint8_t
     append(payload, static_cast<std::uint8_t>(signal_ == SKYBODY_CTBR ? 128 : has_rates ? 0 : 7));
   }
   if (id == kSetPositionTargetLocalNed) append(payload, kLocalNed);
-  return framed(id, payload);
+  return framed(id, payload, sequence_++);
 }
 
 }  // namespace skybody::onboard::mavlink

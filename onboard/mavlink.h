@@ -66,6 +66,9 @@ class Receiver {
   double local_time_ = -1e9;  ///< [s] of the receiver's clock
 };
 
+/// A message of MAVLink 2 from our system and component, without the zeros at the payload's end.
+std::string framed(std::uint32_t id, const std::string& payload, std::uint8_t sequence);
+
 /// Makes messages with our numbers of system and component.
 class Sender {
  public:
@@ -77,7 +80,6 @@ class Sender {
   std::string heartbeat();
 
  private:
-  std::string framed(std::uint32_t id, const std::string& payload);
   std::string attitude_target(std::span<const double> c, std::uint32_t millis) const;
   std::string position_target(std::span<const double> c, std::uint32_t millis) const;
   std::string actuators(std::span<const double> c, std::uint64_t micros) const;
