@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -30,14 +31,30 @@ task: {{plugin: watch, parameters: {{link: base_link}}}}
 """
 
 
-class Shipped:
-    """The shipped model `crazyflie`."""
+# The shipped model without a part, by titles of tables.
+PARTS: dict[str, dict[str, float]] = {
+    "no drag of rotors": {"drag_constant": 0.0},
+    "hubs at the height of the centre": {"position[2]": 0.0},
+    "rotors without lag": {"tau_up": 0.0, "tau_down": 0.0},
+    "rotors without inertia": {"inertia": 0.0},
+}
 
-    title = "Skybody `crazyflie`"
+
+class Shipped:
+    """The shipped model `crazyflie`.
+
+    Args:
+        title: its name in tables.
+        changes: values of the rotors' parameters by name, of a model that lacks a part.
+    """
+
     inputs = SPEEDS
     trims = True
 
-    def __init__(self) -> None:
+    def __init__(
+        self, title: str = "Skybody `crazyflie`", changes: Mapping[str, float] | None = None
+    ) -> None:
+        self.title, self.changes = title, changes or {}
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "replay.yaml"
             file.write_text(SCENARIO, encoding="utf-8")
@@ -57,20 +74,27 @@ class Shipped:
         return thrusts(self.compiled, speeds)
 
     def fly(self, starts: Reals, commands: Reals) -> Reals:
-        return fly(self.compiled, starts, commands)
+        return fly(self.compiled, starts, commands, self.changes)
 
 
-def fly(compiled: skybody.CompiledScenario, starts: Reals, commands: Reals) -> Reals:
+def fly(
+    compiled: skybody.CompiledScenario,
+    starts: Reals,
+    commands: Reals,
+    changes: Mapping[str, float],
+) -> Reals:
     """As Model.fly, by a pool of environments whose robot takes rotor speeds.
 
     Args:
         commands: speeds in the order of MOTORS [rad/s].
+        changes: values of the rotors' parameters by name.
     """
     rows = commands[..., order_of(compiled)]
     steps = round(STEP / compiled.dt)
     states = []
     pool = SimulationPool(compiled, len(starts))
     with pool:
+        change(pool, changes)
         begin(pool, rows[:, 0])
         for k in range(rows.shape[1]):
             if k == WARM_STEPS:
@@ -80,6 +104,16 @@ def fly(compiled: skybody.CompiledScenario, starts: Reals, commands: Reals) -> R
             if k + 1 - WARM_STEPS in MARKS:
                 states.append(now(pool))
     return np.stack(states, axis=1)
+
+
+def change(pool: SimulationPool, changes: Mapping[str, float]) -> None:
+    """Sets parameters of all rotors in all environments."""
+    for path in pool.compiled.param_paths:
+        _, is_rotor, name = path.partition(".rotors[")
+        value = changes.get(name.partition("].")[2])
+        if is_rotor and value is not None:
+            for env in range(pool.num_envs):
+                pool.set_param(env, path, value)
 
 
 def begin(pool: SimulationPool, speeds: Reals) -> None:

@@ -31,7 +31,7 @@ from research.common.options import Options
 from research.common.pages import write_page
 from research.common.places import ROOT, shown
 from research.peers.environments import Skipped
-from research.real.engine import Shipped
+from research.real.engine import PARTS, Shipped
 from research.real.errors import QUANTITIES, Figure, errors, figures
 from research.real.models import FOREIGN, Model, Still, predicted, trim
 from research.real.real_flights_page import draw_errors, draw_flight, page
@@ -132,12 +132,14 @@ def main() -> int:
             rows += results(model, judged, train)
         except Skipped as why:
             skipped[model.title] = str(why)
+    parts = [results(Shipped(title, k), judged, train)[-1] for title, k in PARTS.items()]
     images = options.out / "images"
     draw_errors(rows, images / f"{PAGE}.png")
     draw_flight(rows, images / f"{PAGE}_paths.png")
     found = {"facts": facts(), "command": options.command, "skipped": skipped}
+    found |= {"stride": stride, "is_shared": options.flights == [SHARED]}
     write_page(
-        options.out, PAGE, page(rows, windows, found, stride), found | {"rows": data(rows, windows)}
+        options.out, PAGE, page(rows, parts, windows, found), found | {"rows": data(rows, windows)}
     )
     return 0
 

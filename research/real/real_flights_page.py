@@ -26,14 +26,30 @@ if TYPE_CHECKING:
     from research.real.real_flights import Row
 
 LAST = f"{HORIZONS[-1]:g}"
+OURS = "Skybody `crazyflie`"
 COLOURS = ("0.4", "#1f77b4", "#2ca02c", "#d62728", "#ff7f0e", "#9467bd", "#8c564b", "#e377c2")
+NOTE_ON_PARTS = """The hubs are 24 mm above the centre of mass. There the drag of the rotors turns
+the vehicle against its motion. In flight the rotors have to balance that moment, and the recorded
+commands do so: a model without it turns over by the same commands.
+"""
+NOTE_ON_INPUTS = """The curve of speeds ends at 2269 rad/s, below the 2323 rad/s at which the shipped
+model hovers: as published, it falls. The other models rise: this vehicle hovers at 87 % of PWM and
+3.45 V, at which the firmware's table promises twice its weight.
+"""
 SHOWN_PATHS, ACROSS = 12, 3  # windows of a flight in the picture; its columns
 
 
 def page(
-    rows: Sequence[Row], windows: Sequence[Windows], found: dict[str, Any], stride: float
+    rows: Sequence[Row], parts: Sequence[Row], windows: Sequence[Windows], found: dict[str, Any]
 ) -> str:
-    """The text of the page."""
+    """The text of the page.
+
+    Args:
+        rows: of the models.
+        parts: of the shipped model without a part.
+        windows: of all flights.
+        found: facts of the machine, command, models that were left out, stride of windows [s].
+    """
     count = max(len(row.states) for row in rows)
     skipped = "".join(f"\n{name}: left out, {why}.\n" for name, why in found["skipped"].items())
     return f"""# Replays of recorded flights
@@ -42,9 +58,9 @@ def page(
 
     .venv/bin/{found["command"]}
 
-Open-loop replays of flights of a real Crazyflie 2.1 from the data set nanobench (Ullah and Baca,
-arXiv 2603.09908): {count} windows of {HORIZONS[-1]:g} s, every {stride:g} s. A window begins at the
-recorded state: position, attitude and velocity by motion capture, body rates by the gyroscope.
+Open-loop replays of recorded flights of a real vehicle{source(found)}: {count} windows of
+{HORIZONS[-1]:g} s, one every {found["stride"]:g} s. A window begins at the recorded state: position,
+attitude and velocity by motion capture, body rates by the gyroscope.
 Then each model gets the recorded motor commands, and no correction. The rotors of all models follow
 the commands of the {WARM_UP:g} s before. No model or factor saw the flight on which it is judged.
 
@@ -66,10 +82,18 @@ replacement. With so few flights they are coarse.
 
 {medians_table(rows)}
 
+## Parts of the shipped model
+
+The shipped model, trimmed, with a part switched off; medians as above.
+
+{medians_table([*(row for row in rows if row.model.title == OURS and row.form), *parts])}
+
+{NOTE_ON_PARTS if found["is_shared"] else ""}
 ## Inputs
 
 {inputs_table(rows)}
 
+{NOTE_ON_INPUTS if found["is_shared"] else ""}
 The models `so_rpy` take the angles that the onboard controller asked for, not motor commands. Their
 fitted response contains that controller, so that their attitude cannot drift away. They answer an
 easier question, and a comparison with models of motor commands is not like with like.
@@ -88,6 +112,13 @@ data set fills lost telemetry by straight lines. Each window counts once, by the
 
 Horizontal paths of one flight: recorded (black), and predicted from some of its windows.
 """
+
+
+def source(found: dict[str, Any]) -> str:
+    """The data set."""
+    if not found["is_shared"]:
+        return ""
+    return ", a Crazyflie 2.1 of the data set nanobench\n(Ullah and Baca, arXiv 2603.09908)"
 
 
 def last_table(rows: Sequence[Row]) -> str:
