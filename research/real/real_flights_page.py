@@ -32,8 +32,8 @@ NOTE_ON_PARTS = """The hubs are 24 mm above the centre of mass. There the drag o
 the vehicle against its motion. In flight the rotors have to balance that moment, and the recorded
 commands do so: a model without it turns over by the same commands.
 """
-NOTE_ON_INPUTS = """The curve of speeds ends at 2269 rad/s, below the 2323 rad/s at which the shipped
-model hovers: as published, it falls. The other models rise: this vehicle hovers at 87 % of PWM and
+NOTE_ON_INPUTS = """The curve of speeds ends at 2269 rad/s, and the shipped model hovers at 2323
+rad/s: as published, it falls. The other models rise: this vehicle hovers at 87 % of PWM and
 3.45 V, at which the firmware's table promises twice its weight.
 """
 SHOWN_PATHS, ACROSS = 12, 3  # windows of a flight in the picture; its columns
@@ -59,8 +59,8 @@ def page(
     .venv/bin/{found["command"]}
 
 Open-loop replays of recorded flights of a real vehicle{source(found)}: {count} windows of
-{HORIZONS[-1]:g} s, one every {found["stride"]:g} s. A window begins at the recorded state: position,
-attitude and velocity by motion capture, body rates by the gyroscope.
+{HORIZONS[-1]:g} s, one every {found["stride"]:g} s. A window begins at the recorded state:
+position, attitude and velocity by motion capture, body rates by the gyroscope.
 Then each model gets the recorded motor commands, and no correction. The rotors of all models follow
 the commands of the {WARM_UP:g} s before. No model or factor saw the flight on which it is judged.
 
