@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/plugin_abi/signals.h"
+#include "onboard/safe_command.h"
 
 namespace skybody::onboard {
 namespace {
@@ -62,7 +63,7 @@ std::string about(const Mission& m, const Needs& needs) {
   text += format("limits   stale %g s, lateness %g s, tilt %g rad, fence %g %g %g ... %g %g %g m\n",
                  l.stale, l.lateness, l.tilt, l.fence_low[0], l.fence_low[1], l.fence_low[2],
                  l.fence_high[0], l.fence_high[1], l.fence_high[2]);
-  text += l.safe == SafeAction::kDescend
+  text += l.safe == SafeAction::kDescend && can_descend(m.chain().signal)
               ? format("safe     descend at %g of the hover thrust (%.3g N) for %g s\n",
                        l.safe_thrust, m.mass() * m.gravity(), l.safe_time)
               : std::string("safe     stop\n");

@@ -71,7 +71,7 @@ Motion Situation::body(int body) const {
 
 bool is_of_imu(const SkybodySensorInfo& sensor) {
   const std::string_view channel = sensor.channel;
-  return sensor.count == 3 && (channel == "specific_force" || channel == "angular_velocity");
+  return sensor.count == 3 && (channel == "specific_force" || channel == "angular_rate");
 }
 
 void Situation::set_imu(const Mission& mission, const Imu& imu) {

@@ -87,12 +87,15 @@ class Vehicle:
     def _send_imu(self) -> None:
         for imu in self._imus:
             force = self.simulation.state(imu + "specific_force")
-            rate = self.simulation.state(imu + "angular_velocity")
+            rate = self.simulation.state(imu + "angular_rate")
             self._send(packets.imu(self._sequence, self._clock, force, rate))
 
 
 def fly(
-    simulation: Simulation, vehicle: Vehicle, entries: NDArray[np.int_] | None = None, steps: int = 10**9
+    simulation: Simulation,
+    vehicle: Vehicle,
+    entries: NDArray[np.int_] | None = None,
+    steps: int = 10**9,
 ) -> list[packets.Command]:
     """Flies the episode that has begun under the program's actions, until it ends.
 

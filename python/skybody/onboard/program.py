@@ -50,7 +50,9 @@ def about(mission: Path) -> str:
 
 
 @contextlib.contextmanager
-def running(mission: Path, options: Sequence[str] = ()) -> Iterator[tuple[int, subprocess.Popen[str]]]:
+def running(
+    mission: Path, options: Sequence[str] = ()
+) -> Iterator[tuple[int, subprocess.Popen[str]]]:
     """Runs the program within this scope, at a free port of this machine.
 
     Yields:
@@ -60,9 +62,7 @@ def running(mission: Path, options: Sequence[str] = ()) -> Iterator[tuple[int, s
         InputError: the program refuses the mission or an option.
     """
     command = [*find_program(), str(mission), "--listen", "127.0.0.1:0", *options]
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None and process.stderr is not None
         for line in process.stdout:

@@ -90,7 +90,7 @@ Mission hover_mission(int signal) {
   const SkybodyChainInfo chain{0, signal, 0, 4};
   std::vector<SetupValue> values = defaults_of(*find_task("hover"), params, names);
   const SkybodySensorInfo sensors[] = {{"imu", "specific_force", 0, 3},
-                                       {"imu", "angular_velocity", 3, 3}};
+                                       {"imu", "angular_rate", 3, 3}};
   SkybodySetup s{};
   s.sensors = sensors;
   s.sensor_count = 2;

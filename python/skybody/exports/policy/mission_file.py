@@ -95,7 +95,9 @@ def check(source: PolicySource, mission: Path, agent: int, episodes: int) -> str
     twin = Simulation(source.compiled, seed=SEED)
     engine = FlightPolicy(source.compiled, str(source.file))
     steps = 0
-    with running(mission, ["--lockstep"]) as (port, _):
+    far = ",".join(["-1e9"] * 3 + ["1e9"] * 3)
+    options = ["--lockstep", "--limit", "tilt=4", "--limit", f"fence={far}"]
+    with running(mission, options) as (port, _):
         vehicle = Vehicle(simulation, port)
         for episode in range(1, episodes + 1):
             simulation.reset()
