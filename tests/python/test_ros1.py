@@ -195,3 +195,40 @@ def test_without_a_master_there_is_one_error(tmp_path: Path) -> None:
         f"error: no ROS master answers at {uri}: start `roscore`, or name another one in "
         "ROS_MASTER_URI"
     )
+
+
+@pytest.mark.parametrize(
+    ("topic", "name", "message"),
+    [
+        ("/a b", "skybody", "topic: is `/a b`; allowed: letters, digits, _ and /"),
+        ("/a", "a b", "--name: is `a b`; allowed: letters, digits and _, a letter first"),
+    ],
+)
+def test_a_name_that_the_master_would_refuse_is_one_error(
+    topic: str, name: str, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "map.yaml"
+    path.write_text(f"publish: [{{topic: {topic}, type: geometry_msgs/PoseStamped, from: pose}}]")
+    command = [sys.executable, "-m", "skybody.ros1", "hover", "--map", str(path), "--name", name]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (2, f"error: {message}\n")
+
+
+def test_a_master_forgets_a_node_that_is_terminated(tmp_path: Path) -> None:
+    import rosgraph
+
+    def is_known() -> bool:
+        nodes = [name for rows in rosgraph.Master("/test").getSystemState() for row in rows
+                 for name in row[1]]  # fmt: skip
+        return "/brief" in nodes
+
+    path = tmp_path / "map.yaml"
+    path.write_text(CLOCK_MAP)
+    command = [sys.executable, "-m", "skybody.ros1", "hover", "--map", str(path), "--name", "brief"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        assert is_known()
+        process.terminate()
+        assert process.wait(timeout=20) == 0
+    assert not is_known()

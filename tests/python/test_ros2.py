@@ -88,6 +88,29 @@ def test_a_policy_in_a_process_of_its_own_flies_the_same_bits(
 
 
 @needs_ros
+@pytest.mark.parametrize(
+    ("topic", "name", "message"),
+    [
+        ("/a b", "skybody", "error: topic name: is `/a b`; "),
+        ("/a", "a b", "error: node name: is `a b`; "),
+    ],
+)
+def test_a_name_that_ros_would_refuse_is_one_error(
+    topic: str, name: str, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "map.yaml"
+    kind = "geometry_msgs/msg/PoseStamped"
+    path.write_text(f"publish: [{{topic: {topic}, type: {kind}, from: pose}}]")
+    command = [sys.executable, "-m", "skybody.ros2", "hover", "--map", str(path), "--name", name]
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=60, check=False, env=os.environ | LOCAL
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith(message)
+    assert done.stderr.count("\n") == 1
+
+
+@needs_ros
 @pytest.mark.parametrize("node", [(["trajectory_ctbr"], POLICY_MAP)], indirect=True)
 def test_the_example_flies_by_a_policy_node(node: subprocess.Popen[str]) -> None:
     command = [sys.executable, str(ROOT / "examples/ros2_policy.py"), "--steps", "50"]

@@ -7,6 +7,7 @@ skybody ros1 hover --map map.yaml --real-time 1         # as fast as the clock o
 from __future__ import annotations
 
 import argparse
+import signal
 from collections.abc import Sequence
 
 from skybody.program import run_program
@@ -20,6 +21,8 @@ from .node import Node, load_rospy
 def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
     """Runs the node until it is shut down."""
     rospy = load_rospy()
+    # So that the master forgets the node; rospy's own handlers would also take Ctrl-C.
+    signal.signal(signal.SIGTERM, lambda *_: rospy.signal_shutdown("terminated"))
     try:
         node = Node(bridge, table, options.name, options.real_time)
         say_ready(bridge, options)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from skybody import InputError
@@ -35,6 +35,24 @@ def load_rospy() -> Any:
     return rospy
 
 
+def check_names(name: str, topics: Iterable[str]) -> None:
+    """Refuses names that the master would refuse.
+
+    Args:
+        name: of the node.
+        topics: of the map.
+
+    Raises:
+        InputError: one is not a name of ROS 1.
+    """
+    names = importlib.import_module("rosgraph.names")
+    if not names.is_legal_base_name(name):
+        raise InputError(f"--name: is `{name}`; allowed: letters, digits and _, a letter first")
+    for topic in topics:
+        if not names.is_legal_name(topic):
+            raise InputError(f"topic: is `{topic}`; allowed: letters, digits, _ and /")
+
+
 class Node(ThreadedNode):
     """Topics and services of a bridge on rospy, whose callbacks come from many threads."""
 
@@ -46,8 +64,9 @@ class Node(ThreadedNode):
             factor: of simulated time over the clock on the wall; None: lockstep.
 
         Raises:
-            InputError: a message is not installed.
+            InputError: a message is not installed, or a name is not one of ROS 1.
         """
+        check_names(name, [row.topic for row in (*bridge.publish, *bridge.command)])
         find = functools.partial(message_class, remedy=REMEDY)
         super().__init__(bridge, table, factor, find)
         self._rospy = load_rospy()

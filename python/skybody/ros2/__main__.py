@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
+from skybody import InputError
 from skybody.program import run_program
 from skybody.ros.bridge import Bridge
 from skybody.ros.bridge_map import BridgeMap
@@ -25,6 +26,8 @@ def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
         node = Node(bridge, table, options.name, options.real_time)
         say_ready(bridge, options)
         rclpy.spin(node.node)
+    except rclpy.exceptions.NameValidationException as error:
+        raise InputError(f"{error.name_type}: is `{error.name}`; {error.error_msg}") from None
     except Exception:
         if rclpy.ok():  # else a signal other than Ctrl-C has ended it
             raise
