@@ -91,8 +91,8 @@ def test_a_policy_in_a_process_of_its_own_flies_the_same_bits(
 @pytest.mark.parametrize(
     ("topic", "name", "message"),
     [
-        ("/a b", "skybody", "error: topic name: is `/a b`; "),
-        ("/a", "a b", "error: node name: is `a b`; "),
+        ("/a b", "skybody", "error: Invalid topic name: "),
+        ("/a", "a b", "error: Invalid node name: "),
     ],
 )
 def test_a_name_that_ros_would_refuse_is_one_error(
@@ -106,8 +106,10 @@ def test_a_name_that_ros_would_refuse_is_one_error(
         command, capture_output=True, text=True, timeout=60, check=False, env=os.environ | LOCAL
     )
     assert done.returncode == 2
-    assert done.stderr.startswith(message)
-    assert done.stderr.count("\n") == 1
+    last = done.stderr.splitlines()[-1]  # rclpy may warn before it
+    assert last.startswith(message)
+    assert last.endswith(f"'{name if ' ' in name else topic}'")
+    assert "Traceback" not in done.stderr
 
 
 @needs_ros

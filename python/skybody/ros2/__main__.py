@@ -27,7 +27,8 @@ def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
         say_ready(bridge, options)
         rclpy.spin(node.node)
     except rclpy.exceptions.NameValidationException as error:
-        raise InputError(f"{error.name_type}: is `{error.name}`; {error.error_msg}") from None
+        words = str(error).rstrip("^ \n").split()  # of three lines, the last one a mark
+        raise InputError(" ".join(words)) from None
     except Exception:
         if rclpy.ok():  # else a signal other than Ctrl-C has ended it
             raise
