@@ -62,6 +62,13 @@ OTHERS = (
         "python examples/python_task.py",
     ),
     Measurement(
+        "paper",
+        "Documents",
+        "Every table and figure of the GzDRL paper, and whether it holds.",
+        "paper",
+        "python -m research paper --page",
+    ),
+    Measurement(
         "fuzz_results", "Determinism", "Findings from mutated inputs.", "fuzz_results", "./dev fuzz"
     ),
 )

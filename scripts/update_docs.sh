@@ -8,6 +8,7 @@
 # - the tables of observations and infos in the READMEs of tasks from their declarations,
 # - the table of scenarios/README.md from the scenarios' heads,
 # - the tables of learning results from docs/results/data,
+# - docs/results/paper.md from docs/results/data,
 # - the index of docs/results/README.md from the measurements.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -19,4 +20,5 @@ PYTHONPATH=python .venv/bin/python -m research run scenario_index
 PYTHONPATH=python .venv/bin/python -m research run hyperparameters
 PYTHONPATH=python .venv/bin/python -m research run task_tables
 PYTHONPATH=python .venv/bin/python -m research run learned_tables
+PYTHONPATH=python .venv/bin/python -m research paper --page
 python3 -m research index
