@@ -80,7 +80,8 @@ def pace_of(rows: Reals, repeat: int) -> float:
 
 def spread(position: Reals) -> Reals:
     """Root mean square distance from the mean of all trials, of each action [m]."""
-    away = np.linalg.norm(position - np.nanmean(position, axis=0), axis=2)
+    near = position - np.nanmin(position, axis=0)  # all 0 if all trials are the same bits
+    away = np.linalg.norm(near - np.nanmean(near, axis=0), axis=2)
     return np.asarray(np.sqrt(np.nanmean(away**2, axis=0)))
 
 

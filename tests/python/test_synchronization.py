@@ -74,6 +74,7 @@ def test_in_process_no_step_is_between_and_all_flights_are_one(loop: str) -> Non
     assert found.lost == 0
     assert (found.latency > 0.0).all()
     np.testing.assert_array_equal(found.position, found.position[:1].repeat(3, axis=0))
+    assert not counting.spread(found.position).any()
 
 
 def test_the_closed_loop_flies_to_its_goal() -> None:
