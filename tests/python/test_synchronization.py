@@ -13,7 +13,7 @@ import pytest
 from measurements import module
 
 counting, work = module("counting"), module("work")
-runs, summary, figures = module("runs"), module("summary"), module("figures")
+runs, summary, figures = module("two_processes"), module("summary"), module("figures")
 RunError = module("programs").RunError
 
 # Two actions of one trial, free-running: a row of the simulator is a physics step of 1 ms.
