@@ -17,7 +17,7 @@ from research.common.programs import RunError, output_of
 from research.peers import environments
 from research.peers.environments import Skipped
 from research.real import curves
-from research.real.recorded_flights import MOTORS, Reals, Recorded
+from research.real.recorded_flights import MOTORS, Reals, Recorded, product
 from research.real.windows import HORIZONS, STEP, WARM_UP, Windows, usable
 
 HERE = Path(__file__).resolve().parent
@@ -103,13 +103,6 @@ def moved(states: Reals, seconds: float) -> Reals:
     return later
 
 
-def product(a: Reals, b: Reals) -> Reals:
-    """Products of quaternions w x y z, (rows, 4)."""
-    w = a[:, :1] * b[:, :1] - (a[:, 1:] * b[:, 1:]).sum(axis=1, keepdims=True)
-    v = a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])
-    return np.concatenate([w, v], axis=1)
-
-
 @dataclass(frozen=True)
 class Foreign:
     """A model of another simulator, flown by a program in its own environment below .peers."""
@@ -127,7 +120,9 @@ class Foreign:
         return self.dynamics.startswith("so_rpy")
 
     def takes(self, flight: Recorded) -> bool:
-        return flight.setpoint is not None or not self.takes_angles
+        has_voltage = bool(np.isfinite(flight.voltage).all())
+        has_angles = flight.setpoint is not None or not self.takes_angles
+        return (has_voltage or not self.dynamics) and has_angles
 
     def commands(self, windows: Windows, factors: Reals) -> Reals:
         flight = windows.flight

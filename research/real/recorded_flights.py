@@ -32,9 +32,10 @@ class Recorded:
     time: Reals  # since the first row [s]
     states: Reals  # (rows, 13): position (W), quaternion w x y z, velocity (W), rates (B)
     pwm: Reals  # (rows, 4), in the order of MOTORS, 0 to MOST_PWM
-    voltage: Reals  # of the battery [V]
+    voltage: Reals  # of the battery [V]; NaN: not recorded
     specific_force: Reals  # (rows, 3), B [m/s^2]
     setpoint: Reals | None  # (rows, 4): roll, pitch, yaw [rad], thrust [share]; None: not recorded
+    has_pose: bool = True  # False: states have attitudes by the gyroscope, positions are 0
 
 
 def files_of(paths: list[Path]) -> list[Path]:
@@ -81,6 +82,66 @@ def read(path: Path, map_name: str) -> Recorded:
         sensor(path, made, "imu.specific_force", 3),
         setpoint_of(channels, used),
     )
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a log without poses, by the log's own clock."""
+
+    path: Path
+    first: float  # [s]
+    last: float  # [s]
+
+
+def read_stretch(stretch: Stretch) -> Recorded:
+    """Reads a part of a log of gyroscope, accelerometer and motor commands, without poses.
+
+    Attitudes are relative to the one at the beginning, by the gyroscope.
+
+    Raises:
+        InputError: the file is not usable.
+    """
+    path = stretch.path
+    source = source_of(path)
+    used = read_map(find_map(source.map))
+    channels = source.read(path, used)
+    name = f"{path.name.partition('.')[0]}, {stretch.first:g} to {stretch.last:g} s"
+    begin = min(float(times[0]) for times in channels.times.values())
+    first, last = stretch.first - begin, stretch.last - begin
+    made = build(channels, used, path.name.partition(".")[0], first, last)
+    rotors = used.robots[0].rotors
+    if rotors is None or not set(MOTORS) <= set(rotors.names):
+        raise InputError(f"{path}: needs the motor commands of {', '.join(MOTORS)}")
+    order = [rotors.names.index(motor) for motor in MOTORS]
+    times = made.origin + made.time
+    pwm = motion.at(channels.samples(rotors.columns, bridge=False), times)[:, order]
+    rates = sensor(path, made, "imu.angular_rate", 3)
+    states = np.zeros((len(times), 13))
+    states[:, 3:7], states[:, 10:] = turned(made.time, rates), rates
+    force = sensor(path, made, "imu.specific_force", 3)
+    none = np.full(len(times), np.nan)
+    return Recorded(name, made.time, states, pwm, none, force, None, False)
+
+
+def turned(time: Reals, rates: Reals) -> Reals:
+    """Attitudes since the first row by body rates, quaternions w x y z, (rows, 4)."""
+    found = np.zeros((len(time), 4))
+    found[0, 0] = 1.0
+    vectors = 0.5 * (rates[1:] + rates[:-1]) * np.diff(time)[:, None]
+    angles = np.linalg.norm(vectors, axis=1, keepdims=True)
+    turns = np.concatenate(
+        [np.cos(0.5 * angles), 0.5 * np.sinc(0.5 * angles / np.pi) * vectors], axis=1
+    )
+    for row, turn in enumerate(turns):
+        found[row + 1] = product(found[row], turn)
+    return found / np.linalg.norm(found, axis=1, keepdims=True)
+
+
+def product(a: Reals, b: Reals) -> Reals:
+    """Product of quaternions w x y z, (..., 4)."""
+    w = a[..., :1] * b[..., :1] - (a[..., 1:] * b[..., 1:]).sum(axis=-1, keepdims=True)
+    v = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])
+    return np.concatenate([w, v], axis=-1)
 
 
 def at_rows(channels: Channels, used: Map, columns: Columns) -> Reals:

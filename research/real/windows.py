@@ -88,6 +88,8 @@ def faults_of(flight: Recorded) -> dict[str, NDArray[np.bool_]]:
     ground = np.ones(len(time), bool)
     if len(rows):
         ground[rows[0] : rows[-1] + 1] = ~high[rows[0] : rows[-1] + 1]
+    if not flight.has_pose:
+        ground[:] = False
     steps = np.diff(time, prepend=time[0])
     bridged = straight(time, pwm) | straight(time, rates)
     return {
