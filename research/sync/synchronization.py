@@ -24,6 +24,7 @@ from research.common.options import Options
 from research.common.pages import markdown_table, write_json, write_page
 from research.speed.paper_tables import OTHERS
 from research.sync.figures import draw_spread, draw_timing
+from research.sync.summary import QUANTILES, label, rows_of, summary
 from research.sync.two_processes import (
     MIDDLEWARES,
     Middleware,
@@ -31,7 +32,6 @@ from research.sync.two_processes import (
     flown_in_process,
     newest_rate,
 )
-from research.sync.summary import QUANTILES, label, rows_of, summary
 from research.sync.work import LOOPS
 
 PAGE = "synchronization"
