@@ -22,3 +22,4 @@ lock pictures -c dev.txt
 sed -n 's/^\([a-z0-9-]*==[^ ]*\).*/\1/p' dev.txt | grep -v '^gymnasium==' >"$tools/shared.txt"
 lock ray -c "$tools/shared.txt" "$@"
 lock ros -c dev.txt "$@"
+lock docs "$@"
