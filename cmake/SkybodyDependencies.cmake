@@ -3,8 +3,7 @@
 
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED CONFIG)
-# Boost.DLL is header-only and needs Boost.Filesystem
-find_package(Boost 1.74 REQUIRED CONFIG COMPONENTS filesystem)
+find_package(Boost 1.74 REQUIRED CONFIG)  # Boost.DLL, which is header-only
 find_package(yaml-cpp REQUIRED CONFIG)
 find_package(urdfdom REQUIRED CONFIG)
 find_package(tinyxml2 REQUIRED CONFIG)
@@ -53,7 +52,7 @@ endfunction()
 skybody_first_target(yaml_target yaml-cpp::yaml-cpp yaml-cpp)
 skybody_dependency(yaml ${yaml_target})
 skybody_dependency(eigen Eigen3::Eigen)
-skybody_dependency(dll Boost::filesystem Boost::headers ${CMAKE_DL_LIBS})
+skybody_dependency(dll Boost::headers ${CMAKE_DL_LIBS})
 skybody_dependency(xml tinyxml2::tinyxml2)
 skybody_dependency(log spdlog::spdlog)
 skybody_dependency(cli11 CLI11::CLI11)

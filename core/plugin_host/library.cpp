@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#define BOOST_DLL_USE_STD_FS  // without Boost.Filesystem
 #include <boost/dll/shared_library.hpp>
 #include <string>
 
@@ -117,9 +118,8 @@ struct PluginLibrary::Handle {
   /// Not inlined: if a noexcept function has cleanup of its own, the process ends without the
   /// exception's text.
   [[gnu::noinline]] bool open() {
-    boost::system::error_code failed;
-    library.load(file.string(), failed,
-                 boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
+    std::error_code failed;
+    library.load(file, failed, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
     return !failed && library.is_loaded();
   }
 };
