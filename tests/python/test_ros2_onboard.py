@@ -1,4 +1,4 @@
-"""`skybody onboard --ros2`: messages as packets; as a real node where there is rclpy (./dev ros)."""
+"""`skybody onboard --ros2`: messages as packets; a real node where there is rclpy (./dev ros)."""
 
 from __future__ import annotations
 
