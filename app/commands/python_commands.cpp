@@ -30,6 +30,7 @@ constexpr PythonCommand kCommands[] = {
     {"sitl", "skybody.sitl", "Let ArduPilot, PX4 or Betaflight fly a robot, in lockstep"},
     {"export", "skybody.exports", "Write a flight or a policy in a format of other programs"},
     {"import", "skybody.imports", "Make a flight log from the log of a real flight"},
+    {"identify", "skybody.identify", "Identify a vehicle from recorded flights"},
     {"plot", "skybody.plot", "Draw the flights of a log, as PNG, PDF or SVG"},
 };
 

@@ -37,7 +37,8 @@ const Wrong kWrong[] = {
      {},
      "error: no command is given; there are run, check, hash, replay, bench, scenarios, plugins, "
      "modes, plan, "
-     "schema, train, tune, render, view, ros1, ros2, sitl, export, import, plot, onboard, new; "
+     "schema, train, tune, render, view, ros1, ros2, sitl, export, import, identify, plot, "
+     "onboard, new; "
      "see `skybody --help`"},
     {"unknown_command",
      {"rnu"},

@@ -1,0 +1,1 @@
+"""Identifies a vehicle from recorded flights: `skybody identify`; docs/identify.md."""
