@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import logging
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,7 +25,7 @@ from references import write_references
 from tree import ROOT, Tree, matching
 
 WORK = ROOT / "build/site_pages"
-CSS = ".md-typeset table:not([class]) {font-size: .66rem} .md-typeset img {height: auto}\n"
+SITE = ROOT / "docs/site"
 
 
 def version() -> str:
@@ -54,8 +55,8 @@ def expanded(entries: list[Any]) -> list[Any]:
 
 
 def settings(out: Path) -> Path:
-    """MkDocs' configuration, from docs/site.yml."""
-    config = yaml.safe_load((ROOT / "docs/site.yml").read_text())
+    """MkDocs' configuration, from docs/site/site.yml."""
+    config = yaml.safe_load((SITE / "site.yml").read_text())
     config["site_name"] += f" {version()}"
     config["copyright"] = f"Skybody {version()}, commit {commit()}. Apache-2.0."
     config["markdown_extensions"]["toc"] = {"permalink": True}
@@ -71,6 +72,17 @@ def settings(out: Path) -> Path:
     return path
 
 
+class Warnings(logging.Handler):
+    """MkDocs' warnings, each a problem."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.texts: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.texts.append(record.getMessage())
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=ROOT / "build/site")
@@ -78,11 +90,15 @@ def main() -> int:
     tree = Tree(WORK)
     tree.write()
     write_references(WORK)
-    (WORK / "site.css").write_text(CSS)
-    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
-    build(load_config(str(settings(out)), strict=True))
-    broken = problems(out)
-    print("\n".join(broken), file=sys.stderr)
+    for asset in SITE.iterdir():
+        if asset.suffix in (".css", ".js"):
+            shutil.copyfile(asset, WORK / asset.name)
+    warnings = Warnings()
+    logging.getLogger("mkdocs").addHandler(warnings)
+    build(load_config(str(settings(out))))
+    broken = warnings.texts + problems(out)
+    for problem in broken:
+        print(problem, file=sys.stderr)
     print(f"{out / 'index.html'}: {len(list(out.rglob('*.html')))} pages, {len(broken)} problems")
     return 1 if broken else 0
 
