@@ -1,11 +1,27 @@
 #include "onboard/link.h"
 
+#include <algorithm>
+
 namespace skybody::onboard {
 
 bool Link::receive(double now) {
   const auto packet = socket_.receive();
   if (packet) take(*packet, now);
   return packet.has_value();
+}
+
+void PacketLink::take(std::span<const char> packet, double now) {
+  socket_.answer_sender();
+  inbox_.take(packet, now);
+}
+
+void MavlinkLink::take(std::span<const char> packet, double now) {
+  if (packet.size() >= sizeof kPacketMagic &&
+      std::equal(std::begin(kPacketMagic), std::end(kPacketMagic), packet.begin())) {
+    return inbox_.take(packet, now);
+  }
+  socket_.answer_sender();
+  receiver_.take(packet, now);
 }
 
 void PacketLink::send(const Decision& decision, double stamp, double) {

@@ -38,7 +38,7 @@ class PacketLink : public Link {
   void repeat() override;
 
  private:
-  void take(std::span<const char> packet, double now) override { inbox_.take(packet, now); }
+  void take(std::span<const char> packet, double now) override;
   Inbox& inbox_;
   int signal_;
   std::uint32_t sequence_ = 0;
@@ -46,17 +46,19 @@ class PacketLink : public Link {
   char packet_[kLargestPacket] = {};
 };
 
-/// MAVLink (mavlink.h), with a heartbeat each second.
+/// MAVLink (mavlink.h), with a heartbeat each second. Also takes our own packets, such as those
+/// that engage the policy; answers go to the sender of MAVLink.
 class MavlinkLink : public Link {
  public:
   /// @throws Error as mavlink::Sender
   MavlinkLink(UdpSocket& socket, Inbox& inbox, const Mission& mission)
-      : Link(socket), receiver_(inbox), sender_(mission) {}
+      : Link(socket), inbox_(inbox), receiver_(inbox), sender_(mission) {}
   void send(const Decision& decision, double stamp, double now) override;
   void repeat() override { socket_.send(last_); }
 
  private:
-  void take(std::span<const char> packet, double now) override { receiver_.take(packet, now); }
+  void take(std::span<const char> packet, double now) override;
+  Inbox& inbox_;
   mavlink::Receiver receiver_;
   mavlink::Sender sender_;
   std::string last_;

@@ -66,21 +66,23 @@ void UdpSocket::set_peer(const sockaddr_in& peer) {
 
 std::optional<std::span<const char>> UdpSocket::receive() {
   while (true) {
-    sockaddr_in sender{};
-    socklen_t size = sizeof sender;
+    socklen_t size = sizeof sender_;
     const ssize_t count =
-        recvfrom(socket_, bytes_, sizeof bytes_, 0, reinterpret_cast<sockaddr*>(&sender), &size);
+        recvfrom(socket_, bytes_, sizeof bytes_, 0, reinterpret_cast<sockaddr*>(&sender_), &size);
     if (count < 0) {
       if (errno == EINTR || errno == ECONNREFUSED) continue;  // a peer has gone away
       return std::nullopt;
     }
     const bool is_peer =
-        sender.sin_addr.s_addr == peer_.sin_addr.s_addr && sender.sin_port == peer_.sin_port;
+        sender_.sin_addr.s_addr == peer_.sin_addr.s_addr && sender_.sin_port == peer_.sin_port;
     if (is_fixed_ && !is_peer) continue;
-    peer_ = sender;
-    has_peer_ = true;
     return std::span<const char>(bytes_, static_cast<std::size_t>(count));
   }
+}
+
+void UdpSocket::answer_sender() {
+  if (!is_fixed_) peer_ = sender_;
+  has_peer_ = true;
 }
 
 bool UdpSocket::send(std::span<const char> packet) {

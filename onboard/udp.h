@@ -22,18 +22,19 @@ class UdpSocket {
 
   int descriptor() const { return socket_; }
   int port() const;
-  /// Answers go to this address, and packets of others are left out; without it to the sender of
-  /// the last packet.
+  /// Answers go to this address, and packets of others are left out.
   void set_peer(const sockaddr_in& peer);
   /// A packet that has come, which is valid until the next call; nothing if there is none.
   std::optional<std::span<const char>> receive();
+  /// Without set_peer(): answers go to the sender of the last received packet.
+  void answer_sender();
   /// Sends to the peer, if there is one. @returns whether it was sent
   bool send(std::span<const char> packet);
 
  private:
   int socket_ = -1;
   bool is_fixed_ = false, has_peer_ = false;
-  sockaddr_in peer_{};
+  sockaddr_in peer_{}, sender_{};
   char bytes_[4096];
 };
 

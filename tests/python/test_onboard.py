@@ -175,6 +175,21 @@ def test_pymavlink_flies_the_race_by_odometry_and_rate_targets(racing: Path) -> 
             simulation.step(answer.action)
 
 
+def test_mavlink_waits_for_the_packet_that_engages(racing: Path) -> None:
+    simulation = Simulation("racing")
+    simulation.reset()
+    sender = mavlink.MAVLink(None)
+    with running(racing, ["--lockstep", "--mavlink", "--wait"]) as (port, _):
+        link, other = connected(port), connected(port)
+        link.send(odometry(sender, simulation.bodies[0], 1_000_000))
+        other.send(packets.control(0, True))
+        link.send(odometry(sender, simulation.bodies[0], 2_000_000))
+        found = []
+        while "SET_ATTITUDE_TARGET" not in found:
+            found += [m.get_type() for m in mavlink.MAVLink(None).parse_buffer(link.recv(4096))]
+    assert found.count("SET_ATTITUDE_TARGET") == 1
+
+
 # --- limits ---------------------------------------------------------------------------------------
 
 
