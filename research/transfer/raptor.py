@@ -1,4 +1,4 @@
-"""RAPTOR's published policy on our vehicles, and ours in L2F: each in both engines.
+"""The published policy RAPTOR on our vehicles, and our policies in L2F: each in both engines.
 
     python -m research run raptor [--quick] [--out FOLDER] [--runs FOLDER]
 
@@ -86,8 +86,8 @@ class Stage:
         course: Course,
         variant: cases.Variant,
         most: int,
-    ) -> tuple[Row, dict[str, Flown]]:
-        """Flies in both engines."""
+    ) -> tuple[Row, dict[str, Flown], Fleet]:
+        """Flies in both engines; the fleet is that of both."""
         n = QUICK_FLIGHTS if self.quick else min(most, vehicles.flights)
         overrides = (*vehicles.overrides(variant.reach), f"stepping.action_repeat={variant.period}")
         ours = Ours(cases.SCENARIO, overrides, n, SEED, variant.changes)
@@ -105,16 +105,19 @@ class Stage:
         if len(flown) == 2:
             flying = ~(flown["here"].failed | flown["l2f"].failed)
             row["gap"] = median_gap(worlds["here"].motion(), worlds["l2f"].motion(), flying)
-        return row, flown
+        return row, flown, ours.fleet
 
 
 def main_rows(stage: Stage) -> Iterator[Row]:
-    """Every policy, fleet and course, with errors of drawn vehicles."""
+    """Every policy, fleet and course; of RAPTOR's vehicles with each error."""
     for policy in cases.POLICIES:
         for vehicles in cases.FLEETS:
             for course in cases.COURSES:
-                row, flown = stage.fly(vehicles, policy, course, cases.PLAIN, vehicles.flights)
-                if vehicles.preset:
+                row, flown, fleet = stage.fly(
+                    vehicles, policy, course, cases.PLAIN, vehicles.flights
+                )
+                if vehicles is cases.DRAWN:
+                    row["turns"] = [round(float(turn), 1) for turn in fleet.turn]
                     row["errors"] = {
                         name: [round(float(e), 4) for e in one.error] for name, one in flown.items()
                     }
@@ -126,7 +129,7 @@ def variant_rows(stage: Stage) -> Iterator[Row]:
     """Flights with one term changed."""
     for vehicles, policy, course, variants in cases.VARIANTS:
         for variant in variants[: 2 if stage.quick else None]:
-            row, _ = stage.fly(vehicles, policy, course, variant, VARIED)
+            row, _, _ = stage.fly(vehicles, policy, course, variant, VARIED)
             print(f"{policy}, {vehicles.name}: {variant.name}", flush=True)
             yield {**row, "variant": variant.name}
 

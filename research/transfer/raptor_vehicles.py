@@ -103,6 +103,12 @@ class Fleet:
         return np.asarray(self.full_thrust.sum(axis=1) / (self.mass * self.gravity))
 
     @property
+    def turn(self) -> Reals:
+        """Angular accelerations (n) about x by two rotors at full thrust [rad/s^2]."""
+        moment = np.sum(np.maximum(self.hubs[:, :, 1], 0.0) * self.full_thrust, axis=1)
+        return np.asarray(moment / self.inertia[:, 0, 0])
+
+    @property
     def hover(self) -> Reals:
         """Throttles (n) that carry the weight: shares of the largest speed."""
         return np.asarray(1.0 / np.sqrt(self.thrust_to_weight))

@@ -122,6 +122,13 @@ def test_hover_throttles_carry_the_weight(vehicles: cases.Vehicles) -> None:
     assert ours.motion().velocity == pytest.approx(np.zeros((2, 3)), abs=1e-5)
 
 
+def test_drawn_vehicles_turn_as_fast_as_their_preset_says() -> None:
+    turns = world(cases.DRAWN, n=50).fleet.turn
+    assert turns.min() >= 40.0 - 1e-9  # rad/s^2, randomization/vehicle/README.md
+    assert turns.max() <= 1200.0 + 1e-9
+    assert turns.max() > 10.0 * turns.min()
+
+
 def test_changes_scale_every_rotor() -> None:
     plain = world(cases.CRAZYFLIE)
     strong = Ours(cases.SCENARIO, cases.CRAZYFLIE.overrides(), 2, 1, {"rotors[*].max_speed": 2.0})
