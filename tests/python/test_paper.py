@@ -17,6 +17,7 @@ from research.registry import measurements
 ROOT = Path(__file__).resolve().parents[2]
 ITEMS = {item.item: item for item in items()}
 TABLES = [f"Table {number}" for number in ("I", "II", "III", "IV", "V")]
+MEASUREMENTS = {row.name for row in measurements()}
 FIGURES = [f"Figure {number}" for number in range(1, 12)]
 
 
@@ -32,7 +33,7 @@ def test_each_table_and_figure_of_the_paper_has_one_row() -> None:
 @pytest.mark.parametrize("name", ITEMS)
 def test_a_row_names_measurements_and_a_reading(name: str) -> None:
     item = ITEMS[name]
-    assert {run.split()[0] for run in item.runs} <= {row.name for row in measurements()}
+    assert {run.split()[0] for run in item.runs} <= MEASUREMENTS
     assert callable(getattr(readings, item.reading))
     assert item.minutes > 0 or not item.runs
 
