@@ -60,7 +60,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Reads what a Writer has written. @throws Error if the bytes end too early
+/// Reads the bytes of a Writer. @throws Error if the bytes end too early
 class Reader {
  public:
   static constexpr bool kWrites = false;

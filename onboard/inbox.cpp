@@ -47,10 +47,10 @@ Inbox::Inbox(Pilot& pilot, const Needs& needs, bool in_lockstep, bool engages)
       wants_engage_(engages),
       needs_imu_(needs.imu) {}
 
-void Inbox::refuse(Refusal why, const std::string& what) {
+void Inbox::refuse(Refusal why, const std::string& problem) {
   std::uint64_t& count = counts_.refused[static_cast<std::size_t>(why)];
   if (count++ == 0)
-    std::fprintf(stderr, "packet: %s; ignored, as are others of this kind\n", what.c_str());
+    std::fprintf(stderr, "packet: %s; ignored, as are others of this kind\n", problem.c_str());
 }
 
 void Inbox::take(std::span<const char> packet, double now) {

@@ -1,4 +1,4 @@
-// Takes what the links receive, in order of the senders' stamps, and tells how old it is.
+// Takes received values in order of their stamps, and tells how old they are.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ class Inbox {
   /// @returns whether it is newer than the last one
   bool take_motion(int body, const Motion& motion, double stamp, double now);
   void take_imu(const Imu& imu, double stamp, double now);
-  void refuse(Refusal why, const std::string& what);
+  void refuse(Refusal why, const std::string& problem);
 
   /// Whether everything that the observation needs has come.
   bool is_complete() const;

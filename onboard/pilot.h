@@ -33,7 +33,7 @@ enum Reason : std::uint32_t {
 /// The names of the bits of `reasons`, with commas.
 std::string reason_text(std::uint32_t reasons);
 
-/// What a step knows beside the situation.
+/// Inputs of a step beside the situation.
 struct Tick {
   double time = 0.0;          ///< of a clock that only grows [s]
   double age = 0.0;           ///< of the oldest needed pose [s]

@@ -27,7 +27,7 @@ struct SetupValue {
   }
 };
 
-/// Owns what a SkybodySetup of a task points to, except for things to draw.
+/// Owns the tables of a SkybodySetup of a task, except for things to draw.
 class SetupCopy {
  public:
   SetupCopy() = default;

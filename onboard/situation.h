@@ -26,7 +26,7 @@ struct Motion {
   double tilt() const;
 };
 
-/// What an inertial measurement unit measures.
+/// Measurements of an inertial measurement unit.
 struct Imu {
   Vec3<double> specific_force{0.0, 0.0, 0.0};    ///< B [m/s^2]
   Vec3<double> angular_velocity{0.0, 0.0, 0.0};  ///< B [rad/s]
