@@ -54,9 +54,10 @@ set(skybody_modules SkybodyPlugin.cmake SkybodyTest.cmake)
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/SkybodyConfigVersion.cmake"
   COMPATIBILITY ${SKYBODY_ABI_RELEASES})
 
-# From a prefix. pkg-config's files say where it is relative to themselves.
+# From a prefix. pkg-config's files say where it is relative to themselves. Plugins, which are
+# headers alone, are compiled with `pkg-config --cflags --variable=plugin_flags skybody`.
 file(RELATIVE_PATH SKYBODY_PREFIX_FROM_PKGCONFIG "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
-string(JOIN " " SKYBODY_PLUGIN_FLAGS ${SKYBODY_FP_FLAGS} ${SKYBODY_PACK_FLAGS})
+string(JOIN " " SKYBODY_PLUGIN_FLAGS -fPIC -fvisibility=hidden ${SKYBODY_FP_FLAGS} ${SKYBODY_PACK_FLAGS})
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/SkybodyConfig.cmake.in"
   "${PROJECT_BINARY_DIR}/install/SkybodyConfig.cmake" INSTALL_DESTINATION "${skybody_config_dir}")
 install(EXPORT SkybodyTargets NAMESPACE Skybody:: DESTINATION "${skybody_config_dir}"
@@ -66,7 +67,7 @@ list(TRANSFORM skybody_modules PREPEND "${PROJECT_SOURCE_DIR}/cmake/" OUTPUT_VAR
 install(FILES "${PROJECT_BINARY_DIR}/install/SkybodyConfig.cmake"
   "${PROJECT_BINARY_DIR}/SkybodyConfigVersion.cmake" ${skybody_module_files}
   DESTINATION "${skybody_config_dir}" COMPONENT development)
-foreach(name skybody skybody-learn skybody-plugin)
+foreach(name skybody skybody-learn)
   configure_file("${PROJECT_SOURCE_DIR}/cmake/${name}.pc.in"
     "${PROJECT_BINARY_DIR}/install/${name}.pc" @ONLY)
   install(FILES "${PROJECT_BINARY_DIR}/install/${name}.pc"

@@ -210,9 +210,11 @@ def platform() -> str:
 
 def modules(build: Path, folder: Path) -> list[Path]:
     """The native modules that are built."""
-    found = [*folder.glob("_native.c*.so"), *(build / "lib/wheel").glob("_native.*.so")]
+    found = [*folder.glob("_native.c*.so")]
     if not found:
         sys.exit(f"error: {folder} has no native module: build skybody_python_stub")
+    if cache_value(build, "SKYBODY_STABLE_PYTHON"):  # else one may lie there from before
+        found.append(build / "lib/wheel/_native.abi3.so")
     return found
 
 
@@ -240,8 +242,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=Path, default=ROOT / "build/release")
     parser.add_argument("--out", type=Path, default=ROOT / "build/wheels")
+    parser.add_argument("--recompress", action="store_true", help="smaller, in a minute of advzip")
     options = parser.parse_args()
     wheels = make(options.build.resolve(), options.out.resolve())
+    if options.recompress:
+        run("advzip", "--recompress", "-3", *wheels)
     for wheel in wheels:
         print(f"{wheel.stat().st_size / 1e6:6.2f} MB  {wheel}")
     large = [wheel.name for wheel in wheels if wheel.stat().st_size > LIMIT]
