@@ -19,6 +19,7 @@ from typing import Any
 
 import yaml
 from check import problems
+from finish import finish
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
 from references import write_references
@@ -96,6 +97,7 @@ def main() -> int:
     warnings = Warnings()
     logging.getLogger("mkdocs").addHandler(warnings)
     build(load_config(str(settings(out))))
+    finish(out)
     broken = warnings.texts + problems(out)
     for problem in broken:
         print(problem, file=sys.stderr)

@@ -18,6 +18,7 @@ class Links(HTMLParser):
         self.anchors: set[str] = set()
         self.links: set[str] = set()
         self.loads: set[str] = set()
+        self.unnamed: list[str] = []  # pictures without a text
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -27,6 +28,8 @@ class Links(HTMLParser):
                 self.anchors.add(values[name])
         if tag == "a" and "href" in values:
             self.links.add(values["href"])
+        if tag == "img" and not values.get("alt"):
+            self.unnamed.append(values.get("src", ""))
         if tag in LOADS and LOADS[tag] in values:
             self.loads.add(values[LOADS[tag]])
 
@@ -39,6 +42,7 @@ def problems(site: Path) -> list[str]:
         if path.name == "404.html":  # a server shows it at any path
             continue
         name = path.relative_to(site.resolve())
+        found += [f"{name}: {image}: a picture without a text" for image in page.unnamed]
         for link in sorted(page.links | page.loads):
             problem = problem_of(path, link, pages, link in page.loads)
             if problem:

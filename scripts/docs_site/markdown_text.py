@@ -76,10 +76,10 @@ def shifted(line: str, offsets: list[int]) -> str:
 def is_continued(lines: list[str]) -> bool:
     """Whether the last line is a lazy or indented line of an item."""
     for line in reversed(lines):
-        if not line.strip():
-            return False
         if ITEM.match(line):
             return True
+        if not line.strip():
+            return in_list(lines)
     return False
 
 
