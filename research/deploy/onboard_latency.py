@@ -4,7 +4,8 @@
 
 Programs of two kinds fly the shipped policy of trajectory_ctbr at the same time: one by the usual
 scheduler, one with `--fifo 50 --lock-memory` where that is permitted. A process sends both the
-poses of a recorded flight at 100 Hz, and on each core a process computes without a pause.
+poses of a recorded flight at 100 Hz, and on each core a process computes without a pause. A bare
+timer with the same priority shows the lateness that the machine itself has.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import contextlib
 import json
 import multiprocessing
+import os
 import socket
 import tempfile
 import time
@@ -41,6 +43,7 @@ KINDS = {
     "usual scheduler": [],
     "`--fifo 50 --lock-memory`": ["--fifo", "50", "--lock-memory"],
 }
+BARE, PRIORITY = "a bare timer in Python, SCHED_FIFO 50", 50
 # The steps are measured, not the flight: the policy flies all the time.
 LIMITS = [
     word
@@ -94,6 +97,32 @@ def compute(ends: Event) -> None:
             value = 1.0 / (1.0 + value)
 
 
+def wake(period: float, priority: int, file: Path, ends: Event) -> None:
+    """Wakes up each period with SCHED_FIFO and writes the delays [us]."""
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+    delays = []
+    due = time.monotonic_ns()
+    while not ends.is_set():
+        due += round(1e9 * period)
+        time.sleep(max(0, due - time.monotonic_ns()) * 1e-9)
+        delays.append((time.monotonic_ns() - due) * 1e-3)
+        due = max(due, time.monotonic_ns() - round(1e9 * period))
+    np.save(file, np.array(delays))
+
+
+def bare_row(delays: NDArray[np.float64]) -> dict[str, Any]:
+    """The delays of wake() as a report of the program."""
+    names = {"p50_us": 50.0, "p99_us": 99.0, "p99_9_us": 99.9, "max_us": 100.0}
+    late = {name: float(np.percentile(delays, share)) for name, share in names.items()}
+    late["above_1_ms"] = int((delays > 1000.0).sum())
+    return {"kind": BARE, "steps": len(delays), "late": late, "work": None, "left_out": None}
+
+
+def stolen() -> float:
+    """Processor time that the host has taken from this machine so far [s]."""
+    return float(Path("/proc/stat").read_text().split()[8]) / os.sysconf("SC_CLK_TCK")
+
+
 @contextlib.contextmanager
 def processes(*calls: tuple[Any, tuple[Any, ...]]) -> Iterator[None]:
     """Runs functions in processes of their own within this scope; their last argument ends them."""
@@ -137,14 +166,26 @@ def measure(seconds: float) -> list[dict[str, Any]]:
             port, process = stack.enter_context(running(mission, words))
             flights.append((kind, report, port, process))
         ports = [port for _, _, port, _ in flights]
-        load = [(compute, ())] * processors()
+        load: list[tuple[Any, tuple[Any, ...]]] = [(compute, ())] * processors()
+        delays = folder / "delays.npy"
+        if len(kinds) == len(KINDS):  # SCHED_FIFO is permitted
+            load.append((wake, (period, PRIORITY, delays)))
         with processes((send_poses, (ports, poses, period)), *load):
             for *_, process in flights:
                 process.wait(seconds + 60.0)
-        return [{"kind": kind, **json.loads(report.read_text())} for kind, report, _, _ in flights]
+        rows = [{"kind": kind, **json.loads(file.read_text())} for kind, file, _, _ in flights]
+        if delays.exists() and len(found := np.load(delays)) > 0:
+            rows.append(bare_row(found))
+        return rows
 
 
-def page(about: dict[str, Any], rows: list[dict[str, Any]], seconds: float, command: str) -> str:
+def page(
+    about: dict[str, Any],
+    rows: list[dict[str, Any]],
+    seconds: float,
+    stolen_seconds: float,
+    command: str,
+) -> str:
     """The page."""
     table: list[Any] = [
         head(
@@ -160,9 +201,8 @@ def page(about: dict[str, Any], rows: list[dict[str, Any]], seconds: float, comm
                 f"{row['steps']:,}",
                 *(f"{late[name]:,.0f}" for name in ("p50_us", "p99_us", "p99_9_us", "max_us")),
                 late["above_1_ms"],
-                row["left_out"],
-                f"{work['p50_us']:.0f}",
-                f"{work['p99_us']:.0f}",
+                "" if row["left_out"] is None else row["left_out"],
+                *(f"{work[name]:.0f}" if work else "" for name in ("p50_us", "p99_us")),
             ]
         )
     return f"""# Latency of `skybody onboard`
@@ -179,8 +219,11 @@ step could begin. A command is due at its step's time; above 1 ms it counts as m
 
 {markdown_table(table)}
 
-Both programs ran at the same time. Kernel: no PREEMPT_RT; `--fifo` needs root, CAP_SYS_NICE or a
-limit of `ulimit -r`.
+All ran at the same time, in a virtual machine whose kernel has no PREEMPT_RT
+({os.uname().release}); the host took {stolen_seconds:.1f} s of processor time from it. The
+bare timer does nothing but wake up: delays that it has, too, are the machine's. `--fifo` needs
+root, CAP_SYS_NICE or a limit of `ulimit -r`. For deadlines that hold, give the vehicle a kernel
+with PREEMPT_RT and a core of its own (`taskset`).
 """
 
 
@@ -190,7 +233,10 @@ def main() -> int:
     options = parser.given()
     seconds = options.seconds or (QUICK if options.quick else SECONDS)
     about = facts()
+    before = stolen()
     rows = measure(seconds)
-    text = page(about, rows, seconds, options.command)
-    write_page(options.out, PAGE, text, {"facts": about, "seconds": seconds, "rows": rows})
+    taken = stolen() - before
+    text = page(about, rows, seconds, taken, options.command)
+    data = {"facts": about, "seconds": seconds, "stolen": taken, "rows": rows}
+    write_page(options.out, PAGE, text, data)
     return 0
