@@ -38,7 +38,7 @@ def sources(folder: Path) -> list[Path]:
 def test_the_rows_are_all_layers_without_circles() -> None:
     below = [path for top in ("core", "plugins") for path in (ROOT / top).iterdir()]
     tops = [ROOT / top for top in ("controllers", "sensors", "effects", "randomization", "tasks")]
-    tops += [ROOT / top for top in ("learn", "app", "python", "render")]
+    tops += [ROOT / top for top in ("learn", "onboard", "app", "python", "render")]
     folders = {str(p.relative_to(ROOT)) for p in below + tops if p.is_dir() and sources(p)}
     assert folders - {"plugins/template"} == set(LAYERS)
     assert all(folder not in reach(other) for folder in LAYERS for other in LAYERS[folder])
