@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from research.transfer import quadrotor
+
 Reals = NDArray[np.float64]
 
 
@@ -77,8 +79,9 @@ def _draw(condition: Condition, random: np.random.Generator) -> dict[str, Reals]
         heading = random.uniform(0.0, 2.0 * np.pi)
         return speed * np.array([np.cos(heading), np.sin(heading), 0.0])
 
+    nominal = quadrotor.read().inertia
     inertia = factors(3)
-    while 2.0 * inertia.max() > inertia.sum():  # no rigid body has it
+    while 2.01 * (nominal * inertia).max() > (nominal * inertia).sum():  # hardly a rigid body
         inertia = factors(3)
     return {
         "mass": factors(),

@@ -1,7 +1,7 @@
 """Motion from delayed poses of a motion capture at 120 Hz, and from a gyroscope.
 
 As users of such systems do it: the velocity is the slope of a line through the latest positions,
-brought to the present by the acceleration that the attitude implies. The attitude is that of the
+brought to the present by the acceleration of attitude and commanded thrust. The attitude is that of the
 latest poses, turned on by the gyroscope.
 """
 
@@ -50,11 +50,11 @@ class Estimator:
         while self.on_the_way and time >= self.on_the_way[0][0] + self.condition.delay - 1e-9:
             self._take(*self.on_the_way.pop(0))
 
-    def estimate(self, time: float, thrust: Reals | None = None) -> Motion:
+    def estimate(self, time: float, thrust: Reals) -> Motion:
         """The motion now.
 
         Args:
-            thrust: commanded, per mass (N) [m/s^2]; None: as much as keeps the height.
+            thrust: commanded, per mass (N) [m/s^2].
         """
         if not self.condition.filtered:
             return self.truth
@@ -63,8 +63,6 @@ class Estimator:
         weights = (times - middle) / ((times - middle) ** 2).sum()
         stack = np.array(self.positions)
         attitude = rotation.matrix(self.quaternion)
-        if thrust is None:
-            thrust = GRAVITY / np.maximum(attitude[:, 2, 2], 0.5)
         push = thrust[:, None] * attitude[:, :, 2] - [0.0, 0.0, GRAVITY]
         age = time - middle
         slope = np.tensordot(weights, stack, 1)

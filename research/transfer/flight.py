@@ -42,6 +42,12 @@ class Form:
     name: str
     actions: int
 
+    def thrust(self, quad: Quadrotor, command: Reals, attitude: Reals) -> Reals:
+        """Commanded thrust per mass, by nominal constants (N) [m/s^2]."""
+        if self.actions == 4:
+            return np.asarray(quad.thrust * (command**2).sum(axis=1) / quad.mass)
+        return np.asarray((command * attitude[:, :, 2]).sum(axis=1) / quad.mass)
+
     def command(self, quad: Quadrotor, action: Reals) -> Reals:
         """Rotor speeds (N, 4) [rad/s], or the rotors' force, W (N, 3) [N]."""
         if self.actions == 4:
@@ -91,13 +97,15 @@ def fly(
     rows = Rows(figures, form.actions)
     flown = []
     command: Any = None
+    thrust = np.full(len(figures), GRAVITY)
     for k in range(round(seconds / DT)):
         time = k * DT
         estimator.update(time, engine.motion)
         if k % REPEAT == 0:
             flown.append(engine.motion.position.copy())
-            rows.action = policy(rows.row(time, estimator.estimate(time)))
+            rows.action = policy(rows.row(time, estimator.estimate(time, thrust)))
             command = form.command(quad, rows.action)
+            thrust = form.thrust(quad, command, estimator.attitude()[0])
         speeds = command
         if form.actions == 3:
             known = estimator.attitude()
