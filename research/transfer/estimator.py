@@ -1,8 +1,8 @@
 """Motion from delayed poses of a motion capture at 120 Hz, and from a gyroscope.
 
 As users of such systems do it: the velocity is the slope of a line through the latest positions,
-brought to the present by the acceleration of attitude and commanded thrust. The attitude is that of the
-latest poses, turned on by the gyroscope.
+brought to the present by the acceleration of attitude and commanded thrust. The attitude is that
+of the latest poses, turned on by the gyroscope.
 """
 
 from __future__ import annotations
