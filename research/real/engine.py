@@ -50,6 +50,7 @@ class Shipped:
 
     inputs = SPEEDS
     trims = True
+    is_damped = True
 
     def __init__(
         self, title: str = "Skybody `crazyflie`", changes: Mapping[str, float] | None = None

@@ -41,6 +41,10 @@ class Model(Protocol):
     def trims(self) -> bool:
         """Whether factors on its rotors are taken from other flights."""
 
+    @property
+    def is_damped(self) -> bool:
+        """Whether a row with damped differences between commands has a meaning."""
+
     def takes(self, flight: Recorded) -> bool:
         """Whether the flight has the command."""
 
@@ -79,6 +83,7 @@ class Still:
     title = "constant velocity and rates"
     inputs = "none"
     trims = False
+    is_damped = False
 
     def takes(self, flight: Recorded) -> bool:
         return True
@@ -118,6 +123,10 @@ class Foreign:
     def takes_angles(self) -> bool:
         """Whether its commands are angles and collective thrust."""
         return self.dynamics.startswith("so_rpy")
+
+    @property
+    def is_damped(self) -> bool:
+        return not self.takes_angles
 
     def takes(self, flight: Recorded) -> bool:
         has_voltage = bool(np.isfinite(flight.voltage).all())

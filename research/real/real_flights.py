@@ -1,7 +1,7 @@
 """Open-loop replays of recorded flights of a Crazyflie by this engine and by other simulators.
 
     python -m research run real_flights [--flights PATH...] [--train PATH...] [--map MAP]
-                                        [--vehicle FOLDER...] [--no-peers] [--quick] [--out FOLDER]
+                                        [--vehicle FOLDER...]... [--no-peers] [--quick] [--out DIR]
 
 Every model starts from the recorded state (motion capture; body rates by the gyroscope) and gets
 the recorded motor commands, or the setpoints if it takes those. Errors are those of position,
@@ -11,15 +11,17 @@ rotors follow the commands of the 0.3 s before the start.
 --flights: CSV files, or folders with them, as a map of `skybody import` describes (docs/imports.md;
 --map, default: nanobench). --train: flights from which factors on the thrusts of the rotors are
 taken; default: of each judged flight the others. A flight is never trained on itself.
---vehicle: a folder of `skybody identify`, given several times for several rows.
+--vehicle: folders of `skybody identify`; each flight is judged by the first fit that did not have
+it, so that four folders that leave out one flight each judge all four. Given again for another row.
 Others' models run in environments below .peers, which are made at the first run.
 """
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -33,15 +35,35 @@ from research.common.places import ROOT, shown
 from research.peers.environments import Skipped
 from research.real.engine import PARTS, Shipped
 from research.real.errors import QUANTITIES, Figure, errors, figures
+from research.real.identified import Identified
+from research.real.log_detail import damped
 from research.real.models import FOREIGN, Model, Still, predicted, trim
 from research.real.real_flights_page import draw_errors, draw_flight, page
-from research.real.recorded_flights import MOTORS, Reals, Recorded, files_of, read
+from research.real.recorded_flights import (
+    MOTORS,
+    Reals,
+    Recorded,
+    Stretch,
+    files_of,
+    read,
+    read_stretch,
+)
 from research.real.windows import HORIZONS, STRIDE, Windows, windows_of
 
 PAGE = "real_flights"
 
 SHARED = ROOT.parent / "shared/data/flights/nanobench"
-PUBLISHED, TRIMMED, NO_MODEL = "published", "trimmed", ""  # forms
+# Forms of rows.
+PUBLISHED, TRIMMED, DAMPED = "published", "trimmed", "trimmed, damped"
+FITTED, NO_MODEL = "identified", ""
+TURNS = SHARED.parent / "arplab"
+# Logs and their excited parts, by their own clocks [s].
+STRETCHES = (
+    ("log10.usd.gz", 35.0, 65.0),
+    ("log15.usd.gz", 55.0, 90.0),
+    ("log16.usd.gz", 32.0, 38.0),
+    ("log16.usd.gz", 45.0, 49.0),
+)
 QUICK_STRIDE = 2.0  # between starts of windows [s]
 
 
@@ -50,7 +72,7 @@ class Row:
     """The result of a model in one form."""
 
     model: Model
-    form: str  # PUBLISHED, TRIMMED, or NO_MODEL
+    form: str
     windows: Sequence[Windows]
     states: Reals  # predicted, (windows, horizons, 13)
 
@@ -83,8 +105,13 @@ def recorded_at_horizons(windows: Sequence[Windows]) -> Reals:
     return np.concatenate(parts)
 
 
-def results(model: Model, windows: Sequence[Windows], train: Sequence[Recorded]) -> list[Row]:
-    """A model as published, and with trimmed rotors if it has rotors.
+def results(
+    model: Model, windows: Sequence[Windows], train: Sequence[Recorded], detail: float | None
+) -> list[Row]:
+    """A model as published; if it has rotors trimmed, and with damped commands.
+
+    Args:
+        detail: of damped commands; None: there is no such row.
 
     Raises:
         Skipped: it is not available here.
@@ -92,13 +119,56 @@ def results(model: Model, windows: Sequence[Windows], train: Sequence[Recorded])
     own = [w for w in windows if model.takes(w.flight)]
     if not own:
         raise Skipped("no flight has its inputs")
-    ones = np.ones(len(MOTORS))
     form = NO_MODEL if isinstance(model, Still) else PUBLISHED
+    ones = np.ones(len(MOTORS))
     rows = [Row(model, form, own, predicted(model, own, [ones] * len(own)))]
-    others = [[f for f in train if f.name != w.flight.name and model.takes(f)] for w in own]
-    if model.trims and all(others):
-        factors = [trim(model, flights) for flights in others]
-        rows.append(Row(model, TRIMMED, own, predicted(model, own, factors)))
+    if model.trims:
+        rows += trimmed(model, TRIMMED, own, train)
+    if model.trims and model.is_damped and detail is not None:
+        own = [replace(w, flight=damped(w.flight, detail)) for w in own]
+        rows += trimmed(model, DAMPED, own, [damped(f, detail) for f in train])
+    return rows
+
+
+def trimmed(
+    model: Model, form: str, windows: Sequence[Windows], train: Sequence[Recorded]
+) -> list[Row]:
+    """A model with factors from other flights; none if there is no other flight."""
+    others = [[f for f in train if f.name != w.flight.name and model.takes(f)] for w in windows]
+    if not all(others):
+        return []
+    factors = [trim(model, flights) for flights in others]
+    return [Row(model, form, windows, predicted(model, windows, factors))]
+
+
+def identified(folders: Sequence[Path], windows: Sequence[Windows]) -> Row:
+    """A vehicle that was identified several times: each flight by a fit that did not have it.
+
+    Raises:
+        Skipped: all flights were parts of the fits.
+    """
+    models = [Identified(folder) for folder in folders]
+    chosen = [(w, m) for w in windows for m in models if m.takes(w.flight)]
+    firsts = {w.flight.name: (w, m) for w, m in reversed(chosen)}
+    pairs = [firsts[w.flight.name] for w in windows if w.flight.name in firsts]
+    if not pairs:
+        raise Skipped("its fits had all flights")
+    ones = np.ones(len(MOTORS))
+    states = np.concatenate([predicted(model, [w], [ones]) for w, model in pairs])
+    return Row(models[0], FITTED, [w for w, _ in pairs], states)
+
+
+def turns(models: Sequence[Model], stride: float) -> list[Row]:
+    """Results of the shared logs without poses; none if they are not there."""
+    stretches = [Stretch(TURNS / name, first, last) for name, first, last in STRETCHES]
+    if not all(stretch.path.exists() for stretch in stretches):
+        return []
+    windows = [windows_of(read_stretch(stretch), stride) for stretch in stretches]
+    windows = [w for w in windows if len(w.starts)]
+    rows: list[Row] = []
+    for model in models:
+        with contextlib.suppress(Skipped):  # the table before says so
+            rows += results(model, windows, [w.flight for w in windows], None)
     return rows
 
 
@@ -108,7 +178,7 @@ def main() -> int:
         .add("--flights", type=Path, nargs="+", default=[SHARED], metavar="PATH")
         .add("--train", type=Path, nargs="+", default=[], metavar="PATH")
         .add("--map", default="nanobench", help="default: nanobench")
-        .add("--vehicle", type=Path, action="append", default=[], metavar="FOLDER")
+        .add("--vehicle", type=Path, nargs="+", action="append", default=[], metavar="FOLDER")
         .add("--no-peers", action="store_true", help="without other simulators")
         .given()
     )
@@ -124,23 +194,35 @@ def main() -> int:
     train = train or [w.flight for w in windows]
     models: list[Model] = [Still(), Shipped()]
     models += [] if options.quick or options.no_peers else list(FOREIGN)
+    fits = [Identified(folder) for folders in options.vehicle for folder in folders]
+    detail = next((fit.detail for fit in fits if fit.detail is not None), None)
     rows: list[Row] = []
     skipped: dict[str, str] = {}
     for model in models:
         print(f"  {model.title}", file=sys.stderr, flush=True)
         try:
-            rows += results(model, judged, train)
+            rows += results(model, judged, train, detail)
         except Skipped as why:
             skipped[model.title] = str(why)
-    parts = [results(Shipped(title, k), judged, train)[-1] for title, k in PARTS.items()]
+    for folders in options.vehicle:
+        try:
+            last = max(
+                k for k, row in enumerate(rows) if isinstance(row.model, Shipped | Identified)
+            )
+            rows.insert(last + 1, identified(folders, judged))
+        except Skipped as why:
+            skipped[str(folders[0])] = str(why)
+    parts = [results(Shipped(title, k), judged, train, None)[-1] for title, k in PARTS.items()]
     images = options.out / "images"
     draw_errors(rows, images / f"{PAGE}.png")
     draw_flight(rows, images / f"{PAGE}_paths.png")
     found = {"facts": facts(), "command": options.command, "skipped": skipped}
+    found |= {"detail": detail}
+    found["turns"] = turns(models, stride) if options.flights == [SHARED] else []
     found |= {"stride": stride, "is_shared": options.flights == [SHARED]}
-    write_page(
-        options.out, PAGE, page(rows, parts, windows, found), found | {"rows": data(rows, windows)}
-    )
+    text = page(rows, parts, windows, found)
+    content = found | {"rows": data([*rows, *parts], windows)}
+    write_page(options.out, PAGE, text, content | {"turns": data(found["turns"], [])["errors"]})
     return 0
 
 

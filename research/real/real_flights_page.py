@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from skybody.identify.windows import SLOW
 
 from research.common.machine import machine_line
 from research.common.pages import markdown_table
@@ -67,6 +68,7 @@ the commands of the {WARM_UP:g} s before. No model or factor saw the flight on w
 - **published**: constants and curves as their authors give them. The inputs are below.
 - **trimmed**: four factors on the rotors' thrusts, from the other flights: each rotor carries a
   quarter of the mean specific force along z. This is the least that a user would do at hover.
+- **identified**: a vehicle of `skybody identify`, from other flights.{damped_text(found)}
 
 Errors are distances (cm, m/s, rad/s) and angles (deg) between predicted and recorded states.
 Figures in parentheses are 95 % intervals: flights, and blocks of 2 s in them, are drawn with
@@ -89,7 +91,7 @@ The shipped model, trimmed, with a part switched off; medians as above.
 {medians_table([*(row for row in rows if row.model.title == OURS and row.form), *parts])}
 
 {NOTE_ON_PARTS if found["is_shared"] else ""}
-## Inputs
+{turns_text(found["turns"])}## Inputs
 
 {inputs_table(rows)}
 
@@ -121,6 +123,17 @@ def source(found: dict[str, Any]) -> str:
     return ", a Crazyflie 2.1 of the data set nanobench\n(Ullah and Baca, arXiv 2603.09908)"
 
 
+def damped_text(found: dict[str, Any]) -> str:
+    """Of the form with damped commands."""
+    if found["detail"] is None:
+        return ""
+    return f"""
+- **damped**: the log has too few commands of the rotors. Identification therefore uses only a part
+  of the differences between rotors, {found["detail"]:.2f} about moving means over {SLOW:g} s
+  (`log.detail` of the first identified vehicle). These rows have the same commands. So they show
+  how much of the gain is the vehicle's, and how much is the treatment of the log."""
+
+
 def last_table(rows: Sequence[Row]) -> str:
     """Medians and means after the longest horizon, with intervals."""
     columns = [f"{q} [{UNITS[q]}]" for q in QUANTITIES]
@@ -142,6 +155,30 @@ def medians_table(rows: Sequence[Row]) -> str:
         texts = [", ".join(f"{value:.3g}" for value in column) for column in medians.T]
         lines.append([row.model.title, row.form, *texts])
     return markdown_table(lines, text=(0, 1))
+
+
+def turns_text(rows: Sequence[Row]) -> str:
+    """The section of logs without poses; empty without any."""
+    if not rows:
+        return ""
+    flights = {w.flight.name: len(w.starts) for row in rows for w in row.windows}
+    names = "; ".join(f"{name} ({count} windows)" for name, count in flights.items())
+    chosen = [QUANTITIES.index(quantity) for quantity in ("attitude", "rates")]
+    lines = [["model", "form", *(f"{QUANTITIES[q]} [{UNITS[QUANTITIES[q]]}]" for q in chosen)]]
+    for row in rows:
+        medians = np.median(row.errors, axis=0)
+        texts = [", ".join(f"{value:.3g}" for value in medians[:, q]) for q in chosen]
+        lines.append([row.model.title, row.form, *texts])
+    return f"""## Logs without poses
+
+Logs of another Crazyflie at 1 kHz without motion capture (Eschmann, arXiv 2404.07837): {names}.
+Attitudes are those of the gyroscope since the start of a window. The velocity is unknown and set to
+0, so that moments of the air are missing. Without the battery's voltage models that need it are
+left out. Medians as above.
+
+{markdown_table(lines, text=(0, 1))}
+
+"""
 
 
 def inputs_table(rows: Sequence[Row]) -> str:
@@ -181,7 +218,7 @@ def draw_flight(rows: Sequence[Row], path: Path) -> None:
     """Recorded and predicted horizontal paths of the flight with most windows."""
     best = max(range(len(rows[0].windows)), key=lambda k: len(rows[0].windows[k].starts))
     flight = rows[0].windows[best].flight
-    chosen = [row for row in rows if any(w.flight is flight for w in row.windows)]
+    chosen = [row for row in rows if any(w.flight.name == flight.name for w in row.windows)]
     last = {row.model.title: row for row in chosen}  # the trimmed form, if there is one
     columns = min(len(last), ACROSS)
     lines = -(-len(last) // columns)
@@ -192,7 +229,7 @@ def draw_flight(rows: Sequence[Row], path: Path) -> None:
         axis.set_visible(False)
     for axis, row in zip(axes.flat, last.values(), strict=False):
         axis.plot(*flight.states[inside, :2].T, color="black", linewidth=0.8)
-        k = next(k for k, w in enumerate(row.windows) if w.flight is flight)
+        k = next(k for k, w in enumerate(row.windows) if w.flight.name == flight.name)
         first = sum(len(w.starts) for w in row.windows[:k])
         own = row.windows[k]
         some = np.linspace(0, len(own.starts) - 1, min(SHOWN_PATHS, len(own.starts))).astype(int)

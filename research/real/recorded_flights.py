@@ -134,7 +134,7 @@ def turned(time: Reals, rates: Reals) -> Reals:
     )
     for row, turn in enumerate(turns):
         found[row + 1] = product(found[row], turn)
-    return found / np.linalg.norm(found, axis=1, keepdims=True)
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
 def product(a: Reals, b: Reals) -> Reals:
