@@ -58,8 +58,8 @@ class Identified:
             if not (folder / name).is_file():
                 raise InputError(f"{folder}: has no {name}; `skybody identify` writes it")
         report = folder / "report.json"
-        self.title = f"Skybody, identified `{folder.resolve().name}`"
         self._report: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
+        self.title = f"Skybody, identified `{Path(self._report['model']).stem}`"
         self.compiled = self._compiled(folder)
 
     def _compiled(self, folder: Path) -> CompiledScenario:

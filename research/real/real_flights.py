@@ -13,6 +13,9 @@ rotors follow the commands of the 0.3 s before the start.
 taken; default: of each judged flight the others. A flight is never trained on itself.
 --vehicle: folders of `skybody identify`; each flight is judged by the first fit that did not have
 it, so that four folders that leave out one flight each judge all four. Given again for another row.
+Such a folder, with A, B and C of four flights:
+
+    skybody identify A B C --map nanobench --model crazyflie --out flights/identified/without_D
 Others' models run in environments below .peers, which are made at the first run.
 """
 

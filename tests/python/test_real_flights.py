@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +32,7 @@ COLUMNS = (
     *("pid_controller_cmd_thrust", "pwr_pm_vbat"),
 )
 VOLTAGE = 3.7
+SHIPPED = Path(__file__).resolve().parents[2] / "scenarios/models/crazyflie"
 SLOPE, OFFSET = 0.028117, 426.24  # of the curve of speeds
 
 
@@ -173,12 +175,81 @@ def test_the_interval_is_that_between_flights_if_these_differ() -> None:
     assert found.ravel().tolist() == [2.0, 1.0, 3.0]
 
 
-def test_the_command_judges_a_folder_of_flights(file: Path, tmp_path: Path) -> None:
-    done = run("real_flights", "--quick", "--flights", str(file.parent), "--out", str(tmp_path))
+@pytest.fixture(scope="module")
+def vehicle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder as `skybody identify` writes it: the shipped model, the curve of its commands."""
+    folder = tmp_path_factory.mktemp("identified")
+    for name, copy in (("crazyflie.urdf", "vehicle.urdf"), ("rotors.yaml", "rotors.yaml")):
+        shutil.copyfile(SHIPPED / name, folder / copy)
+    (folder / "effects.yaml").write_text("effects: []\n")
+    mean = 0.9
+    speed = OFFSET + SLOPE * 65535.0 * mean
+    values = {"command.speed": speed, "command.slope": 1.0 - OFFSET / speed, "command.curve": 0.0}
+    report = {
+        "model": "models/crazyflie/crazyflie.urdf",
+        "flights": ["flights/other.csv"],
+        "mean_command": mean,
+        "mean_voltage": None,
+        "parameters": {name: {"value": value} for name, value in values.items()},
+    }
+    (folder / "report.json").write_text(json.dumps(report))
+    return folder
+
+
+def test_an_identified_vehicle_flies_as_its_files_say(file: Path, vehicle: Path) -> None:
+    windows, models = module("windows"), module("models")
+    own = windows.windows_of(read(file), 0.5)
+    ones = [np.ones(4)]
+    found = models.predicted(module("identified").Identified(vehicle), [own], ones)
+    shipped = models.predicted(module("engine").Shipped(), [own], ones)
+    assert module("errors").errors(found, shipped).max() < 1e-3
+
+
+def test_the_body_is_tilted_against_the_motion_capture_and_told_as_that_sees_it(
+    file: Path, vehicle: Path, tmp_path: Path
+) -> None:
+    tilted = shutil.copytree(vehicle, tmp_path / "tilted")
+    report = json.loads((tilted / "report.json").read_text())
+    report["parameters"]["pose.tilt_x"] = {"value": 0.1}
+    (tilted / "report.json").write_text(json.dumps(report))
+    identified, start = module("identified"), np.zeros((1, 13))
+    start[0, 3] = 1.0
+    speeds = np.full((1, 400, 4), 2000.0)
+    states = identified.Identified(tilted).fly(start, speeds)
+    # After 0.1 s. The body is tilted by -0.1 rad: its thrust points to +y. It is told as level.
+    assert states[0, 0, 8] > 0.05
+    assert np.abs(states[0, 0, 3]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_no_flight_of_the_fit_is_judged(file: Path, vehicle: Path) -> None:
+    identified = module("identified").Identified(vehicle)
+    assert identified.takes(read(file))
+    assert not identified.takes(replace(read(file), name="other"))
+
+
+def test_damped_commands_lose_constant_differences_and_keep_their_mean(file: Path) -> None:
+    flight = read(file)
+    uneven = replace(flight, pwm=flight.pwm[:, :1] + [0.0, 100.0, 200.0, 300.0])
+    found = module("log_detail").damped(uneven, 0.2).pwm
+    assert np.ptp(found, axis=1).max() < 1e-6
+    assert found.mean(axis=1) == pytest.approx(uneven.pwm.mean(axis=1))
+
+
+def test_rates_are_integrated_to_attitudes() -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    rates = np.tile([0.0, 0.0, np.pi], (101, 1))
+    found = module("recorded_flights").turned(time, rates)
+    assert np.abs(found[-1]) == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=1e-9)
+
+
+def test_the_command_judges_a_folder_of_flights(file: Path, vehicle: Path, tmp_path: Path) -> None:
+    words = ("--flights", str(file.parent), "--vehicle", str(vehicle), "--out", str(tmp_path))
+    done = run("real_flights", "--quick", *words)
     assert done.returncode == 0, done.stderr
     rows = json.loads((tmp_path / "data/real_flights.json").read_text())["rows"]["errors"]
     ours = next(row for row in rows if row["model"].startswith("Skybody"))
     assert ours["figures"]["position"]["0.5"]["median"]["value"] < 0.1  # cm
+    assert [row["form"] for row in rows[:3]] == ["", "published", "identified"]
     assert (tmp_path / "images/real_flights.png").stat().st_size > 10_000
 
 
