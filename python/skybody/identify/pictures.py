@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from skybody.legend import legend_above
+
 from .identify import Identified
 from .judge import UNITS
 from .replay import SAMPLE
@@ -46,7 +48,7 @@ def errors_figure(made: Identified) -> Any:
         axis.set_ylim(bottom=0.0)
         axis.grid(alpha=0.3)
     handles, labels = axis.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3, frameon=False)
+    legend_above(figure, handles, labels, 3, frameon=False)
     return figure
 
 
@@ -72,5 +74,5 @@ def replay_figure(made: Identified) -> Any:
         axis.grid(alpha=0.3)
     axes[-1].set_xlabel("time since the start [s]")
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4, frameon=False)
+    legend_above(figure, handles, labels, 4, frameon=False)
     return figure

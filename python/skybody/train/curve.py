@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skybody.command_line import CommandLine, report_error
+from skybody.legend import legend_above
 from skybody.program import run_program
 from skybody.train import files
 from skybody.train.requirements import demand_packages
@@ -64,7 +65,7 @@ def _picture_of(runs: list[Path]) -> bytes:
         _prepare_errors(axes[1])
     axes[-1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
+    legend_above(figure, handles, labels, min(4, len(labels)))
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()
