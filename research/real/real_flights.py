@@ -36,6 +36,7 @@ from research.common.options import Options
 from research.common.pages import write_page
 from research.common.places import ROOT, shown
 from research.peers.environments import Skipped
+from research.real.clocks import aligned, offset
 from research.real.engine import PARTS, Shipped
 from research.real.errors import QUANTITIES, Figure, errors, figures
 from research.real.identified import Identified
@@ -189,11 +190,14 @@ def main() -> int:
         print(f"real_flights: {shown(SHARED)} is not there; give --flights", file=sys.stderr)
         return 2
     stride = QUICK_STRIDE if options.quick else STRIDE
-    windows = [windows_of(read(file, options.map), stride) for file in files_of(options.flights)]
+    flights = [read(file, options.map) for file in files_of(options.flights)]
+    clocks = {flight.name: offset(flight) for flight in flights}
+    windows = [windows_of(aligned(f, clocks[f.name]), stride) for f in flights]
     judged = [w for w in windows if len(w.starts)]
     if not judged:
         raise InputError(f"{options.flights[0]}: no window of these flights is fit for a replay")
-    train = [read(file, options.map) for file in files_of(options.train)] if options.train else []
+    others = [read(file, options.map) for file in files_of(options.train)] if options.train else []
+    train = [aligned(flight, offset(flight)) for flight in others]
     train = train or [w.flight for w in windows]
     models: list[Model] = [Still(), Shipped()]
     models += [] if options.quick or options.no_peers else list(FOREIGN)
@@ -220,7 +224,7 @@ def main() -> int:
     draw_errors(rows, images / f"{PAGE}.png")
     draw_flight(rows, images / f"{PAGE}_paths.png")
     found = {"facts": facts(), "command": options.command, "skipped": skipped}
-    found |= {"detail": detail}
+    found |= {"detail": detail, "clocks": clocks}
     found["turns"] = turns(models, stride) if options.flights == [SHARED] else []
     found |= {"stride": stride, "is_shared": options.flights == [SHARED]}
     text = page(rows, parts, windows, found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -102,13 +102,15 @@ easier question, and a comparison with models of motor commands is not like with
 
 ## Screening
 
-{screening_table(windows)}
+{screening_table(windows, found["clocks"])}
 
 A window is left out if one of its rows is near the ground (less than {100 * CLEARANCE:g} cm above
 rest, or before take-off and after landing), has impossible commands (below 0 or above 65535), lies
 in a gap, or has a saturated rotor. Gaps are pauses of more than {1e3 * MOST_GAP:g} ms between
 poses, and straight lines of all commands or all rates that last more than {MOST_BRIDGED:g} s: the
 data set fills lost telemetry by straight lines. Each window counts once, by the first reason.
+Commands and onboard sensors are moved to the clock of the poses: by the offset at which the
+gyroscope agrees best with the rates of the recorded attitude.
 
 ![Paths of a flight](images/real_flights_paths.png)
 
@@ -187,11 +189,12 @@ def inputs_table(rows: Sequence[Row]) -> str:
     return markdown_table([["model", "input"], *map(list, inputs.items())], text=(0, 1))
 
 
-def screening_table(windows: Sequence[Windows]) -> str:
-    """Windows of each flight, used and left out."""
-    lines = [["flight", "used", *REASONS]]
+def screening_table(windows: Sequence[Windows], clocks: Mapping[str, float]) -> str:
+    """Windows of each flight, used and left out, and the offset of its clocks."""
+    lines = [["flight", "used", *REASONS, "clock [ms]"]]
     for w in windows:
-        lines.append([w.flight.name, str(len(w.starts)), *(str(w.rejected[r]) for r in REASONS)])
+        counts = [str(len(w.starts)), *(str(w.rejected[r]) for r in REASONS)]
+        lines.append([w.flight.name, *counts, f"{1e3 * clocks[w.flight.name]:.0f}"])
     return markdown_table(lines)
 
 

@@ -235,6 +235,13 @@ def test_damped_commands_lose_constant_differences_and_keep_their_mean(file: Pat
     assert found.mean(axis=1) == pytest.approx(uneven.pwm.mean(axis=1))
 
 
+def test_the_offset_of_clocks_is_found_and_removed(file: Path) -> None:
+    clocks, flight = module("clocks"), read(file)
+    late = clocks.aligned(flight, -0.02)  # the gyroscope tells what was 20 ms before
+    assert clocks.offset(flight) == pytest.approx(0.0, abs=0.002)
+    assert clocks.offset(late) == pytest.approx(0.02, abs=0.002)
+
+
 def test_rates_are_integrated_to_attitudes() -> None:
     time = np.linspace(0.0, 1.0, 101)
     rates = np.tile([0.0, 0.0, np.pi], (101, 1))
