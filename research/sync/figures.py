@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -58,7 +59,7 @@ def draw_spread(path: Path, rows: Rows) -> None:
 
 def lines(axis: Any, rows: Rows) -> None:
     """Spread over the index of the action; ways with none share a line."""
-    styles = iter(("-", "--", ":"))
+    styles = itertools.cycle(("-", "--", "-.", ":"))
     for row in rows:
         if row["stepping"] == "free-running":
             where = np.arange(0, WRENCHES, EVERY)

@@ -101,8 +101,9 @@ def test_pictures_have_a_row_for_each_way(tmp_path: Path) -> None:
     rows: list[dict[str, Any]] = []
     for loop in work.LOOPS:
         found = runs.flown_in_process(loop, 2)
-        for stepping in ("in process", "lockstep", "free-running"):
-            rows.append(summary.summary("x", stepping, loop, found, found.position[0]))
+        for way in ("in process", *(way.title for way in runs.MIDDLEWARES)):
+            for stepping in ("lockstep", "free-running"):
+                rows.append(summary.summary(way, stepping, loop, found, found.position[0]))
     figures.draw_timing(tmp_path / "timing.png", summary.rows_of(rows, "open"))
     figures.draw_spread(tmp_path / "spread.png", rows)
     assert {path.name for path in tmp_path.iterdir()} == {"timing.png", "spread.png"}
