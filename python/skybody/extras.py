@@ -40,7 +40,6 @@ def _is_installed() -> bool:
 def missing_package(module: str, error: ModuleNotFoundError) -> ImportError:
     """The error of `skybody.<module>` for a missing package, with the remedy."""
     package = (error.name or "").partition(".")[0]
-    return ImportError(
-        f"skybody.{module} needs the package {package!r}: {install_command([EXTRAS[module]])}",
-        name=package,
-    )
+    extra = EXTRAS[module]
+    remedy = install_command([extra]) if extra else f"`pip install {package}`"
+    return ImportError(f"skybody.{module} needs the package {package!r}: {remedy}", name=package)
