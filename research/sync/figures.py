@@ -54,6 +54,7 @@ def draw_spread(path: Path, rows: Rows) -> None:
         right.set_xlim(left=-0.002)
         right.xaxis.set_major_formatter("{x:g}")
         right.set_xlabel("(b) RMSE of a trial against the flight in process [mm]")
+    axes[0, 0].legend(fontsize=8)
     save(figure, path)
 
 
@@ -67,7 +68,6 @@ def lines(axis: Any, rows: Rows) -> None:
     axis.plot([0, WRENCHES], [0.0, 0.0], color="C0", label="in process, and lockstep of each: 0")
     axis.set_xlabel("(a) action")
     axis.set_ylabel("spread of the position [mm]")
-    axis.legend(fontsize=8)
 
 
 def boxes(axis: Any, rows: Rows, key: str) -> None:

@@ -115,8 +115,8 @@ def paper_rows() -> str:
     """The paper's rows of ROS."""
     rows = [row for row in OTHERS if row.name.startswith("ROS")]
     return "; ".join(
-        f"{row.name} {row.workstation.rate:g} ({row.workstation.envs} environments) and "
-        f"{row.laptop.rate:g} ({row.laptop.envs})"
+        f"{row.name} {row.workstation.rate:g} and {row.laptop.rate:g} with "
+        f"{row.workstation.envs} and {row.laptop.envs}"
         for row in rows
     )
 
@@ -174,7 +174,8 @@ def page(found: dict[str, Any]) -> str:
             "*transition* waits for the odometry that belongs to its action (10 physics steps), in "
             "lockstep. One environment, 10 physics steps an action.\n",
             rate_table(rows, found["newest"]) + "\n",
-            f"The paper's rows, in thousands of steps/s on its two computers: {paper_rows()}.\n",
+            f"The paper's rows, in thousands of steps/s on its two computers, with their numbers of "
+            f"environments: {paper_rows()}.\n",
             loads(rows),
             machine_line(found) + "\n",
         ]
