@@ -192,7 +192,10 @@ def main() -> int:
     stride = QUICK_STRIDE if options.quick else STRIDE
     flights = [read(file, options.map) for file in files_of(options.flights)]
     clocks = {flight.name: offset(flight) for flight in flights}
-    windows = [windows_of(aligned(f, clocks[f.name]), stride) for f in flights]
+    windows = [
+        replace(windows_of(flight, stride), flight=aligned(flight, clocks[flight.name]))
+        for flight in flights
+    ]
     judged = [w for w in windows if len(w.starts)]
     if not judged:
         raise InputError(f"{options.flights[0]}: no window of these flights is fit for a replay")
