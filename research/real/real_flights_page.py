@@ -30,8 +30,7 @@ LAST = f"{HORIZONS[-1]:g}"
 OURS = "Skybody `crazyflie`"
 COLOURS = ("0.4", "#1f77b4", "#2ca02c", "#d62728", "#ff7f0e", "#9467bd", "#8c564b", "#e377c2")
 NOTE_ON_PARTS = """The hubs are 24 mm above the centre of mass. There the drag of the rotors turns
-the vehicle against its motion. In flight the rotors have to balance that moment, and the recorded
-commands do so: a model without it turns over by the same commands.
+the vehicle against its motion. A model without that moment turns over sooner by the same commands.
 """
 NOTE_ON_INPUTS = """The curve of speeds ends at 2269 rad/s, and the shipped model hovers at 2323
 rad/s: as published, it falls. The other models rise: this vehicle hovers at 87 % of PWM and
