@@ -174,8 +174,8 @@ def page(found: dict[str, Any]) -> str:
             "*transition* waits for the odometry that belongs to its action (10 physics steps), in "
             "lockstep. One environment, 10 physics steps an action.\n",
             rate_table(rows, found["newest"]) + "\n",
-            f"The paper's rows, in thousands of steps/s on its two computers, with their numbers of "
-            f"environments: {paper_rows()}.\n",
+            "The paper's rows, in thousands of steps/s on its two computers, with their numbers "
+            f"of environments: {paper_rows()}.\n",
             loads(rows),
             machine_line(found) + "\n",
         ]
