@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import socket
 import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -332,6 +334,18 @@ def test_an_observed_imu_is_sent_with_the_poses(
     words = ("--to", "onboard", "-o", tmp_path / "m", "--check", "1")
     assert export(policy, "--scenario", scenario, *words) == 0
     assert "needs    an IMU" in capsys.readouterr().out
+
+
+def test_the_programs_of_the_page_run_as_printed(racing: Path, tmp_path: Path) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs/onboard.md").read_text()
+    program = re.search(r"<!-- file: fly_onboard.py -->\n```python\n(.*?)```", page, re.DOTALL)
+    assert program is not None
+    (tmp_path / "racing.mission").write_bytes(racing.read_bytes())
+    done = subprocess.run(
+        [sys.executable, "-c", program[1]],
+        cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    assert re.match(r"\d+ steps, 15.0 gates", done.stdout)
 
 
 def test_limits_have_names_and_sizes() -> None:

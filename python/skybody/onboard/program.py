@@ -25,8 +25,9 @@ def find_program() -> list[str]:
     """
     if chosen := os.environ.get("SKYBODY_ONBOARD"):
         return chosen.split()
-    tree = Path(__file__).parents[3]
-    places = [Path(sys.executable).parent / NAME, tree / "build" / "release" / "bin" / NAME]
+    package, tree = Path(__file__).parents[1], Path(__file__).parents[3]
+    folders = [package / "bin", Path(sys.executable).parent, tree / "build" / "release" / "bin"]
+    places = [folder / NAME for folder in folders]
     for place in places:
         if place.exists():
             return [str(place)]
