@@ -26,6 +26,11 @@ MARK = re.compile(
 )
 
 
+def cell(text: str) -> str:
+    """The text with its bars escaped, which would end a cell."""
+    return text.replace("|", r"\|")
+
+
 def columns(compiled: Any) -> list[str]:
     """The observation: name, size, unit, meaning; privileged columns for the critic are marked."""
     rows = ["| Column | Size | Unit | |", "|---|---|---|---|"]
@@ -39,7 +44,7 @@ def columns(compiled: Any) -> list[str]:
         shown.add(name)
         size = " x ".join(map(str, column.shape))
         critic = "; for the critic alone" if column.privileged else ""
-        rows.append(f"| `{name}` | {size} | {column.unit} | {column.doc}{critic} |")
+        rows.append(f"| `{name}` | {size} | {column.unit} | {cell(column.doc)}{critic} |")
     return rows
 
 
@@ -52,7 +57,7 @@ def infos(compiled: Any) -> list[str]:
         if name in shown or not channel.doc:
             continue
         shown.add(name)
-        rows.append(f"| `{name}` | {channel.unit} | {channel.doc} |")
+        rows.append(f"| `{name}` | {channel.unit} | {cell(channel.doc)} |")
     return rows
 
 
