@@ -91,6 +91,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "gradient_choices": Call("--quick --out {out}", program="bench_gradient"),
     "hard_physics": QUICK,
     "hash_run": Call("hover --envs 2 --steps 10"),
+    "identify_simulated": Elsewhere("test_identify.py"),
     "image_speed": Call("--quick --out {out}", package="stable_baselines3"),
     "integrators": Call("--quick --only hover --out {out}"),
     "kill_and_resume": QUICK,

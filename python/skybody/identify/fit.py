@@ -78,7 +78,8 @@ class Problem:
                 continue
             spread = 1.4826 * np.median(np.abs(some), axis=0)  # (samples, 3)
             spread = np.sqrt(np.mean(spread**2, axis=1, keepdims=True)) * np.ones((1, 3))
-            self.deviations.of[kind] = np.maximum(spread, LEAST[kind])
+            # Not far above the first ones: what fits badly must not lose its weight.
+            self.deviations.of[kind] = np.clip(spread, LEAST[kind], MOST[kind])
 
     def _cost(self, rows: Array, shifts: Array, x: Array) -> float:
         scaled = rows / self.deviations.row()
@@ -118,7 +119,9 @@ class Problem:
         return new_x, moved(starts, equations.starts(step))
 
 
-LEAST = {"position": 1e-4, "attitude": 2e-4, "rate": 2e-3, "force": 1e-2}  # deviations
+# Deviations.
+LEAST = {"position": 1e-4, "attitude": 2e-4, "rate": 2e-3, "force": 1e-2}
+MOST = {"position": 0.02, "attitude": 0.04, "rate": 0.4, "force": 0.5}
 
 
 class Equations:

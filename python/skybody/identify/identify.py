@@ -19,7 +19,7 @@ from .parameters import Model, Scales, parameters_of
 from .record import Record
 from .replay import WARM, Prediction, Replayer
 from .residuals import Residuals
-from .screening import command_rate, good_at, screen
+from .screening import command_rate, good_at, kept_time, screen
 from .start import TOLD, Start, clock_offset, start_values
 from .vehicle import Vehicle
 from .windows import FIT_LENGTH, LENGTH, Measured, Track, Windows, cut
@@ -29,6 +29,7 @@ TEST_WINDOWS = 400
 LEAST_WINDOWS = 8
 HELD_OUT = 0.25  # last part of each flight, without flights of their own for it
 FAST_ENOUGH = 120.0  # rate of commands from which on they are complete [1/s]
+LEAST_OFFSET = 0.005  # of clocks that is mended [s]
 CLOCKS = 0.09  # greatest offset of clocks that is mended [s]
 PASSES = 3
 
@@ -83,7 +84,9 @@ def prepared(records: Sequence[Record], vehicle: Vehicle, notes: list[str]) -> l
                     f"{CLOCKS:g} s, or one of them is of another flight; align the log, or check "
                     "the axes of both in the map"
                 )
-            if abs(offset) > 0.002:
+            if abs(offset) < LEAST_OFFSET:
+                offset = 0.0  # `delay.imu` takes it
+            else:
                 notes.append(
                     f"{record.path.name}: the clock of commands and IMU is {1e3 * offset:.0f} ms "
                     "ahead of the poses; corrected"
@@ -140,7 +143,7 @@ def identify(
     tracks = prepared(flights, vehicle, notes)
     held = prepared(tests, vehicle, notes)
     scales = scales_of(tracks)
-    say(f"{len(tracks)} flights, {sum(map(seconds, tracks)):.0f} s that can be used")
+    say(f"{len(tracks)} flights, {sum(kept_time(t.record) for t in tracks):.0f} s that can be used")
     start, model = begin(vehicle, tracks, scales, notes)
     # Commands that are not complete are weighed by what they are worth over whole windows.
     length = LENGTH if "log.detail" in model.names else FIT_LENGTH
@@ -194,13 +197,6 @@ def begin(
         )
     model = Model(vehicle, parameters_of(vehicle, scales, has), scales)
     return {k: v for k, v in found.values.items() if k in model.names}, model
-
-
-def seconds(track: Track) -> float:
-    """Time of a flight that can be used [s]."""
-    first, last = track.record.span()
-    times = np.arange(first, last, 0.01)
-    return 0.01 * float(np.count_nonzero(good_at(track.record, times)))
 
 
 def windows_of(

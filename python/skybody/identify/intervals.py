@@ -16,6 +16,8 @@ from .windows import Windows
 
 BLOCK = 2.0  # windows that begin within this time count as one draw [s]
 OPEN = 0.7  # share of the deviation before the data at which a parameter counts as not told
+LEAST_SHARE = 0.002  # of a constant
+LEAST_PHASE = 0.12  # of the time between rows of a log
 Z = 1.96  # standard deviations of an interval of 95 %
 
 
@@ -53,13 +55,25 @@ def covariance(fit: Fit, parameters: Sequence[Parameter], windows: Windows) -> A
     sums -= sums.mean(axis=0)
     meat = sums.T @ sums * count / max(count - 1, 1) + np.diag(1.0 / priors**2)
     robust = plain @ meat @ plain
-    # A block tells less of the spread than many: Student's factor for the blocks.
-    robust *= 1.0 + 2.0 / max(count - 1, 1)
-    scale = np.sqrt(np.maximum(np.diag(plain) / np.diag(robust), 1.0))
+    # Few blocks tell less of the spread than many, and the fit has used up some of it.
+    robust *= 1.0 + (2.0 + len(fit.free)) / max(count - 1, 1)
+    least = np.array([floor_of(parameters[k], windows) for k in fit.free])
+    wanted = np.maximum(np.diag(plain), least**2)
+    scale = np.sqrt(np.maximum(wanted / np.diag(robust), 1.0))
     found = robust * np.outer(scale, scale)
     # No parameter is more open than it was before.
     most = np.minimum(1.0, priors / np.sqrt(np.diag(found)))
     return np.asarray(found * np.outer(most, most))
+
+
+def floor_of(parameter: Parameter, windows: Windows) -> float:
+    """The least deviation: what sampling and the steps of the replay leave open."""
+    if parameter.form == LOG:
+        return LEAST_SHARE
+    if parameter.name.startswith("delay."):
+        steps = [float(np.median(np.diff(t.record.command.time))) for t in windows.tracks]
+        return LEAST_PHASE * max(steps)
+    return 0.0
 
 
 def is_open(parameter: Parameter, deviation: float) -> bool:

@@ -186,7 +186,7 @@ class Model:
     def _paths(self) -> list[str]:
         vehicle, rotors = self.vehicle, range(len(self.vehicle.hubs))
         names = ("thrust_constant", "moment_constant", "drag_constant", "inertia", "tau_up",
-                 "tau_down", "max_speed")  # fmt: skip
+                 "tau_down")  # fmt: skip
         paths = [vehicle.rotor_path(k, name) for name in names for k in rotors]
         paths += [vehicle.path("mass"), *(vehicle.path(f"com[{k}]") for k in range(3))]
         paths += [vehicle.path(f"inertia[{k}]") for k in range(6)]

@@ -78,11 +78,13 @@ class Record:
 
 
 class Mean:
-    """Means of samples over intervals of time, linear between the samples."""
+    """Means of samples over intervals of time, linear between the samples, or held."""
 
-    def __init__(self, samples: Samples) -> None:
+    def __init__(self, samples: Samples, *, held: bool = False) -> None:
         steps = np.diff(samples.time)[:, None]
-        areas = 0.5 * steps * (samples.values[1:] + samples.values[:-1])
+        ends = samples.values[:-1] if held else samples.values[1:]
+        areas = 0.5 * steps * (ends + samples.values[:-1])
+        self._held = held
         self._time, self._values = samples.time, samples.values
         self._sums = np.concatenate([np.zeros((1, areas.shape[1])), np.cumsum(areas, axis=0)])
 
@@ -105,5 +107,6 @@ class Mean:
         rows, part = self._places(times)
         first, last = self._values[rows], self._values[rows + 1]
         step = (self._time[rows + 1] - self._time[rows])[..., None]
-        inside = step * part * (first + 0.5 * part * (last - first))
+        rise = 0.0 if self._held else 0.5 * part * (last - first)
+        inside = step * part * (first + rise)
         return np.asarray(self._sums[rows] + inside)

@@ -13,8 +13,8 @@ from skybody.look.flight import Array
 from . import rotation
 from .vehicle import DT, Vehicle
 
-STEP = 0.005  # a command is held for this time [s]
-WARM = 0.15  # rotors follow the commands for this time before a window begins [s]
+STEP = 0.0025  # a command is held for this time [s]
+WARM = 0.4  # rotors follow the commands for this time before a window begins [s]
 SAMPLE = 0.025  # time between samples of a replay [s]
 MOST = 6000  # environments of a pool
 WARM_STEPS, SAMPLE_STEPS = round(WARM / STEP), round(SAMPLE / STEP)
@@ -47,7 +47,7 @@ class Replayer:
             values: (n, paths).
             starts: (n, 13): position, quaternion, velocity (W), angular velocity (B).
             commands: (n, WARM_STEPS + samples SAMPLE_STEPS, rotors): speeds [rad/s], each held
-                for STEP. The first ones spin up the rotors before the start.
+                for STEP. The first ones set the rotors' speeds at the start, by the engine's lag.
         """
         parts = [
             self._run(paths, values[k : k + MOST], starts[k : k + MOST], commands[k : k + MOST])
@@ -59,40 +59,40 @@ class Replayer:
     def _run(
         self, paths: Sequence[str], values: Array, starts: Array, commands: Array
     ) -> Prediction:
-        count, steps = len(values), commands.shape[1]
+        count = len(values)
         pool = self._pool_of(count)
         envs = np.arange(count, dtype=np.int32)
-        first = [f"robots.vehicle.start.rotors[{k}].speed" for k in range(commands.shape[2])]
+        rotors = commands.shape[2]
+        first = [f"robots.vehicle.start.rotors[{k}].speed" for k in range(rotors)]
+        begin = spun(commands[:, :WARM_STEPS], *lags(paths, values, rotors))
         names = [*paths, *first]
-        numbers = np.concatenate([values, np.maximum(commands[:, 0], 0.0)], axis=1).tolist()
-        for env, row in enumerate(numbers):
+        for env, row in enumerate(np.concatenate([values, begin], axis=1).tolist()):
             for path, value in zip(names, row, strict=True):
                 pool.set_param(env, path, value)
         pool.reset(envs)
-        held = np.ascontiguousarray(np.swapaxes(commands, 0, 1))
+        self._put(pool, starts)
+        held = np.ascontiguousarray(np.swapaxes(commands[:, WARM_STEPS:], 0, 1))
         substeps = round(STEP / DT)
-        samples = (steps - WARM_STEPS) // SAMPLE_STEPS
-        made = np.empty((samples + 1, count, 13))
-        for step in range(steps + 1):
-            if step == WARM_STEPS:
-                self._put(pool, starts)
-            if step >= WARM_STEPS and (step - WARM_STEPS) % SAMPLE_STEPS == 0:
-                made[(step - WARM_STEPS) // SAMPLE_STEPS] = motion(pool, count)
-            if step < steps:
-                pool.command(held[step], envs=envs)
-                pool.advance(substeps, envs)
-        return self._prediction(made)
+        states, forces, push = [], [], np.zeros((count, 3))
+        now = motion(pool, count)
+        for step, speeds in enumerate(held, start=1):
+            pool.command(speeds, envs=envs)
+            pool.advance(substeps, envs)
+            before, now = now, motion(pool, count)
+            push = push + self._force(before, now)
+            if step % SAMPLE_STEPS == 0:
+                states.append(now)
+                forces.append(push / SAMPLE_STEPS)
+                push = np.zeros((count, 3))
+        made = np.stack(states, axis=1)
+        return Prediction(made[..., :3], made[..., 3:7], made[..., 10:13], np.stack(forces, axis=1))
 
-    def _prediction(self, made: Array) -> Prediction:
-        """Of the motion (samples + 1, n, 13)."""
-        made = np.swapaxes(made, 0, 1)
-        turn, velocity = made[..., 3:7], made[..., 7:10]
-        push = np.diff(velocity, axis=1) / SAMPLE
-        push[..., 2] += self._vehicle.gravity
-        force = 0.5 * (
-            rotation.into_body(turn[:, 1:], push) + rotation.into_body(turn[:, :-1], push)
-        )
-        return Prediction(made[:, 1:, :3], turn[:, 1:], made[:, 1:, 10:13], force)
+    def _force(self, before: Array, now: Array) -> Array:
+        """Mean specific force over a STEP, B [m/s^2]."""
+        push = (now[:, 7:10] - before[:, 7:10]) / STEP
+        push[:, 2] += self._vehicle.gravity
+        turns = (rotation.into_body(state[:, 3:7], push) for state in (before, now))
+        return np.asarray(0.5 * sum(turns))
 
     @staticmethod
     def _put(pool: SimulationPool, starts: Array) -> None:
@@ -108,6 +108,26 @@ class Replayer:
             self._pool = SimulationPool(compiled, count, num_threads=self._threads)
             self._pool.reset()
         return self._pool
+
+
+def lags(paths: Sequence[str], values: Array, rotors: int) -> tuple[Array, Array]:
+    """Time constants of the rotors, up and down, (n, rotors) [s]."""
+    places = list(paths)
+    up, down = (
+        [places.index(Vehicle.rotor_path(k, name)) for k in range(rotors)]
+        for name in ("tau_up", "tau_down")
+    )
+    return values[:, up], values[:, down]
+
+
+def spun(commands: Array, up: Array, down: Array) -> Array:
+    """Speeds of rotors (n, rotors) [rad/s] after commands (n, steps, rotors), docs/rotors.md."""
+    speed = np.maximum(commands[:, 0], 0.0)
+    keep_up, keep_down = (np.exp(-STEP / np.maximum(tau, 1e-9)) for tau in (up, down))
+    for step in range(commands.shape[1]):
+        wanted = np.maximum(commands[:, step], 0.0)
+        speed = wanted + (speed - wanted) * np.where(wanted > speed, keep_up, keep_down)
+    return np.asarray(speed)
 
 
 def motion(pool: SimulationPool, count: int) -> Array:

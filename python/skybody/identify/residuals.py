@@ -16,7 +16,7 @@ from .windows import Measured, Windows
 KINDS = ("position", "attitude", "rate", "force")
 START = 12  # numbers of a start: position, rotation vector (B), velocity, angular velocity
 # Deviations of measured starts: m, rad, m/s, rad/s.
-START_DEVIATION = np.repeat([0.002, 0.006, 0.03, 0.15], 3)
+START_DEVIATION = np.repeat([0.003, 0.01, 0.1, 0.15], 3)
 START_STEP = np.repeat([1e-3, 1e-3, 1e-2, 1e-2], 3)  # of differences
 VALUES = 12  # measured at each sample
 

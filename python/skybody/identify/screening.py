@@ -15,6 +15,7 @@ from .record import Mask, Mean, Record
 from .vehicle import Vehicle
 
 GAP = 0.05  # longest time between samples [s]
+LEAST_TIME = 1.0  # that must be left of a flight [s]
 STILL = 0.1  # longest time without a change [s]
 SHOCK = 60.0  # specific force of a collision [m/s^2]
 SPIN = 40.0  # fastest turn that is no crash [rad/s]
@@ -40,9 +41,10 @@ def screen(record: Record, vehicle: Vehicle) -> Screened:
     check_ranges(record)
     bad = [*gaps(record), *frozen(record), *impossible(record), *not_flying(record)]
     made = Screened(record.without(merged(bad)))
-    kept = kept_share(made.record)
-    if kept == 0.0:
-        raise InputError(f"{record.path}: no part can be used: {reasons(made.record)}")
+    if kept_time(made.record) < LEAST_TIME:
+        raise InputError(
+            f"{record.path}: less than {LEAST_TIME:g} s can be used: {reasons(made.record)}"
+        )
     check_units(made.record, vehicle)
     for reason, length in lengths(made.record).items():
         made.notes.append(f"{record.path.name}: {length:.1f} s left out: {reason}")
@@ -81,11 +83,11 @@ def reasons(record: Record) -> str:
     return ", ".join(f"{length:.1f} s {reason}" for reason, length in found) or "FROM and UNTIL"
 
 
-def kept_share(record: Record) -> float:
-    """Share of the flight without bad stretches."""
+def kept_time(record: Record) -> float:
+    """Time without bad stretches [s]."""
     first, last = record.span()
     times = np.arange(first, last, 0.01)
-    return float(np.mean(good_at(record, times))) if len(times) else 0.0
+    return 0.01 * float(np.count_nonzero(good_at(record, times)))
 
 
 def good_at(record: Record, times: Array) -> Mask:

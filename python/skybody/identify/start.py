@@ -16,14 +16,15 @@ from skybody.look.flight import Array
 
 from .parameters import Model
 from .record import Mask, Mean
-from .replay import STEP
+from .rotation import into_body
 from .windows import Track, starts_of
 
 LAGS = (0.005, 0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.11, 0.15)  # tried [s]
 DELAYS = tuple(np.arange(-0.01, 0.0501, 0.005))  # tried [s]
+STEP = 0.005  # of the grid [s]
 SMOOTH = 0.03  # window of derivatives and means [s]
 DULL_LAG = 0.04  # of small brushed and brushless motors [s]
-TOLD = 0.4  # share of the angular acceleration's variance from which on inertias are taken
+TOLD = 0.65  # share of the angular acceleration's variance from which on inertias are taken
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Grid:
     voltage: Array  # (n,) [V]
     force: Array  # (n, 3) [m/s^2]
     turning: Array  # (n, 3), angular acceleration [rad/s^2]
+    drift: Array  # (n, 2), velocity along x and y of B [m/s]; 0: not known
     used: Mask  # (n,), rows of good stretches
     begins: list[int]  # first row of each flight
 
@@ -55,14 +57,14 @@ def grid_of(tracks: Sequence[Track]) -> Grid:
         parts.append((*values_of(track, times), used_of(track, times)))
         begins.append(count)
         count += len(times)
-    command, voltage, force, turning, used = (
+    command, voltage, force, turning, drift, used = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
-    return Grid(command, voltage, force, turning, used.astype(bool), begins)
+    return Grid(command, voltage, force, turning, drift, used.astype(bool), begins)
 
 
-def values_of(track: Track, times: Array) -> tuple[Array, Array, Array, Array]:
-    """Commands, voltages, specific forces and angular accelerations at times."""
+def values_of(track: Track, times: Array) -> tuple[Array, ...]:
+    """Commands, voltages, specific forces, angular accelerations and drift at times."""
     command = track.command(times - 0.5 * STEP, STEP)
     voltage = track.voltage.at(times)[:, 0] if track.voltage else np.zeros(len(times))
     rate = track.rate(times - 0.5 * SMOOTH, SMOOTH)
@@ -73,10 +75,11 @@ def values_of(track: Track, times: Array) -> tuple[Array, Array, Array, Array]:
         assert track.velocity is not None
         push = motion.derivative(times, track.velocity.at(times), 2.0 * SMOOTH)
         push[:, 2] += 9.81
-        from .rotation import into_body
-
         force = into_body(track.attitude(times), push)
-    return command, voltage, force, turning
+    drift = np.zeros((len(times), 2))
+    if track.velocity is not None:
+        drift = into_body(track.attitude(times), track.velocity.at(times))[:, :2]
+    return command, voltage, force, turning, drift
 
 
 def used_of(track: Track, times: Array) -> Mask:
@@ -121,56 +124,73 @@ def start_values(model: Model, tracks: Sequence[Track]) -> Start:
     arms = np.array([[hub.position[1], -hub.position[0]] for hub in vehicle.hubs])
     best = (-np.inf, LAGS[0], 0.0, 0.0)
     for lag, smooth in lags.items():
-        squares = smooth if model.scales.is_share else smooth**2
         for delay in DELAYS:
-            moved = delayed(squares, delay)
-            shares = [
-                regression(
-                    [moved @ arms[:, k], np.ones(len(moved))], grid.turning[:, k], grid.used
-                )[1]
-                for k in range(2)
-            ]
-            total = sum(shares) + thrust_regression(grid, moved)[1]
-            best = max(best, (total, lag, delay, max(shares)))
+            _, speeds, k_f, fitted = speeds_at(model, grid, delayed(smooth, delay))
+            moments = k_f * speeds**2 @ arms
+            shares = [turning_regression(grid, moments[:, k], k)[1] for k in range(2)]
+            best = max(best, (sum(shares) + fitted, lag, delay, max(shares)))
     _, lag, delay, told = best
-    found = values_at(model, grid, delayed(lags[lag], delay), arms)
+    found, speeds, k_f, _ = speeds_at(model, grid, delayed(lags[lag], delay))
+    found |= turning_values(model, grid, speeds, k_f, arms)
     if told < TOLD:  # lag and delay mean little then
         lag, delay = DULL_LAG, 0.01
     return Start(found | {"tau_up": lag, "tau_down": lag, "delay.command": delay}, told)
 
 
-def thrust_regression(grid: Grid, smooth: Array) -> tuple[Array, float]:
-    """The specific force along z by the mean command and the voltage."""
-    mean = smooth.mean(axis=1)
-    voltage = grid.voltage - grid.voltage[grid.used].mean()
-    columns = [np.ones(len(mean)), mean, voltage]
-    return regression(columns, grid.force[:, 2], grid.used)
+def speeds_at(
+    model: Model, grid: Grid, smooth: Array
+) -> tuple[dict[str, float], Array, float, float]:
+    """The law of the commands by the specific force along z.
 
+    Args:
+        model: the parameters.
+        grid: of the flights.
+        smooth: commands behind a lag and a delay, (n, rotors).
 
-def values_at(model: Model, grid: Grid, smooth: Array, arms: Array) -> dict[str, float]:
-    """Values for commands behind the lag and the delay."""
-    vehicle, scales = model.vehicle, model.scales
-    found, _ = thrust_regression(grid, smooth)
+    Returns:
+        Start values; speeds of the rotors (n, rotors) [rad/s]; the thrust constant; and the
+        explained share of the force's variance.
+    """
+    vehicle, force = model.vehicle, grid.force[:, 2]
+    level = float(np.mean(force[grid.used]))
     k_f, rotors = vehicle.rotor("thrust_constant"), len(vehicle.hubs)
-    made: dict[str, float] = {}
-    if scales.is_share:
-        # Thrust of the mean command, and its relative slope by the command: twice the speed's.
-        level = float(np.mean(grid.force[grid.used, 2]))
-        steep = float(np.clip(found[1] * scales.share / level / 2.0, 0.3, 2.5))
-        made["command.speed"] = float(np.sqrt(vehicle.mass * level / (rotors * k_f)))
-        made["command.slope"], made["command.curve"] = steep, 0.0
-        if "command.voltage" in model.names:
-            power = float(found[2] * scales.voltage / level / 2.0 / steep)
-            made["command.voltage"] = float(np.clip(power, 0.0, 2.5))
-        speeds = made["command.speed"] * np.maximum(
-            1.0 + steep * (smooth / scales.share - 1.0), 0.0
-        )
-    else:
-        speeds = smooth
-        total = float(np.mean((smooth**2).sum(axis=1)[grid.used]))
-        k_f = vehicle.mass * float(np.mean(grid.force[grid.used, 2])) / total
-        made["thrust_constant"] = k_f
-    return made | turning_values(model, grid, speeds, k_f, arms)
+    if not model.scales.is_share:
+        (slope,), told = regression([(smooth**2).sum(axis=1)], force, grid.used)
+        k_f = max(float(slope) * vehicle.mass, 0.05 * k_f)
+        return {"thrust_constant": k_f}, smooth, k_f, told
+    found, told = thrust_regression(grid, smooth, model.scales.share)
+    values = {"command.speed": float(np.sqrt(vehicle.mass * level / (rotors * k_f)))}
+    # thrust / level = (1 + slope x + curve x^2)^2, to the second order.
+    slope = float(np.clip(0.5 * found[1] / level, 0.3, 2.5))
+    curve = float(np.clip(0.5 * (found[2] / level - slope**2), -0.3, 0.3))
+    values |= {"command.slope": slope, "command.curve": curve}
+    if "command.voltage" in model.names:
+        power = float(found[3] * model.scales.voltage / level / 2.0 / slope)
+        values["command.voltage"] = float(np.clip(power, 0.0, 2.5))
+    x = smooth / model.scales.share - 1.0
+    speeds = values["command.speed"] * np.maximum(1.0 + slope * x + curve * x * x, 0.0)
+    return values, speeds, k_f, told
+
+
+def turning_regression(grid: Grid, moment: Array, axis: int) -> tuple[Array, float]:
+    """The angular acceleration by the rotors' moment, a constant one, and that of the drag.
+
+    Returns:
+        Coefficients, and the share of the variance that only the moment explains.
+    """
+    rest = [np.ones(len(moment)), *grid.drift.T]
+    target, used = grid.turning[:, axis], grid.used
+    found, told = regression([moment, *rest], target, used)
+    without = regression(rest, target, used)[1]
+    return found, (told - without) / max(1.0 - without, 1e-12)
+
+
+def thrust_regression(grid: Grid, smooth: Array, share: float) -> tuple[Array, float]:
+    """The specific force along z by the commands, to the second order, and the voltage."""
+    x = smooth / share - 1.0
+    voltage = grid.voltage - grid.voltage[grid.used].mean()
+    columns = [np.ones(len(x)), x.mean(axis=1), (x * x).mean(axis=1), voltage]
+    return regression(columns, grid.force[:, 2], grid.used)
 
 
 def turning_values(
@@ -185,7 +205,7 @@ def turning_values(
     weight = vehicle.mass * vehicle.gravity
     for k, axis in enumerate("xy"):
         moment = thrust @ arms[:, k]
-        (gain, rest), told = regression([moment, ones], grid.turning[:, k], used)
+        (gain, rest, *_), told = turning_regression(grid, moment, k)
         # In the mean the moment about the centre of mass is none.
         offset = float(np.mean(moment[used]) / weight) if gain <= 0.0 else -rest / gain / weight
         made["com.y" if axis == "x" else "com.x"] = float(offset if axis == "x" else -offset)

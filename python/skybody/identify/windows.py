@@ -19,6 +19,8 @@ from .screening import good_at
 LENGTH = 0.5  # of a window to judge by [s]
 FIT_LENGTH = 0.15  # of a window to fit: disturbances that no command tells have little time [s]
 SLOW = 4.0  # moving mean of commands [s]
+SPREAD = 0.02  # of starts about their grid [s]
+GOLDEN = 0.6180339887498949
 EDGE = 0.06  # delays that the data around a window must cover [s]
 DERIVATIVE = 0.1  # window of derivatives [s]
 
@@ -29,7 +31,7 @@ class Track:
     def __init__(self, record: Record) -> None:
         self.record = record
         self._slow: Mean | None = None
-        self.command = Mean(record.command)
+        self.command = Mean(record.command, held=True)
         self.voltage = Mean(record.voltage) if record.voltage is not None else None
         self.gyro = Mean(record.gyro) if record.gyro is not None else None
         self.force = Mean(record.force) if record.force is not None else None
@@ -226,7 +228,9 @@ def cut(tracks: Sequence[Track], stride: float, length: float) -> Windows:
 def starts_of(track: Track, stride: float, length: float = LENGTH) -> Array:
     """Starts of windows that hold no bad stretch [s]."""
     first, last = track.record.span()
-    begins = np.arange(first + WARM + EDGE, last - length - EDGE, stride)
+    begins = np.arange(first + WARM + EDGE, last - length - EDGE - SPREAD, stride)
+    # Between samples noise is averaged: starts at one phase of them would pull the delays.
+    begins += SPREAD * ((GOLDEN * np.arange(len(begins))) % 1.0)
     good = np.ones(len(begins), bool)
     for low, high, _ in track.record.bad:
         good &= (begins + length + EDGE < low) | (begins - WARM - EDGE > high)
