@@ -66,6 +66,12 @@ def test_a_linked_source_file_becomes_a_page(tmp_path: Path) -> None:
     assert "name: hover" in page
 
 
+def test_every_page_of_the_manual_is_in_the_navigation() -> None:
+    text = (ROOT / "docs/site/site.yml").read_text()
+    pages = [path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*.md")]
+    assert [page for page in sorted(pages) if page not in text] == []
+
+
 def test_pictures_get_a_name_and_are_loaded_when_seen() -> None:
     page = finished('<img src="a/first_flight.webp"><img alt="x" src="b.png">')
     assert page == (
