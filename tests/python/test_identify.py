@@ -80,7 +80,7 @@ def test_identified_vehicle_predicts_better_than_the_nominal_one(result: Path) -
 def test_scenarios_load_and_step(result: Path, name: str) -> None:
     envs = skybody.make_vec(str(result / f"{name}.yaml"), num_envs=2, seed=1)
     envs.reset()
-    _, rewards, *_ = envs.step(np.zeros(envs.action_space.shape, np.float32))
+    _, rewards, *_ = envs.step(np.zeros(envs.action_space.shape or (), np.float32))
     assert np.isfinite(rewards).all()
     envs.close()
 

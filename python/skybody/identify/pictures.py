@@ -66,7 +66,7 @@ def replay_figure(made: Identified) -> Any:
     times = SAMPLE * np.arange(1, measured.rate.shape[1] + 1)
     for k, (axis, name) in enumerate(zip(axes, names, strict=True)):
         wanted = measured.rate[row, :, k] if k < 3 else measured.force[row, :, 2]
-        axis.plot(times, wanted, color="#222222", lw=1.2, ls="--", label="measured")
+        axis.plot(times, wanted, color="#222222", lw=1.2, ls="--", label="measured", zorder=5)
         for label, (predicted, _) in made.curves.items():
             values = predicted.rate[row, :, k] if k < 3 else predicted.force[row, :, 2]
             axis.plot(times, values, color=COLORS[label], lw=1.6, label=label)
