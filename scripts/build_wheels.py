@@ -3,7 +3,7 @@
     ./dev wheel                                              # builds all that it takes
     .venv/bin/python scripts/build_wheels.py --build build/release --out build/wheels
 
-`libskybody` has what needs no Python: the library, plugins, scenarios with their models and
+`libskybody` has all that needs no Python: the library, plugins, scenarios with their models and
 policies, headers, CMake files and the program. `skybody` is the Python package, once for the Python
 of the build and, with skybody_stable_module, once for 3.12 and later. auditwheel copies the
 libraries of others beside ours, under names that no other copy has, and says on which systems
@@ -47,7 +47,7 @@ class Wheel:
 
 
 class Project:
-    """What pyproject.toml and CMakeLists.txt say."""
+    """Name, version and needs, from pyproject.toml and CMakeLists.txt."""
 
     def __init__(self) -> None:
         self.table = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

@@ -73,7 +73,7 @@ class Environment:
         self.run(self.bin / "python", "-m", "pip", "install", *options, *packages)
 
     def python(self, program: str) -> str:
-        """What a program prints, without the line's end."""
+        """Output of a program, without the line's end."""
         return self.run(self.bin / "python", "-c", program).strip()
 
 

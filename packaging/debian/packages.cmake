@@ -1,5 +1,6 @@
-# Debian packages by CPack (`cpack -G DEB` in the build folder; ./dev deb): the library under the name
-# of its soname, its files for development, the program, and the Python package for Debian's Python.
+# Debian packages by CPack (`cpack -G DEB` in the build folder; ./dev deb): the library under the
+# name of its soname, its files for development, the program, and the Python package for Debian's
+# Python.
 # Libraries of others are Debian's own, so packages fit the release that they are built on.
 
 # The Python package is installed by CPack alone: elsewhere it is used from the source tree.

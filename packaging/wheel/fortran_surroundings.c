@@ -1,4 +1,4 @@
-/* What LAPACK and BLAS call of Fortran's library (lapack.cmake). Fortran's texts have a length and
+/* Functions that LAPACK and BLAS call, of Fortran's library (lapack.cmake). Fortran's texts have a length and
  * no end mark; shorter ones are filled with spaces. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* What static HDF5 needs around it in the wheel's library (library.cmake). */
+/* Names that static HDF5 needs around it in the wheel's library (library.cmake). */
 #include <stddef.h>
 #include <stdio.h>
 

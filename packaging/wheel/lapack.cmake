@@ -1,6 +1,6 @@
 # skybody_wheel_blas and skybody_wheel_lapack: the parts of LAPACK that Simbody calls, and the BLAS,
-# from Debian's static libraries, in lib/wheel/lapack under the names that Simbody asks for. They are
-# a sixth of Debian's shared ones, compute the same bits, and need no Fortran library.
+# from Debian's static libraries, in lib/wheel/lapack under the names that Simbody asks for. They
+# are a sixth of Debian's shared ones, compute the same bits, and need no Fortran library.
 
 find_library(SKYBODY_STATIC_LAPACK liblapack.a PATH_SUFFIXES lapack)
 find_library(SKYBODY_STATIC_BLAS libblas.a PATH_SUFFIXES blas)

@@ -1,6 +1,6 @@
-# skybody_wheel_library: libskybody as the wheel has it, in lib/wheel, linked from the objects of the
-# ordinary one. HDF5 is inside, with hidden names: Debian's shared HDF5 brings libcurl, OpenSSL and
-# 40 more libraries for files on web servers, which Skybody does not open.
+# skybody_wheel_library: libskybody as the wheel has it, in lib/wheel, linked from the objects of
+# the ordinary one. HDF5 is inside, with hidden names: Debian's shared HDF5 brings libcurl, OpenSSL
+# and 40 more libraries for files on web servers, which Skybody does not open.
 #
 # Debian's static HDF5 is not compiled for shared libraries. The C library's streams are the only
 # variables of others that it uses, so these get names of our own.
