@@ -29,8 +29,12 @@ if TYPE_CHECKING:
 LAST = f"{HORIZONS[-1]:g}"
 OURS = "Skybody `crazyflie`"
 COLOURS = ("0.4", "#1f77b4", "#2ca02c", "#d62728", "#ff7f0e", "#9467bd", "#8c564b", "#e377c2")
+STYLES = {"published": ":", "trimmed": "--"}  # of lines by forms; "-": others
 NOTE_ON_PARTS = """The hubs are 24 mm above the centre of mass. There the drag of the rotors turns
-the vehicle against its motion. A model without that moment turns over sooner by the same commands.
+the vehicle against its motion. By the commands as recorded, a model without that moment turns over
+sooner. By damped commands it is the other way: the shipped model is worse than RotorPy's and
+Crazyflow's, whose hubs are at the height of the centre. Identification finds a fifth of the shipped
+drag constant: for this vehicle it is too large.
 """
 NOTE_ON_INPUTS = """The curve of speeds ends at 2269 rad/s, and the shipped model hovers at 2323
 rad/s: as published, it falls. The other models rise: this vehicle hovers at 87 % of PWM and
@@ -198,13 +202,13 @@ def screening_table(windows: Sequence[Windows], clocks: Mapping[str, float]) -> 
 
 
 def draw_errors(rows: Sequence[Row], path: Path) -> None:
-    """Medians over the horizons, logarithmic: solid trimmed, dashed published."""
+    """Medians over the horizons, logarithmic; STYLES."""
     drawing, axes = panels(1, len(QUANTITIES), (13.0, 5.2), sharex=True)
     titles = list(dict.fromkeys(row.model.title for row in rows))
     for row in rows:
         medians = np.median(row.errors, axis=0)
         is_only = sum(other.model is row.model for other in rows) == 1
-        style = "-" if row.form != "published" or is_only else "--"
+        style = "-" if is_only else STYLES.get(row.form, "-")
         colour = COLOURS[titles.index(row.model.title) % len(COLOURS)]
         for q, axis in enumerate(axes[0]):
             label = ", ".join(filter(None, [row.model.title, row.form])) if q == 0 else None
