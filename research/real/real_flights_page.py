@@ -33,8 +33,7 @@ STYLES = {"published": ":", "trimmed": "--"}  # of lines by forms; "-": others
 NOTE_ON_PARTS = """The hubs are 24 mm above the centre of mass. There the drag of the rotors turns
 the vehicle against its motion. By the commands as recorded, a model without that moment turns over
 sooner. By damped commands it is the other way: the shipped model is worse than RotorPy's and
-Crazyflow's, whose hubs are at the height of the centre. Identification finds a fifth of the shipped
-drag constant: for this vehicle it is too large.
+Crazyflow's, whose hubs are at the height of the centre.
 """
 NOTE_ON_INPUTS = """The curve of speeds ends at 2269 rad/s, and the shipped model hovers at 2323
 rad/s: as published, it falls. The other models rise: this vehicle hovers at 87 % of PWM and
