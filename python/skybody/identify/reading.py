@@ -62,6 +62,8 @@ def read(log: Log, vehicle: Vehicle, map_name: str, units: dict[str, str]) -> Re
     Raises:
         InputError: the log cannot be read, or lacks commands or measurements.
     """
+    if not log.path.exists():
+        raise InputError(f"{log.path}: no such file; logs are .csv, .ulg, .usd, .mcap or flight.h5")
     if log.path.is_dir() or log.path.suffix == ".h5":
         record = own(log.path, vehicle)
     else:
