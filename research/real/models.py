@@ -175,7 +175,7 @@ class Foreign:
             np.savez(folder / "input.npz", **given)
             words = [python, HERE / self.program, folder / "input.npz", folder / "output.npz"]
             try:
-                output_of(words, env=variables)
+                output_of(words, env=variables, cwd=environments.workplace())
             except RunError as error:
                 raise Skipped(environments.plain(str(error).splitlines()[-1])) from None
             with np.load(folder / "output.npz") as made:
