@@ -139,32 +139,37 @@ def race_table(rows: list[Row]) -> str:
     return markdown_table(table)
 
 
+def worst(rows: list[Row], policy: str) -> float:
+    """Greatest mean error of other engines and of both forms, with all errors [cm]."""
+    found = [
+        float(np.mean(by_seed(row)))
+        for row in rows
+        if (row["condition"], row["policy"]) == ("hidden", policy) and row["engine"] in FOREIGN
+    ]
+    return max(found, default=float("nan"))
+
+
 def verdict(rows: list[Row]) -> str:
     """Whether the goal is met in each foreign engine."""
-    found = [
-        row
-        for row in rows
-        if row["condition"] == "hidden" and row["policy"] == "shipped" and row["engine"] in FOREIGN
-    ]
-    worst = max((float(np.mean(by_seed(row))) for row in found), default=float("nan"))
-    kept = "met" if worst < 100.0 * GOAL else "missed"
-    return (
-        f"The goal, a mean error below {100.0 * GOAL:.0f} cm over the nine references in each\n"
-        "other engine with all errors, "
-        f"is {kept} by the shipped policies: the worst mean is {worst:.1f} cm."
-    )
+    drawn, shipped = worst(rows, "drawn"), worst(rows, "shipped")
+    kept = "met" if drawn < 100.0 * GOAL else "missed"
+    return f"""\
+The goal is a mean error below {100.0 * GOAL:.0f} cm over the nine references, in each other engine,
+for both forms of action, with all errors that are listed below. It is {kept} by policies that were
+trained on drawn vehicles: the worst mean is {drawn:.1f} cm. The worst mean of the shipped policies,
+trained with the nominal mass and thrust, is {shipped:.1f} cm."""
 
 
 # --- pictures -----------------------------------------------------------------------------------
 
 
 def draw(answers: Mapping[str, Arrays], folder: Path) -> None:
-    """The nine flights of each engine with all errors, both shipped policies."""
+    """The nine flights of each engine with all errors, by the policies of drawn vehicles."""
     for engine, title in ENGINE_TITLES.items():
         forms = {
             form: answers[name]
             for form in FORM_TITLES
-            if (name := f"{engine}-{form}-shipped-hidden") in answers
+            if (name := f"{engine}-{form}-drawn-hidden") in answers
         }
         if forms:
             picture(forms, title, folder / f"transfer_{engine}.png")
@@ -191,7 +196,7 @@ def picture(forms: Mapping[str, Arrays], title: str, path: Path) -> None:
     for axis in axes[:, 0]:
         axis.set_ylabel("y [m]")
     axes[0, 0].legend(fontsize=8, loc="upper left")
-    figure.suptitle(f"{title}, all errors, first seed, seen from above")
+    figure.suptitle(f"{title}, all errors, trained on drawn vehicles, first seed, seen from above")
     save(figure, path)
 
 
@@ -232,6 +237,8 @@ interval over seeds; in brackets the RMS.
 
 ## Nine references
 
+By the policies that were trained on drawn vehicles, as the paper's Table V.
+
 {per_reference(rows)}
 
 The paper flew nine references with a real vehicle: mean {PAPER_MEAN} cm, RMS {PAPER_RMS} cm.
@@ -255,12 +262,13 @@ The paper flew nine references with a real vehicle: mean {PAPER_MEAN} cm, RMS {P
 
 
 def per_reference(rows: list[Row]) -> str:
-    """Tables of both shipped policies."""
+    """Tables of both policies that were trained on drawn vehicles."""
     tables = []
     for form, title in FORM_TITLES.items():
         name = title.partition(" (")[0]
-        table = reference_table(rows, form, "shipped")
-        tables.append(f"Mean / RMS of the shipped policy for {name}, all errors [cm]:\n\n{table}")
+        if chosen(rows, form=form, policy="drawn", condition="hidden"):
+            table = reference_table(rows, form, "drawn")
+            tables.append(f"Mean / RMS with actions of {name}, all errors [cm]:\n\n{table}")
     return "\n\n".join(tables)
 
 
@@ -273,9 +281,10 @@ TEXT = """\
 - **shipped**: `trajectory` and `trajectory_modular`, trained with drawn inertia, rotor drag and
   lag, but with the nominal mass and thrust, in still air and without delay.
 - **trained on drawn vehicles**: the same tasks, with mass, thrust, inertia and lag drawn by
-  +-13 %, wind of up to 3 m/s along x and y, gusts, and commands that act 5 to 30 ms late
-  (`skybody train research/transfer/scenarios/trajectory_drawn.yaml --seed 1`; ten million steps
-  take three minutes on two cores).
+  +-13 %, rotor drag by +-50 %, wind of up to 3 m/s along x and y, gusts, and commands that act
+  5 to 30 ms late (`research/transfer/scenarios/trajectory_drawn.yaml` and
+  `trajectory_modular_drawn.yaml`, `skybody train FILE --seed 1`: ten million steps, three minutes
+  for both on two shared cores).
 - **Skybody**: the same flights, with the same draws and the same estimator, in this engine."""
 
 CAUSES = """\
@@ -295,7 +304,9 @@ METHOD = """\
   `rotors.yaml` by a reader of its own. MuJoCo gets MJCF; its adapter has thrust, drag torque, rotor
   drag, gyroscopic moment, and the lag in closed form. Bullet's own loader reads the URDF; thrust
   acts at the hubs, and the lag is Euler's. RotorPy gets parameters: its rotors, its drag, its one
-  lag for both directions. No adapter has rolling or spin-up moments.
+  lag for both directions. No adapter has rolling or spin-up moments. Rotors that follow a rising
+  command faster than a falling one push harder under noise, those of RotorPy do not: a flight there
+  is about 1 cm lower, which raises the error of some flights and lowers that of others.
 - All engines step by 2 ms. A policy acts at 100 Hz. For the force a foreign attitude loop runs at
   500 Hz by nominal constants: RotorPy's own (`cmd_acc`), else a PD on the matrices' difference.
 - Estimates are a user's of motion capture: velocity is the slope of a line through the last eight
