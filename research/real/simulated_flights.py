@@ -265,6 +265,11 @@ def write_log(
         writer.writerows([[f"{x:.7g}" for x in row] for row in columns.tolist()])
 
 
+def is_lost(rows: Reals) -> bool:
+    """Whether a flight left its room, or tumbled."""
+    return bool(np.abs(rows[:, 1:4]).max() > 6.0 or np.abs(rows[:, 11:14]).max() > 25.0)
+
+
 def write_flights(
     folder: Path, vehicle: Vehicle, truth: Truth, seconds: float, rng: np.random.Generator
 ) -> tuple[list[Path], Path]:
@@ -272,7 +277,10 @@ def write_flights(
     files = []
     for number in (1, 2):
         file = folder / f"flight_{number}.csv"
-        write_log(file, simulate(vehicle, truth, seconds, rng), vehicle, truth, rng)
+        rows = simulate(vehicle, truth, seconds, rng)
+        while is_lost(rows):  # the pilot knows the nominal vehicle alone
+            rows = simulate(vehicle, truth, seconds, rng)
+        write_log(file, rows, vehicle, truth, rng)
         files.append(file)
     columns = folder / "map.yaml"
     columns.write_text(MAP)
