@@ -1,6 +1,7 @@
 #include "core/derivative/transition_adjoint.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/base/system/error.h"
 #include "core/env/group_lanes.h"
@@ -106,6 +107,20 @@ SparseJacobian step_map(const StateLayout& l, const SparseJacobian& effects) {
 
 }  // namespace
 
+std::vector<int> task_rows(const CompiledScenario& compiled) {
+  const ObservationPlan& plan = compiled.model().observation;
+  std::vector<int> rows(static_cast<std::size_t>(plan.size()), -1);
+  if (plan.is_task_in_place) {
+    std::iota(rows.begin(), rows.begin() + compiled.task().channel_count(), 0);
+  }
+  for (const ObservationPart& part : plan.parts) {
+    if (part.is_of_task) {
+      std::iota(rows.begin() + part.to, rows.begin() + part.to + part.count, part.from);
+    }
+  }
+  return rows;
+}
+
 TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps, bool with_reward)
     : compiled_(compiled),
       layout_(compiled.layout()),
@@ -131,7 +146,7 @@ void TransitionAdjoint::require(const PluginInstance& plugin, bool is_there,
   if (is_there) return;
   throw LocatedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name +
                                       ") has no derivatives that a policy can be taught by: " +
-                                      remedy + ", or take --algo fast-ppo");
+                                      remedy + ", or train with fast-ppo, which takes none");
 }
 
 void TransitionAdjoint::require_smooth() const {
@@ -211,6 +226,29 @@ void TransitionAdjoint::goal(StateGroup& group, GroupWorkspace& work, std::uint3
 }
 
 // --- dependences --------------------------------------------------------------------------------
+
+void TransitionAdjoint::look_at_flights(StateGroup& group, GroupWorkspace& work, const Rows& rows,
+                                        int steps) {
+  constexpr std::uint32_t kAllLanes = ~0u;
+  constexpr std::uint64_t kKey = 0x67726164;  // arbitrary
+  for (int l = 0; l < kGroupLanes; ++l) {
+    compiled_.initialize(group, l, kKey, static_cast<std::uint64_t>(l));
+  }
+  const int width = compiled_.action_size();
+  std::vector<float> actions(static_cast<std::size_t>(kGroupLanes * width));
+  for (int round = 0; round < 2; ++round) {
+    compiled_.reset(group, work, kAllLanes, rows);
+    for (int t = 0; t < steps; ++t) {
+      for (std::size_t k = 0; k < actions.size(); ++k) {
+        const std::uint64_t mixed =
+            (k + 1) * 0x9e3779b97f4a7c15ull * static_cast<std::uint64_t>(t + 1 + 100 * round);
+        actions[k] = static_cast<float>(mixed >> 40) * 0x1p-23f - 1.0f;
+      }
+      step(group, work, kAllLanes, actions.data(), width, rows, t);
+    }
+    look(group, kAllLanes, std::min(steps, 8));
+  }
+}
 
 void TransitionAdjoint::look(const StateGroup& group, std::uint32_t mask, int steps) {
   begin(group, mask);

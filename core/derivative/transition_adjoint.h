@@ -23,6 +23,10 @@
 
 namespace skybody {
 
+/// For each value of a row of observations and of the privileged row: its place among the values of
+/// the task, which follow TransitionAdjoint::observation_row(); -1: not of the task.
+std::vector<int> task_rows(const CompiledScenario& compiled);
+
 /// Works on one group at a time: scratch of a thread, or of a slice.
 class TransitionAdjoint {
  public:
@@ -43,9 +47,14 @@ class TransitionAdjoint {
   ///   provides it; else the last 3 rows remain unchanged
   void goal(StateGroup& group, GroupWorkspace& work, std::uint32_t mask, double* out);
 
+  /// Calls look() for flights with random actions, the same in every call. Needs an FpEnvironment.
+  /// @param group  any group of the scenario; its environments are overwritten
+  /// @param rows   receives the outcomes of single transitions
+  /// @param steps  transitions of each flight, at most as many as are recorded
+  void look_at_flights(StateGroup& group, GroupWorkspace& work, const Rows& rows, int steps);
   /// Finds the dependences between values of plugins from the recorded transitions.
   void look(const StateGroup& group, std::uint32_t mask, int steps);
-  /// Instead of look(): copies the dependences found by another adjoint of the same scenario.
+  /// Instead of these: copies the dependences found by another adjoint of the same scenario.
   void copy_sparsity(const TransitionAdjoint& other);
   /// Call it after all look(): reduces the evaluations of plugins to the number that these
   /// dependences require.

@@ -82,34 +82,13 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   if (alike != nullptr) {
     adjoint_.copy_sparsity(alike->adjoint_);
   } else {
-    look();
+    Group& group = groups_[0];
+    adjoint_.look_at_flights(group.state, *work_, inputs_.outcome(reward_.data(), status_.data()),
+                             horizon_);
+    group.state = compiled_->make_state(kGroupLanes);
   }
   adjoint_.color_columns();
   begin();
-}
-
-/// Finds the dependencies among plugins' values, from some flights with random actions, the same
-/// for all slices and seeds.
-void GradientSlice::look() {
-  Group& group = groups_[0];
-  constexpr std::uint64_t kKey = 0x67726164;  // arbitrary
-  for (int l = 0; l < kGroupLanes; ++l) {
-    compiled_->initialize(group.state, l, kKey, static_cast<std::uint64_t>(l));
-  }
-  const Rows rows = inputs_.outcome(reward_.data(), status_.data());
-  for (int round = 0; round < 2; ++round) {
-    compiled_->reset(group.state, *work_, kAllLanes, rows);
-    for (int t = 0; t < horizon_; ++t) {
-      for (std::size_t k = 0; k < kGroupLanes * static_cast<std::size_t>(actions_); ++k) {
-        const std::uint64_t mixed =
-            (k + 1) * 0x9e3779b97f4a7c15ull * static_cast<std::uint64_t>(t + 1 + 100 * round);
-        action_[k] = static_cast<float>(mixed >> 40) * 0x1p-23f - 1.0f;
-      }
-      adjoint_.step(group.state, *work_, kAllLanes, action_.data(), actions_, rows, t);
-    }
-    adjoint_.look(group.state, kAllLanes, std::min(horizon_, 8));
-  }
-  group.state = compiled_->make_state(kGroupLanes);
 }
 
 void GradientSlice::begin() {

@@ -82,7 +82,6 @@ class GradientSlice {
     int count;            ///< number of these lanes
     int first;            ///< first environment, within the slice
   };
-  void look();
   void begin();
   void reset(Group& group, std::uint32_t lanes);
   void fly(Group& group, const GradientInputs& inputs);

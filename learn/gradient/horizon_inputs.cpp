@@ -1,9 +1,9 @@
 #include "learn/gradient/horizon_inputs.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/base/simd/lane_mask.h"
+#include "core/derivative/transition_adjoint.h"
 #include "learn/network/panel_matrix.h"
 
 namespace skybody::learn {
@@ -11,20 +11,6 @@ namespace {
 
 std::size_t lanes_of(int width) {
   return static_cast<std::size_t>(kGroupLanes) * static_cast<std::size_t>(width);
-}
-
-/// The row of the task's values for each value of an observation and of the privileged ones.
-std::vector<int> find_task_rows(const CompiledScenario& compiled) {
-  const ObservationPlan& plan = compiled.model().observation;
-  std::vector<int> rows(static_cast<std::size_t>(plan.size()), -1);
-  if (plan.is_task_in_place) {
-    std::iota(rows.begin(), rows.begin() + compiled.task().channel_count(), 0);
-  }
-  for (const ObservationPart& part : plan.parts) {
-    if (part.is_of_task)
-      std::iota(rows.begin() + part.to, rows.begin() + part.to + part.count, part.from);
-  }
-  return rows;
 }
 
 }  // namespace
@@ -35,7 +21,7 @@ HorizonInputs::HorizonInputs(const CompiledScenario& compiled, bool has_value, i
       seen_(compiled.observation_size()),
       width_(seen_ + (has_value ? compiled.privileged_size() : 0)),
       stride_(padded(width_)),
-      task_rows_(find_task_rows(compiled)),
+      task_rows_(task_rows(compiled)),
       observation_(lanes_of(seen_)),
       privileged_(lanes_of(width_ - seen_)),
       present_(static_cast<std::size_t>(groups) * lanes_of(width_)),

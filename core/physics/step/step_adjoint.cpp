@@ -15,7 +15,7 @@ StepAdjoint::StepAdjoint(const World& world)
       "derivatives of steps are known of the engine's own dynamics with fixed steps, and this "
       "world "
       "is stepped by Simbody or by an integrator that chooses its steps: take `dynamics: tree` and "
-      "`integrator: midpoint`, semi_implicit_euler or rk4, or --algo fast-ppo");
+      "`integrator: midpoint`, semi_implicit_euler or rk4, or train with fast-ppo");
 }
 
 AlignedArray<double> StepAdjoint::make_derived() const {
