@@ -28,6 +28,7 @@ TAKERS: dict[str, type] = {
     "Simulation": skybody.Simulation,
     "SimulationPool": skybody.SimulationPool,
     "PythonTaskVectorEnv": PythonTaskVectorEnv,
+    "DifferentiableEnv": skybody.DifferentiableEnv,
 }
 
 

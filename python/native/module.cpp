@@ -9,6 +9,7 @@ NB_MODULE(_native, m) {
   bind_shapes(m);
   bind_compiled_scenario(m);
   bind_batch(m);
+  bind_differentiable_envs(m);
   bind_learn(m);
   bind_policy(m);
   bind_pool(m);

@@ -3,6 +3,7 @@
 * `make_vec`: many environments as a Gymnasium vector environment (`skybody.vector`).
 * `make_pool` (`Pool`): the asynchronous form (send, recv).
 * `Simulation` and `SimulationPool`: environments under direct control.
+* `DifferentiableEnv`: transitions with derivatives, for gradients through the dynamics.
 * `skybody.sb3`: Stable-Baselines3. `skybody.multi_agent`: PettingZoo.
 * `skybody.env`: single Gymnasium environments. `skybody.python_task`: tasks written in Python.
 
@@ -36,6 +37,7 @@ except ImportError as error:
     from .native_problem import native_problem
 
     raise native_problem(error) from error
+from .differentiable import DifferentiableEnv
 from .extras import EXTRAS, missing_package
 from .pool import Pool
 from .registration import register
@@ -55,6 +57,7 @@ __all__ = [
     "Channel",
     "CompiledScenario",
     "Contact",
+    "DifferentiableEnv",
     "EnvStates",
     "Error",
     "FlightPolicy",

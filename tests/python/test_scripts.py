@@ -62,6 +62,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "peers": Elsewhere("test_peers.py"),
     "research/peers/raptor_server.py": Elsewhere("test_raptor.py"),
     "research/peers/vehicle.py": Call(),
+    "examples/autograd.py": Call("--iterations 2"),
     "examples/camera.py": Call("--out {out}/cameras.png"),
     "examples/export_policy.py": Call("--out {out}/policy", package="onnxruntime"),
     "examples/imu_observation.py": Elsewhere("test_examples.py"),
