@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -54,7 +55,7 @@ class Flight:
         return (here - self.sums(self.actions - nudge)) / STEP, right
 
 
-@pytest.mark.parametrize("scenario", ["hover_learn", "payload", "windy_hover"])
+@pytest.mark.parametrize("scenario", ["hover_learn", "payload", "windy_hover", "trajectory"])
 def test_gradients_are_those_of_differences(scenario):
     flight = Flight(scenario)
     gradient = flight.gradient()
@@ -152,6 +153,14 @@ def test_a_scenario_without_derivatives_is_refused_in_one_line(scenario, overrid
     assert "\n" not in str(raised.value)
     for word in words:
         assert word in str(raised.value)
+
+
+def test_the_pages_block_runs():
+    page = (Path(__file__).resolve().parents[2] / "docs/python.md").read_text()
+    section = page.partition("## Gradients through the dynamics")[2]
+    names: dict[str, np.ndarray] = {}
+    exec(section.partition("```python\n")[2].partition("```")[0], names)
+    assert names["gradient"].any(axis=(0, 2)).all()
 
 
 def test_wrong_calls_are_refused():
