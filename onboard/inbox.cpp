@@ -136,7 +136,7 @@ bool Inbox::take_motion(int body, const Motion& motion, double stamp, double now
     return false;
   }
   if (body != base && other == bodies_.end()) return false;  // not needed
-  if (!motion.is_finite()) {
+  if (!motion.is_valid()) {
     refuse(Refusal::kBad, "a pose is not finite, or its quaternion has not the length 1");
     return false;
   }

@@ -45,7 +45,9 @@ class Inbox {
   /// A pose. @param body  world body index; -1: the vehicle's base
   /// @returns whether it is newer than the last one
   bool take_motion(int body, const Motion& motion, double stamp, double now);
+  /// A sample of an IMU. @param stamp  of the sender's clock [s]
   void take_imu(const Imu& imu, double stamp, double now);
+  /// Counts a packet that is not used, and reports the first one of its kind.
   void refuse(Refusal why, const std::string& problem);
 
   /// Whether everything that the observation needs has come.
@@ -54,7 +56,7 @@ class Inbox {
   void engage_if_wanted();
   /// Age of the oldest needed value, by the receiver's clock [s].
   double age(double now) const;
-  /// The stamp of the newest pose of the base.
+  /// The stamp of the newest pose of the base [s].
   double stamp() const { return base_.stamp; }
   /// Poses of the base so far.
   std::uint64_t poses() const { return poses_; }

@@ -17,9 +17,10 @@ class Link {
   explicit Link(UdpSocket& socket) : socket_(socket) {}
   virtual ~Link() = default;
   int descriptor() const { return socket_.descriptor(); }
-  /// Feeds the inbox with a packet that has come. @returns whether there was one
+  /// Feeds the inbox with a packet that has come. @param now  of the receiver's clock [s]
+  /// @returns whether there was one
   bool receive(double now);
-  /// Sends the command of a step.
+  /// Sends the command of a step. @param stamp  of the newest pose [s]
   virtual void send(const Decision& decision, double stamp, double now) = 0;
   /// Sends the last command again.
   virtual void repeat() = 0;

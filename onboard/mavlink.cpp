@@ -67,7 +67,7 @@ Quat<double> quat(const Message& m, std::size_t offset) {
   const Quat<double> q = flip(Quat<double>{real(m, offset), real(m, offset + 4),
                                            real(m, offset + 8), real(m, offset + 12)});
   const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!(std::abs(length - 1.0) < 0.005)) return q;  // refused by Motion::is_finite()
+  if (!(std::abs(length - 1.0) < 0.005)) return q;  // refused by Motion::is_valid()
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 

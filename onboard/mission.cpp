@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/base/constants.h"
+#include "core/base/math/hash.h"
 
 namespace skybody::onboard {
 namespace {
@@ -13,11 +14,7 @@ namespace {
 constexpr std::uint64_t kMagic = 0x4e4f495353494d53u;  // "SMISSION"
 constexpr std::uint32_t kVersion = 1;
 
-std::uint64_t checksum_of(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  return hash;
-}
+std::uint64_t checksum_of(std::string_view bytes) { return hash_bytes(bytes.data(), bytes.size()); }
 
 template <class Archive>
 void visit(Archive& a, ConvShape& s) {

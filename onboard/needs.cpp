@@ -9,16 +9,17 @@ namespace skybody::onboard {
 namespace {
 
 using Change = std::function<void(Situation&)>;
+constexpr std::size_t kRows = 3;  // of a reset and of the two steps after it
 
-/// Rows of a reset and of the two steps after it, with a change of the situation at each.
+/// kRows rows of observations, with a change of the situation at each.
 std::vector<float> rows_of(const Mission& mission, TaskHost& task, const Change& change) {
   const auto width = static_cast<std::size_t>(mission.policy.observation_size);
   const std::vector<float> action(static_cast<std::size_t>(mission.policy.action_size), 0.1f);
-  std::vector<float> rows(3 * width);
+  std::vector<float> rows(kRows * width);
   Situation situation(mission);
   change(situation);
   task.reset(situation);
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < kRows; ++k) {
     situation.step = k;
     situation.physics_step = k * static_cast<std::uint64_t>(mission.setup.setup().action_repeat);
     task.observe(situation, action, std::span(rows).subspan(k * width, width));
@@ -34,7 +35,7 @@ std::vector<std::size_t> differing(const Mission& mission, const std::vector<flo
   for (std::size_t c = 0; c < mission.columns.size(); ++c) {
     const Column& column = mission.columns[c];
     bool differs = false;
-    for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t row = 0; row < kRows; ++row) {
       const std::size_t at = row * width + static_cast<std::size_t>(column.first);
       differs |=
           std::memcmp(&a[at], &b[at], sizeof(float) * static_cast<std::size_t>(column.count)) != 0;

@@ -19,7 +19,9 @@ struct FlightReport {
   std::uint64_t steps = 0, left_out = 0;  ///< left_out: periods in which no step could begin
   std::uint64_t safe_steps = 0;
   std::uint32_t reasons = 0;  ///< all that occurred
+  /// An object of JSON: counts, reasons, histograms.
   std::string json(const PacketCounts& packets) const;
+  /// Lines for a terminal.
   std::string text(const PacketCounts& packets) const;
 };
 
@@ -27,10 +29,11 @@ class Runner {
  public:
   Runner(Pilot& pilot, Inbox& inbox, Link& link) : pilot_(pilot), inbox_(inbox), link_(link) {}
 
-  /// A step each period of the mission by the monotonic clock, until `seconds` are over or `ends`.
+  /// A step each period of the mission by the monotonic clock, until `seconds` [s] are over or
+  /// `ends` is not 0.
   void run_in_real_time(double seconds, const volatile std::sig_atomic_t& ends);
   /// A step for each pose of the base, with the stamps as clock.
-  /// @param seconds  of the stamps, from the first one
+  /// @param seconds  by the stamps, from the first one [s]
   void run_in_lockstep(double seconds, const volatile std::sig_atomic_t& ends);
   const FlightReport& report() const { return report_; }
 

@@ -22,7 +22,7 @@ Vec3<double> level_rates(const Quat<double>& q) {
   const auto rate = [](double value) {
     return std::clamp(kLevelGain * value, -kLevelRate, kLevelRate);
   };
-  return {rate(-up.y), rate(up.x), 0.0};  // z of B cross up of B
+  return {rate(-up.y), rate(up.x), 0.0};  // B's z axis x up, both in B
 }
 
 void put(std::span<double> command, std::initializer_list<double> values) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/constants.h"
+#include "core/base/math/hash.h"
 
 namespace skybody::onboard {
 namespace {
@@ -125,15 +126,14 @@ void SetupCopy::set_gates(const std::vector<std::vector<double>>& gates) {
 }
 
 std::uint64_t SetupCopy::layout() {
-  constexpr std::size_t kSizes[] = {
+  // Not structures_hash(): programs for one instruction set have smaller descriptors of plugins.
+  constexpr std::uint64_t kNumbers[] = {
       sizeof(SkybodyRobotInfo),     sizeof(SkybodyBodyInfo),         sizeof(SkybodyLinkInfo),
       sizeof(SkybodyRotorInfo),     sizeof(SkybodySensorInfo),       sizeof(SkybodyChainInfo),
       sizeof(SkybodyShapeInfo),     sizeof(SkybodyEnvParamInfo),     sizeof(Scalars),
       SKYBODY_ROTOR_CONSTANT_COUNT, SKYBODY_OBSTACLE_CONSTANT_COUNT, SKYBODY_SIGNAL_COUNT,
       SKYBODY_ABI_VERSION};
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const std::size_t size : kSizes) hash = (hash ^ size) * 0x100000001b3u;
-  return hash;
+  return hash_bytes(kNumbers, sizeof kNumbers);
 }
 
 }  // namespace skybody::onboard

@@ -19,7 +19,7 @@ void put(double* to, const Vec3<double>& v) {
 
 }  // namespace
 
-bool Motion::is_finite() const {
+bool Motion::is_valid() const {
   const double length = rotation.w * rotation.w + rotation.x * rotation.x +
                         rotation.y * rotation.y + rotation.z * rotation.z;
   return finite(position) && finite(velocity) && finite(angular_velocity) &&

@@ -21,7 +21,8 @@ struct Motion {
   Vec3<double> velocity{0.0, 0.0, 0.0};          ///< W [m/s]
   Vec3<double> angular_velocity{0.0, 0.0, 0.0};  ///< B [rad/s]
 
-  bool is_finite() const;
+  /// Whether all values are finite and the quaternion has the length 1, to half a percent.
+  bool is_valid() const;
   /// Angle between the z axes of B and W [rad].
   double tilt() const;
 };
