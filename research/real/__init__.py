@@ -1,0 +1,1 @@
+"""Recorded flights of real vehicles, beside the engine and other simulators."""

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 from skybody import CompiledScenario, InputError
+from skybody.identify.rotation import inverse, of_vector, product
 
 from research.real.engine import DT, fly
 from research.real.log_detail import damped
-from research.real.models import MARKS
-from research.real.recorded_flights import MOST_PWM, Reals, Recorded, product
+from research.real.recorded_flights import MOST_PWM, Reals, Recorded
 from research.real.windows import Windows
 
 LEAST_DELAY = 0.002  # that the scenario has, as in skybody.identify [s]
@@ -115,20 +115,12 @@ class Identified:
 
     def fly(self, starts: Reals, commands: Reals) -> Reals:
         """As Model.fly; starts and states are those that the sensors would tell."""
-        tilt = quaternion([self.value(f"pose.tilt_{axis}") for axis in "xyz"])
+        tilt = of_vector(np.array([self.value(f"pose.tilt_{axis}") for axis in "xyz"]))
         bias = np.array([self.value(f"gyro.bias_{axis}") for axis in "xyz"])
-        back = tilt * [1.0, -1.0, -1.0, -1.0]
         own = starts.copy()
-        own[:, 3:7] = product(starts[:, 3:7], np.tile(back, (len(starts), 1)))
+        own[:, 3:7] = product(starts[:, 3:7], inverse(tilt))
         own[:, 10:] -= bias
         states = fly(self.compiled, own, commands, {})
-        states[..., 3:7] = product(states[..., 3:7], np.broadcast_to(tilt, (1, len(MARKS), 4)))
+        states[..., 3:7] = product(states[..., 3:7], tilt)
         states[..., 10:] += bias
         return states
-
-
-def quaternion(turn: list[float]) -> Reals:
-    """Quaternion w x y z of a rotation vector [rad]."""
-    vector = np.array(turn)
-    half = 0.5 * float(np.linalg.norm(vector))
-    return np.concatenate([[np.cos(half)], 0.5 * np.sinc(half / np.pi) * vector])

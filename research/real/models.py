@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from skybody.identify.rotation import of_vector, product
 
 from research.common.places import ROOT
 from research.common.programs import RunError, output_of
 from research.peers import environments
 from research.peers.environments import Skipped
 from research.real import curves
-from research.real.recorded_flights import MOTORS, Reals, Recorded, product
+from research.real.recorded_flights import MOTORS, Reals, Recorded
 from research.real.windows import HORIZONS, STEP, WARM_UP, Windows, usable
 
 HERE = Path(__file__).resolve().parent
@@ -102,9 +103,7 @@ def moved(states: Reals, seconds: float) -> Reals:
     """States after a time at constant velocity and body rates."""
     later = states.copy()
     later[:, :3] += seconds * states[:, 7:10]
-    half = 0.5 * seconds * np.linalg.norm(states[:, 10:], axis=1, keepdims=True)
-    turn = 0.5 * seconds * np.sinc(half / np.pi) * states[:, 10:]
-    later[:, 3:7] = product(states[:, 3:7], np.concatenate([np.cos(half), turn], axis=1))
+    later[:, 3:7] = product(states[:, 3:7], of_vector(seconds * states[:, 10:]))
     return later
 
 

@@ -53,8 +53,12 @@ def page(
         windows: of all flights.
         found: facts of the machine, command, models that were left out, stride of windows [s].
     """
+    return introduction(rows, found) + results(rows, parts, found) + screening(windows, found)
+
+
+def introduction(rows: Sequence[Row], found: dict[str, Any]) -> str:
+    """The part before the tables."""
     count = max(len(row.states) for row in rows)
-    skipped = "".join(f"\n{name}: left out, {why}.\n" for name, why in found["skipped"].items())
     return f"""# Replays of recorded flights
 
 {machine_line(found["facts"])}
@@ -76,7 +80,13 @@ Errors are distances (cm, m/s, rad/s) and angles (deg) between predicted and rec
 Figures in parentheses are 95 % intervals: flights, and blocks of 2 s in them, are drawn with
 replacement. With so few flights they are coarse.
 
-## After {LAST} s
+"""
+
+
+def results(rows: Sequence[Row], parts: Sequence[Row], found: dict[str, Any]) -> str:
+    """Errors, parts of the shipped model, and inputs."""
+    skipped = "".join(f"\n{name}: left out, {why}.\n" for name, why in found["skipped"].items())
+    return f"""## After {LAST} s
 
 {last_table(rows)}
 {skipped}
@@ -102,7 +112,12 @@ The models `so_rpy` take the angles that the onboard controller asked for, not m
 fitted response contains that controller, so that their attitude cannot drift away. They answer an
 easier question, and a comparison with models of motor commands is not like with like.
 
-## Screening
+"""
+
+
+def screening(windows: Sequence[Windows], found: dict[str, Any]) -> str:
+    """Windows that are used, and the reasons against the others."""
+    return f"""## Screening
 
 {screening_table(windows, found["clocks"])}
 

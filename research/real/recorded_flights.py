@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from skybody import InputError
+from skybody.identify.rotation import of_vector, product
 from skybody.imports import motion
 from skybody.imports.channels import Channels
 from skybody.imports.flight import Imported, build
@@ -127,21 +128,10 @@ def turned(time: Reals, rates: Reals) -> Reals:
     """Attitudes since the first row by body rates, quaternions w x y z, (rows, 4)."""
     found = np.zeros((len(time), 4))
     found[0, 0] = 1.0
-    vectors = 0.5 * (rates[1:] + rates[:-1]) * np.diff(time)[:, None]
-    angles = np.linalg.norm(vectors, axis=1, keepdims=True)
-    turns = np.concatenate(
-        [np.cos(0.5 * angles), 0.5 * np.sinc(0.5 * angles / np.pi) * vectors], axis=1
-    )
+    turns = of_vector(0.5 * (rates[1:] + rates[:-1]) * np.diff(time)[:, None])
     for row, turn in enumerate(turns):
         found[row + 1] = product(found[row], turn)
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
-
-
-def product(a: Reals, b: Reals) -> Reals:
-    """Product of quaternions w x y z, (..., 4)."""
-    w = a[..., :1] * b[..., :1] - (a[..., 1:] * b[..., 1:]).sum(axis=-1, keepdims=True)
-    v = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])
-    return np.concatenate([w, v], axis=-1)
 
 
 def at_rows(channels: Channels, used: Map, columns: Columns) -> Reals:
