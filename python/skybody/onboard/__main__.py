@@ -37,7 +37,8 @@ def parser() -> argparse.ArgumentParser:
     add = made.add_argument
     add("mission", type=Path, help="file of `skybody export --to onboard`")
     add("--name", default="skybody_onboard", help="of the node; default: skybody_onboard")
-    add("--odometry", default="/odometry", metavar="TOPIC", help="nav_msgs/msg/Odometry")
+    odometry = "nav_msgs/msg/Odometry; default: /odometry"
+    add("--odometry", default="/odometry", metavar="TOPIC", help=odometry)
     add("--imu", metavar="TOPIC", help="sensor_msgs/msg/Imu; default: none")
     add("--command", default="/command", metavar="TOPIC", help="default: /command")
     add(

@@ -23,6 +23,8 @@ class Vehicle:
         """Connects to the program at a port of this machine.
 
         Args:
+            simulation: of one vehicle or several; its episode has begun.
+            port: of the program, UDP.
             robot: that flies; may be left out for a single one.
         """
         self.simulation = simulation

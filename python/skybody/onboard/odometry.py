@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from skybody.ros.commands import quaternion, vector
+
 from . import packets
 from .packets import Command
 
@@ -18,34 +20,31 @@ def seconds(stamp: Any) -> float:
     return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
 
 
-def rotated(quaternion: Any, vector: Any) -> Any:
+def rotated(rotation: Any, body: Any) -> Any:
     """A vector (3,) of the body's axes in the world's, by a unit quaternion w x y z."""
-    w, xyz = quaternion[0], np.asarray(quaternion[1:])
-    twice = 2.0 * np.cross(xyz, vector)
-    return vector + w * twice + np.cross(xyz, twice)
+    w, xyz = rotation[0], np.asarray(rotation[1:])
+    twice = 2.0 * np.cross(xyz, body)
+    return body + w * twice + np.cross(xyz, twice)
 
 
 def state_of(message: Any, sequence: int) -> bytes:
     """nav_msgs/Odometry: pose in W, twist in the axes of the body (child_frame_id)."""
     pose, twist = message.pose.pose, message.twist.twist
-    q = pose.orientation
-    rotation = np.array([q.w, q.x, q.y, q.z])
-    p, v, w = pose.position, twist.linear, twist.angular
+    rotation = np.array(quaternion(pose.orientation))
     return packets.state(
         sequence,
         seconds(message.header.stamp),
-        [p.x, p.y, p.z],
+        vector(pose.position),
         rotation,
-        rotated(rotation, np.array([v.x, v.y, v.z])),
-        [w.x, w.y, w.z],
+        rotated(rotation, np.array(vector(twist.linear))),
+        vector(twist.angular),
     )
 
 
 def imu_of(message: Any, sequence: int) -> bytes:
     """sensor_msgs/Imu: specific force and angular velocity in the axes of the body."""
-    f, w = message.linear_acceleration, message.angular_velocity
-    stamp = seconds(message.header.stamp)
-    return packets.imu(sequence, stamp, [f.x, f.y, f.z], [w.x, w.y, w.z])
+    force, rate = vector(message.linear_acceleration), vector(message.angular_velocity)
+    return packets.imu(sequence, seconds(message.header.stamp), force, rate)
 
 
 def fill_array(message: Any, answer: Command) -> None:

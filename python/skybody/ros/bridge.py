@@ -78,7 +78,7 @@ class Bridge:
                 simulation.command(values, self.command[number].robot)
             simulation.advance(simulation.compiled.action_repeat)
             simulation.evaluate()
-        self._waiting = {} if self.command else self._waiting
+        self._waiting = {}
 
     def reset(self, seed: int | None = None) -> None:
         """Begins the next episode; waiting commands go."""

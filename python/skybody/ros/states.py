@@ -109,7 +109,7 @@ def goal(message: Any, simulation: Simulation, row: Any) -> None:
 
 
 def rotor_speeds(message: Any, simulation: Simulation, row: Any) -> None:
-    """Of all rotors [rad/s], in the world's order, as joints by their names."""
+    """Speeds of all rotors [rad/s], in the world's order, as joints by their names."""
     message.name = [rotor.name for rotor in simulation.compiled.rotors]
     message.velocity = simulation.rotor_speeds.tolist()
 
@@ -128,12 +128,12 @@ def info(message: Any, simulation: Simulation, row: Any) -> None:
 
 
 def reward(message: Any, simulation: Simulation, row: Any) -> None:
-    """Of the last step."""
+    """The reward of the last step."""
     message.data = float(simulation.reward)
 
 
 def status(message: Any, simulation: Simulation, row: Any) -> None:
-    """1 terminated, 2 truncated, 4 fault (docs/flight-log.md)."""
+    """The end of the episode as bits: 1 terminated, 2 truncated, 4 fault (docs/flight-log.md)."""
     message.data = int(simulation.status) & 7
 
 

@@ -15,6 +15,7 @@ from skybody.ros.node import CLOCK, DEPTH, answer
 from skybody.ros.threaded_node import ThreadedNode
 
 REMEDY = "install its Debian package, or source the setup of a ROS 1 workspace that has it"
+TRIGGERED = "std_srvs/srv/TriggerResponse"  # of services without arguments
 
 
 def load_rospy() -> Any:
@@ -122,9 +123,6 @@ class Node(ThreadedNode):
             else:
                 response.config.doubles.append(one)
         return response
-
-
-TRIGGERED = "std_srvs/srv/TriggerResponse"
 
 
 def answering(act: Callable[[], str], kind: Any) -> Callable[[Any], Any]:

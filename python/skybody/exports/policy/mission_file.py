@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import math
 from pathlib import Path
 
@@ -16,15 +17,8 @@ from skybody.onboard.program import about, running
 from .lockstep import SEED, Different
 from .source import PolicySource
 
-LIMITS = {
-    "stale": 1,
-    "lateness": 1,
-    "tilt": 1,
-    "fence": 6,
-    "safe": 1,
-    "safe_thrust": 1,
-    "safe_time": 1,
-}  # values of each
+ONE_VALUE = ("stale", "lateness", "tilt", "safe", "safe_thrust", "safe_time")
+LIMITS = dict.fromkeys(ONE_VALUE, 1) | {"fence": 6}  # numbers of values
 
 
 def write(source: PolicySource, path: Path, options: argparse.Namespace) -> None:
@@ -97,8 +91,10 @@ def check(source: PolicySource, mission: Path, agent: int, episodes: int) -> str
     steps = 0
     far = ",".join(["-1e9"] * 3 + ["1e9"] * 3)
     options = ["--lockstep", "--limit", "tilt=4", "--limit", f"fence={far}"]
-    with running(mission, options) as (port, _):
-        vehicle = Vehicle(simulation, port)
+    with (
+        running(mission, options) as (port, _),
+        contextlib.closing(Vehicle(simulation, port)) as vehicle,
+    ):
         for episode in range(1, episodes + 1):
             simulation.reset()
             twin.reset()
@@ -112,5 +108,4 @@ def check(source: PolicySource, mission: Path, agent: int, episodes: int) -> str
                     )
                 twin.step(expected)
                 steps += 1
-        vehicle.close()
     return f"{episodes} episodes, {steps} steps: every action equal in all bits"
