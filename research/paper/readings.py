@@ -58,7 +58,7 @@ def features(_: Path) -> float:
 
 
 def identical_flights(results: Path) -> float:
-    """[%]"""
+    """Share of the flights with the same bits everywhere [%]."""
     flights = data(results, "determinism_matrix").values()
     return 100.0 * statistics.fmean(flight["verdict"] == "identical" for flight in flights)
 
@@ -70,12 +70,12 @@ def in_process(results: Path) -> list[Data]:
 
 
 def steps_between(results: Path) -> float:
-    """The greatest, of both loops."""
+    """Greatest number of physics steps between, of both loops."""
     return float(max(row["intervening"][-1] for row in in_process(results)))
 
 
 def spread(results: Path) -> float:
-    """The greatest, of both loops [mm]."""
+    """Greatest spread of the positions, of both loops [mm]."""
     return float(max(max(row["spread_mm"]) for row in in_process(results)))
 
 
@@ -87,12 +87,12 @@ def of_one_seed(results: Path, value: str) -> list[float]:
 
 
 def deviation_of_one_seed(results: Path) -> float:
-    """The greatest."""
+    """Greatest standard deviation of the final return."""
     return max(of_one_seed(results, "final_return_std"))
 
 
 def identical_checkpoints(results: Path) -> float:
-    """The least [%]."""
+    """Least share of identical checkpoints [%]."""
     return min(of_one_seed(results, "identical_checkpoints_percent"))
 
 
@@ -106,13 +106,13 @@ def rates(results: Path) -> dict[int, float]:
 
 
 def peak_rate(results: Path) -> float:
-    """Over the paper's numbers of environments [steps/s]."""
+    """Greatest rate over the paper's numbers of environments [steps/s]."""
     found = rates(results)
     return max(found[size] for size in PAPER_SIZES)
 
 
 def rises(results: Path) -> float:
-    """Steps from one of the paper's numbers of environments to the next that raise the rate."""
+    """How many of the paper's numbers of environments are faster than the one before."""
     found = rates(results)
     return sum(found[more] > found[fewer] for fewer, more in pairwise(PAPER_SIZES))
 
@@ -125,12 +125,12 @@ def rates_of_robots(results: Path) -> dict[int, float]:
 
 
 def rate_of_twenty(results: Path) -> float:
-    """[steps/s]"""
+    """Rate of worlds of 20 robots [steps/s]."""
     return rates_of_robots(results)[20]
 
 
 def least_ratio(results: Path) -> float:
-    """To the fastest framework of Table IV."""
+    """Least ratio of our rate to that of the fastest framework of Table IV."""
     found = rates_of_robots(results)
     return min(found[robots] / rate for robots, rate in FASTEST.items())
 
@@ -144,26 +144,26 @@ def transferred(results: Path) -> list[Data]:
 
 
 def flights_flown(results: Path) -> float:
-    """[%]"""
+    """Share of the flights in other engines without a failure [%]."""
     rows = transferred(results)
     flown = sum(len(row["mean"]) for row in rows)
     return float(100.0 * (1.0 - sum(row["failed"] for row in rows) / flown))
 
 
 def transfer_error(results: Path) -> float:
-    """[cm]"""
+    """Greatest mean error in other engines [cm]."""
     return max(100.0 * statistics.fmean(row["mean"]) for row in transferred(results))
 
 
 def configurations_learned(results: Path) -> float:
-    """[%]"""
+    """Share of the runs that pass the smallest threshold of their task [%]."""
     runs = data(results, "control_abstractions")["runs"]
     last = [min(run["steps"].items(), key=lambda step: float(step[0])) for run in runs]
     return 100.0 * statistics.fmean(steps is not None for _, steps in last)
 
 
 def gain_by_drawing(results: Path) -> float:
-    """Mean over the seeds, at the smallest spread that is not 0."""
+    """Gain of the return by drawing: mean over the seeds, at the smallest spread above 0."""
     rows = [row for row in data(results, "domain_randomization")["rows"] if row["drawn"]]
     row = min(rows, key=lambda one: one["spread"])
     means = [statistics.fmean(run["return"] for run in row[kind]) for kind in ("drawn", "fixed")]

@@ -31,7 +31,7 @@ TRIES, PAUSE = 100, 0.2  # until the first answer; between two tries [s]
 
 
 class Trials:
-    """What the policy notes: its actions, and the odometry that came."""
+    """Notes of the policy: its actions, and the odometry that came."""
 
     def __init__(self) -> None:
         self.actions: list[tuple[float, ...]] = []  # trial, action, step of its odometry, time sent
@@ -62,7 +62,7 @@ class Trials:
 
 
 def newest_steps(link: Link, act: Act, seconds: float) -> dict[str, float]:
-    """Steps as those that send an action and return the newest odometry that is there.
+    """Steps that send an action and return the newest odometry that is there.
 
     Returns:
         `calls` in `seconds`, and how many of them returned `other` odometry than the one before.
