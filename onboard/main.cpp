@@ -22,34 +22,6 @@ volatile std::sig_atomic_t ends = 0;
 
 void end_soon(int) { ends = 1; }
 
-void set_limit(Limits& limits, const std::string& name, const std::vector<double>& v) {
-  const auto is = [&](const char* word, std::size_t count) {
-    return name == word && v.size() == count;
-  };
-  if (is("stale", 1)) {
-    limits.stale = v[0];
-  } else if (is("lateness", 1)) {
-    limits.lateness = v[0];
-  } else if (is("tilt", 1)) {
-    limits.tilt = v[0];
-  } else if (is("fence", 6)) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      limits.fence_low[k] = v[k];
-      limits.fence_high[k] = v[k + 3];
-    }
-  } else if (is("safe", 1)) {
-    limits.safe = v[0] == 0.0 ? SafeAction::kStop : SafeAction::kDescend;
-  } else if (is("safe_thrust", 1)) {
-    limits.safe_thrust = v[0];
-  } else if (is("safe_time", 1)) {
-    limits.safe_time = v[0];
-  } else {
-    throw Error("--limit: `" + name + "` with " + std::to_string(v.size()) +
-                " values; allowed: stale, lateness, tilt, safe, safe_thrust, safe_time with one, "
-                "fence with six");
-  }
-}
-
 /// Puts another file in the place of the task's.
 void set_reference(Mission& mission, const std::string& file) {
   for (SetupValue& value : mission.setup.values()) {

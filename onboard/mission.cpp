@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "core/base/constants.h"
@@ -120,6 +121,27 @@ void check(const Mission& m) {
 }
 
 }  // namespace
+
+void set_limit(Limits& limits, const std::string& name, const std::vector<double>& values) {
+  const std::map<std::string, double*> numbers = {{"stale", &limits.stale},
+                                                  {"lateness", &limits.lateness},
+                                                  {"tilt", &limits.tilt},
+                                                  {"safe_thrust", &limits.safe_thrust},
+                                                  {"safe_time", &limits.safe_time}};
+  const auto number = numbers.find(name);
+  if (number != numbers.end() && values.size() == 1) {
+    *number->second = values[0];
+  } else if (name == "safe" && values.size() == 1) {
+    limits.safe = values[0] == 0.0 ? SafeAction::kStop : SafeAction::kDescend;
+  } else if (name == "fence" && values.size() == 6) {
+    std::copy_n(values.begin(), 3, limits.fence_low.begin());
+    std::copy_n(values.begin() + 3, 3, limits.fence_high.begin());
+  } else {
+    throw Error("--limit: `" + name + "` with " + std::to_string(values.size()) +
+                " values; allowed: stale, lateness, tilt, safe, safe_thrust, safe_time with one, "
+                "fence with six");
+  }
+}
 
 template <class Archive>
 void Mission::visit(Archive& a) {

@@ -71,6 +71,10 @@ struct Limits {
     a(safe, safe_thrust, safe_time);
   }
 };
+/// Sets a limit by its name, as of --limit: `fence` with six values, least and greatest x, y, z;
+/// the others with one; `safe`: 0 stops, 1 descends. @throws Error for another name or number of
+/// values
+void set_limit(Limits& limits, const std::string& name, const std::vector<double>& values);
 
 struct Mission {
   std::string scenario, scenario_hash;  ///< of the policy's training

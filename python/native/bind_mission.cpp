@@ -16,32 +16,10 @@
 namespace skybody::python {
 namespace {
 
-onboard::Limits limits_of(const std::map<std::string, std::vector<double>>& values) {
-  onboard::Limits limits;
-  const std::map<std::string, double*> numbers = {{"stale", &limits.stale},
-                                                  {"lateness", &limits.lateness},
-                                                  {"tilt", &limits.tilt},
-                                                  {"safe_thrust", &limits.safe_thrust},
-                                                  {"safe_time", &limits.safe_time}};
-  for (const auto& [name, list] : values) {
-    const auto number = numbers.find(name);
-    if (number != numbers.end() && list.size() == 1) {
-      *number->second = list[0];
-    } else if (name == "fence" && list.size() == 6) {
-      std::copy_n(list.begin(), 3, limits.fence_low.begin());
-      std::copy_n(list.begin() + 3, 3, limits.fence_high.begin());
-    } else if (name == "safe" && list.size() == 1) {
-      limits.safe = list[0] == 0.0 ? onboard::SafeAction::kStop : onboard::SafeAction::kDescend;
-    } else {
-      throw nb::value_error(("no limit `" + name + "` of this size").c_str());
-    }
-  }
-  return limits;
-}
-
 nb::bytes mission_bytes(const LoadedScenario& compiled, const std::string& policy, int agent,
                         const std::map<std::string, std::vector<double>>& limits) {
-  const onboard::Limits wanted = limits_of(limits);
+  onboard::Limits wanted;
+  for (const auto& [name, values] : limits) onboard::set_limit(wanted, name, values);
   std::string bytes;
   {
     const nb::gil_scoped_release release;
@@ -65,8 +43,8 @@ void bind_mission(nb::module_& m) {
         "agent: place among the robots that share the policy\n"
         "limits: stale, lateness, safe_time [s], tilt [rad], safe (0 stop, 1 descend), "
         "safe_thrust, one value each; fence: x, y, z, x, y, z [m], W\n\n"
-        "Raises Error if the policy does not fit, sees images, or flies several robots at once; "
-        "ValueError for another limit.");
+        "Raises Error if the policy does not fit, sees images, or flies several robots at once, "
+        "and for another limit.");
 }
 
 }  // namespace skybody::python

@@ -18,7 +18,6 @@ from pymavlink.dialects.v20 import common as mavlink
 from skybody import CompiledScenario, InputError, Simulation
 from skybody._native import mission_bytes
 from skybody.exports.__main__ import main
-from skybody.exports.policy.mission_file import limits_of
 from skybody.onboard import packets
 from skybody.onboard.lockstep import HOST, OWNERS, Vehicle, fly
 from skybody.onboard.program import about, find_program, running
@@ -300,6 +299,9 @@ def test_a_port_in_use_is_one_line(racing: Path) -> None:
         (["--scenario", "racing_vision"], "sees images"),
         (["--scenario", "pendulum_learn"], "the task `pendulum` is not in this program"),
         (["--scenario", "racing", "--limit", "tilt=x"], "--limit tilt=x"),
+        (["--scenario", "racing", "--limit", "stale=nan"], "--limit stale=nan"),
+        (["--scenario", "racing", "--limit", "tilt=1,2"], "fence with six"),
+        (["--scenario", "racing", "--limit", "other=1"], "`other` with 1 values; allowed: stale"),
         (["--scenario", "racing", "--robot", "other"], "shared by no robots"),
     ],
 )
@@ -346,10 +348,3 @@ def test_the_programs_of_the_page_run_as_printed(racing: Path, tmp_path: Path) -
         cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True,
     )  # fmt: skip
     assert re.match(r"\d+ steps, 15.0 gates", done.stdout)
-
-
-def test_limits_have_names_and_sizes() -> None:
-    assert limits_of(["tilt=0.5", "fence=0,0,0,1,1,1"])["fence"] == [0, 0, 0, 1, 1, 1]
-    for word in ("tilt", "tilt=1,2", "other=1", "stale=nan"):
-        with pytest.raises(InputError):
-            limits_of([word])

@@ -17,9 +17,6 @@ from skybody.onboard.program import about, running
 from .lockstep import SEED, Different
 from .source import PolicySource
 
-ONE_VALUE = ("stale", "lateness", "tilt", "safe", "safe_thrust", "safe_time")
-LIMITS = dict.fromkeys(ONE_VALUE, 1) | {"fence": 6}  # numbers of values
-
 
 def write(source: PolicySource, path: Path, options: argparse.Namespace) -> None:
     """Writes the file, which the program onboard must accept; with --check also flies it."""
@@ -54,7 +51,7 @@ def limits_of(words: tuple[str, ...] | list[str]) -> dict[str, list[float]]:
     """Limits from words NAME=VALUE,...
 
     Raises:
-        InputError: another name, or wrong values.
+        InputError: a value is no finite number.
     """
     limits = {}
     for word in words:
@@ -63,12 +60,8 @@ def limits_of(words: tuple[str, ...] | list[str]) -> dict[str, list[float]]:
             values = [float(value) for value in text.split(",")]
         except ValueError:
             values = []
-        if len(values) != LIMITS.get(name) or not all(map(math.isfinite, values)):
-            raise InputError(
-                f"--limit {word}; allowed: NAME=VALUE with "
-                + ", ".join(f"{n} ({k})" for n, k in LIMITS.items())
-                + " values, with commas"
-            )
+        if not values or not all(map(math.isfinite, values)):
+            raise InputError(f"--limit {word}; allowed: NAME=NUMBER, several with commas")
         limits[name] = values
     return limits
 
