@@ -15,7 +15,7 @@ from skybody.ros.node import Node
 
 from research.sync.work import END, ODOMETRY, RESTORE, SCENARIO, SEED, STEPS, WRENCH, step_of
 
-# trial, action, physics steps before, time at the step's begin and end [s], position before [m]
+# trial, action, physics steps before, time at the step's start and end [s], position before [m]
 COLUMNS = ("trial", "action", "step", "begin", "end", "x", "y", "z")
 
 

@@ -157,7 +157,7 @@ def page(found: dict[str, Any]) -> str:
             "Boxes are quartiles, whiskers 1 % and 99 %, points extremes. In numbers (median / "
             "99 % / greatest, open loop):\n",
             timing_table(rows_of(rows, "open")) + "\n",
-            "*Latency*: from sending an action to the begin of its first physics step. *Delay*: "
+            "*Latency*: from sending an action to the start of its first physics step. *Delay*: "
             "from the end of a physics step to its odometry at the policy. *Steps between*: "
             "physics steps between an action's odometry and its first own step. *Lost*: actions "
             "that the next one replaced before a physics step. *Pace*: simulated time over time on "

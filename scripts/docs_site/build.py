@@ -37,6 +37,7 @@ def version() -> str:
 
 
 def commit() -> str:
+    """The commit of the sources, with `-dirty` if they differ; `no commit` outside of git."""
     command = ["git", "describe", "--always", "--dirty"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     return done.stdout.strip() or "no commit"

@@ -63,6 +63,7 @@ def for_python_markdown(text: str) -> str:
 
 
 def indent(line: str) -> int:
+    """Number of spaces before a line."""
     return len(line) - len(line.lstrip(" "))
 
 

@@ -58,9 +58,11 @@ def write_references(folder: Path) -> None:
 
 
 def file_name(title: str) -> str:
+    """The file of a page by its title."""
     return title.lower().replace(" ", "_") + ".md"
 
 
 def put(path: Path, text: str) -> None:
+    """Writes a page, with the folders above it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
