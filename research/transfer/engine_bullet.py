@@ -13,7 +13,6 @@ from research.transfer.observation import Motion
 from research.transfer.quadrotor import GRAVITY, URDF, Quadrotor
 
 Reals = NDArray[np.float64]
-TERMS = "thrust, drag torque, rotor drag, lag by Euler"
 
 
 class Engine:

@@ -16,7 +16,6 @@ from research.transfer.quadrotor import GRAVITY, Quadrotor, Shape
 
 Reals = NDArray[np.float64]
 VEHICLE = 1  # its body; gates follow
-TERMS = "thrust, drag torque, rotor drag, gyroscopic moment, lag in closed form"
 
 
 def words(values: Reals | tuple[float, ...]) -> str:

@@ -18,7 +18,6 @@ from research.transfer.observation import Motion
 from research.transfer.quadrotor import Quadrotor
 
 Reals = NDArray[np.float64]
-TERMS = "thrust, drag torque, rotor drag, one lag for both directions"
 CPU = torch.device("cpu")
 ABSENT = ("c_Dx", "c_Dy", "c_Dz", "k_z", "k_h", "k_flap", "Ixy", "Iyz", "Ixz", "motor_noise_std")
 

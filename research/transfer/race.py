@@ -18,7 +18,7 @@ from research.transfer.conditions import Condition, Truth
 from research.transfer.estimator import Estimator
 from research.transfer.inner_loop import by_rates
 from research.transfer.observation import Motion
-from research.transfer.quadrotor import Quadrotor
+from research.transfer.quadrotor import GRAVITY, Quadrotor
 
 Reals = NDArray[np.float64]
 SCENARIO = Path(__file__).resolve().parents[2] / "scenarios/racing/racing.yaml"
@@ -91,7 +91,7 @@ def row(course: Course, gate: NDArray[np.int_], motion: Motion, action: Reals) -
 
 @dataclass
 class Result:
-    """Of N races."""
+    """Outcomes of N races."""
 
     passed: NDArray[np.int_]  # gates, before a gate was missed
     touched: NDArray[np.bool_]  # a gate, or the ground
@@ -126,7 +126,7 @@ def fly(
     seconds: float,
     seed: int,
 ) -> Result:
-    """Flies all races at once; what happens after a touch, a miss or the end does not count."""
+    """Flies all races at once; each counts until a touch, a miss or its end."""
     course, start, yaw = races
     engine.start(start, yaw)
     count, goal = len(start), LAPS * len(course.yaws)
@@ -134,7 +134,7 @@ def fly(
     gate = np.zeros(count, int)
     touched, missed = np.zeros(count, bool), np.zeros(count, bool)
     ended = np.full(count, np.nan)
-    action, thrust = np.full((count, 4), -1.0), np.full(count, 9.81)
+    action, thrust = np.full((count, 4), -1.0), np.full(count, GRAVITY)
     full = 4.0 * quad.thrust * quad.max_speed**2
     before, path = start, [start]
     for k in range(round(seconds / DT)):

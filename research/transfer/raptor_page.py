@@ -54,7 +54,11 @@ def draw(rows: list[Row], out: Path) -> None:
 
 def page(content: dict[str, Any], machine: str) -> str:
     """The page."""
-    rows, variants = content["rows"], content["variants"]
+    return introduction(content, machine) + results(content["rows"], content["variants"]) + METHOD
+
+
+def introduction(content: dict[str, Any], machine: str) -> str:
+    """The part before the tables."""
     return f"""\
 # RAPTOR's policy on our vehicles, our policy in L2F
 
@@ -62,7 +66,7 @@ def page(content: dict[str, Any], machine: str) -> str:
 
     {content["command"]}
 
-{answer(rows)}
+{answer(content["rows"])}
 
 RAPTOR is one published policy for any quadrotor (J. Eschmann et al., "RAPTOR: A Foundation Policy
 for Quadrotor Control", 2025; PyPI `foundation-policy` 1.0.2). It was trained in L2F (PyPI `l2f`
@@ -77,6 +81,12 @@ precision.
 
 Sorted errors of {DRAWN.name}; the vertical line is at {NEAR} m. Solid: here; dotted: L2F.
 
+"""
+
+
+def results(rows: list[Row], variants: list[Row]) -> str:
+    """Errors side by side, and the terms of the physics that differ."""
+    return f"""\
 ## Side by side
 
 Error: of `hover` the mean distance in the last of 10 s, from a start up to 1 m off along each axis;
@@ -106,6 +116,10 @@ the yaw of the Crazyflie oscillates, its rotors reach their limits in turns, and
 lower. The rest of its error comes from its thrust to weight of 1.27 (RAPTOR's draws: 1.5 and more).
 Neither the length of L2F's steps nor its precision matters.
 
+"""
+
+
+METHOD = """\
 ## How a policy is flown
 
 RAPTOR's input is position and velocity relative to the target (clipped to 1 m and 2 m/s), the

@@ -17,6 +17,7 @@ from research.transfer.rotation import matrix, tilted
 
 Reals = NDArray[np.float64]
 SEED, COUNT = 2026, 9
+TRIAL_COUNT = 2  # figures of a trial
 RAMP = 2.0  # [s]
 RATIOS = ((1, 1, 1), (2, 2, 1), (1, 1, 2), (2, 1, 1), (1, 2, 1))
 PEAK_SPEED = (0.41, 1.03)  # of the paper's nine flights, 0.72 m/s on average [m/s]

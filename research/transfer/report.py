@@ -12,6 +12,7 @@ from research.common.machine import machine_line
 from research.common.pages import head, markdown_table
 from research.common.plots import panels, save
 from research.common.trials import interval
+from research.transfer.references import COUNT, TRIAL_COUNT
 
 Arrays = Mapping[str, Any]
 Row = dict[str, Any]
@@ -30,7 +31,7 @@ CONDITION_TITLES = {"plain": "plain", "hidden": "all errors"}
 FOREIGN = ("mujoco", "bullet", "rotorpy")
 GOAL = 0.10  # [m]
 PAPER_MEAN, PAPER_RMS = 20.2, 26.2  # of the paper's nine flights [cm]
-LAPS_GATES = 15
+LAPS_GATES = 15  # of a race: three laps
 
 
 # --- numbers ------------------------------------------------------------------------------------
@@ -43,8 +44,8 @@ def by_seed(row: Row, name: str = "mean") -> list[float]:
 
 
 def references(row: Row) -> int:
-    """Number of references: nine, or in a trial two."""
-    return 9 if len(row["mean"]) % 9 == 0 else 2
+    """Number of references of a row, which has that many flights for each seed."""
+    return COUNT if len(row["mean"]) % COUNT == 0 else TRIAL_COUNT
 
 
 def root_mean_square(row: Row) -> float:
@@ -181,13 +182,12 @@ def picture(forms: Mapping[str, Arrays], title: str, path: Path) -> None:
     colors = {"rotor_speed": "tab:blue", "modular": "tab:orange"}
     names = {"rotor_speed": "rotor speeds", "modular": "force"}
     for k, axis in enumerate(axes.flat):
-        for form, answer in forms.items():
-            if k >= len(answer["flown"]):
-                continue
-            flown = answer["flown"][k]
-            axis.plot(*flown.T[:2], color=colors[form], linewidth=1.0, label=names[form])
-            wanted = answer["wanted"][k]
-        else:
+        flown = {form: answer for form, answer in forms.items() if k < len(answer["flown"])}
+        for form, answer in flown.items():
+            path_of = answer["flown"][k]
+            axis.plot(*path_of.T[:2], color=colors[form], linewidth=1.0, label=names[form])
+        if flown:
+            wanted = next(iter(flown.values()))["wanted"][k]  # the same for all forms
             axis.plot(*wanted.T[:2], "k", linewidth=0.9, dashes=(4, 3), label="reference")
         axis.set_title(f"reference {k + 1}", fontsize=10)
         axis.set_aspect("equal")

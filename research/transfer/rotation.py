@@ -1,4 +1,7 @@
-"""Rotations of many bodies at once: quaternions w x y z (N, 4), matrices W from B (N, 3, 3)."""
+"""Rotations of many bodies at once: quaternions w x y z (N, 4), matrices W from B (N, 3, 3).
+
+NumPy alone: programs in the environments of other simulators import it.
+"""
 
 from __future__ import annotations
 

@@ -34,6 +34,7 @@ from research.transfer import report
 from research.transfer.conditions import HIDDEN, PLAIN, Condition
 from research.transfer.flight import DT, REPEAT, SETTLE, Flights
 from research.transfer.network import arrays_of
+from research.transfer.references import COUNT, TRIAL_COUNT
 
 PAGE = "transfer"
 Arrays = Mapping[str, Any]
@@ -120,7 +121,7 @@ def request(engine: str, form: str, condition: Condition, options: Any) -> dict[
         "form": form,
         "condition": dataclasses.asdict(condition),
         "seeds": seeds[:2] if options.quick else seeds,
-        "references": 2 if options.quick else 9,
+        "references": TRIAL_COUNT if options.quick else COUNT,
         "seconds": options.seconds,
     }
 
