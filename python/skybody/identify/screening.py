@@ -1,4 +1,4 @@
-"""Looks for what is wrong in a log: units, frozen values, gaps, impossible commands."""
+"""Looks for mistakes of a log: units, frozen values, gaps, impossible commands."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skybody.imports import motion
 from skybody.imports.channels import Samples
 from skybody.look.flight import Array
 
-from .record import Mask, Mean, Record
+from .record import SHARE, SPEED, Mask, Mean, Record
 from .vehicle import Vehicle
 
 GAP = 0.05  # longest time between samples [s]
@@ -20,7 +20,6 @@ STILL = 0.1  # longest time without a change [s]
 SHOCK = 60.0  # specific force of a collision [m/s^2]
 SPIN = 40.0  # fastest turn that is no crash [rad/s]
 NEAR_GROUND = 0.15  # height above the lowest place [m]
-DEGREE = 180.0 / np.pi
 Stretch = tuple[float, float, str]
 
 
@@ -67,7 +66,7 @@ def merged(bad: list[Stretch]) -> list[Stretch]:
 
 
 def lengths(record: Record) -> dict[str, float]:
-    """Lengths of what is left out [s], by reason; what the user cut is not in it."""
+    """Lengths of the parts that are left out [s], by reason, without those that the user cut."""
     first, last = record.span()
     made: dict[str, float] = {}
     for begin, end, reason in record.bad:
@@ -115,7 +114,7 @@ def runs(time: Array, wrong: Mask, reason: str, least: float = 0.0) -> list[Stre
 
 
 def series(record: Record) -> dict[str, Samples]:
-    """What was measured or commanded fast, by name."""
+    """Commands and fast measurements by name."""
     named = {
         "commands": record.command, "position": record.position, "attitude": record.quaternion,
         "gyroscope": record.gyro, "accelerometer": record.force,
@@ -159,7 +158,7 @@ def impossible(record: Record) -> list[Stretch]:
     """Commands beyond their range, and shocks."""
     made: list[Stretch] = []
     command = record.command
-    if record.law.kind == "share":
+    if record.law.kind == SHARE:
         beyond = (command.values < -1e-3) | (command.values > 1.0 + 1e-3)
         wrong: Mask = np.asarray(beyond.any(axis=1))
         text = f"commands beyond {record.law.low:g} ... {record.law.high:g}"
@@ -192,14 +191,14 @@ def not_flying(record: Record) -> list[Stretch]:
 
 def saturated(record: Record) -> float:
     """Share of the good rows with a rotor at full command."""
-    if record.law.kind != "share":
+    if record.law.kind != SHARE:
         return 0.0
     return float(np.mean((good_values(record, record.command) > 0.995).any(axis=1)))
 
 
 def check_ranges(record: Record) -> None:
     """Raises InputError if commands do not fit the range of the map."""
-    if record.law.kind != "share":
+    if record.law.kind != SHARE:
         return
     values, law = record.command.values, record.law
     beyond = float(np.mean((values > 1.001).any(axis=1)))
@@ -222,21 +221,26 @@ def check_units(record: Record, vehicle: Vehicle) -> None:
 
 
 def check_voltage(record: Record) -> None:
-    """Of the battery."""
-    if record.voltage is not None and np.median(record.voltage.values) > 200.0:
-        raise told(record, "the voltage", np.median(record.voltage.values), "V", "mV", "voltage")
+    """Raises InputError if the battery's voltage is too high for volts."""
+    if record.voltage is None:
+        return
+    found = float(np.median(record.voltage.values))
+    if found > 200.0:
+        raise wrong_unit(record, "the voltage", found, "V", "mV", "voltage")
 
 
-def told(record: Record, what: str, value: float, unit: str, other: str, name: str) -> InputError:
+def wrong_unit(
+    record: Record, quantity: str, value: float, unit: str, other: str, name: str
+) -> InputError:
     """The error of a unit, with its remedy."""
     return InputError(
-        f"{record.path}: {what} is {value:.3g} {unit} in the mean: the log seems to have {other}; "
-        f"say so by --unit {name}={other}, or in the map"
+        f"{record.path}: {quantity} is {value:.3g} {unit} in the mean: the log seems to have "
+        f"{other}; say so by --unit {name}={other}, or in the map"
     )
 
 
 def check_force(record: Record, vehicle: Vehicle) -> None:
-    """Of the accelerometer: in the mean of a flight it shows gravity."""
+    """Raises InputError if the accelerometer does not show gravity in the mean of a flight."""
     if record.force is None:
         return
     found = float(np.median(np.linalg.norm(good_values(record, record.force), axis=1)))
@@ -244,7 +248,7 @@ def check_force(record: Record, vehicle: Vehicle) -> None:
     units = {(0.05, 0.2): "g", (5.0, 20.0): "m/s^2", (5e-5, 2e-4): "g", (500.0, 2e4): "mg"}
     for (low, high), unit in units.items():
         if low < share < high:
-            raise told(record, "the accelerometer", found, "m/s^2", unit, "accelerometer")
+            raise wrong_unit(record, "the accelerometer", found, "m/s^2", unit, "accelerometer")
     if not 0.6 < share < 1.6:
         raise InputError(
             f"{record.path}: the accelerometer shows {found:.3g} m/s^2 in the mean of a flight; "
@@ -253,13 +257,13 @@ def check_force(record: Record, vehicle: Vehicle) -> None:
 
 
 def check_gyro(record: Record) -> None:
-    """Of the gyroscope, by the attitude if there is one."""
+    """Raises InputError if the gyroscope does not turn as the attitude, or too fast for rad/s."""
     if record.gyro is None:
         return
     spread = float(np.sqrt(np.mean(good_values(record, record.gyro) ** 2)))
     if record.quaternion is None:
         if spread > 20.0:
-            raise told(record, "the gyroscope", spread, "rad/s", "deg/s", "gyro")
+            raise wrong_unit(record, "the gyroscope", spread, "rad/s", "deg/s", "gyro")
         return
     turns = record.quaternion
     rates = Samples(turns.time, motion.angular_velocities(turns.time, turns.values, 0.1))
@@ -267,13 +271,13 @@ def check_gyro(record: Record) -> None:
     times = record.gyro.time[good_at(record, record.gyro.time)]
     smooth = float(np.sqrt(np.mean(Mean(record.gyro)(times - 0.05, 0.1) ** 2)))
     if smooth > 15.0 * wanted:
-        raise told(record, "the gyroscope", spread, "rad/s", "deg/s", "gyro")
+        raise wrong_unit(record, "the gyroscope", spread, "rad/s", "deg/s", "gyro")
     if smooth < wanted / 15.0:
-        raise told(record, "the gyroscope", spread, "rad/s", "rad/s", "gyro")
+        raise wrong_unit(record, "the gyroscope", spread, "rad/s", "rad/s", "gyro")
 
 
 def check_position(record: Record) -> None:
-    """Of positions, by the speed."""
+    """Raises InputError if positions move too fast for metres."""
     if record.position is None:
         return
     place = record.position
@@ -287,15 +291,14 @@ def check_position(record: Record) -> None:
 
 
 def check_speeds(record: Record, vehicle: Vehicle) -> None:
-    """Of rotor speeds: in the mean of a flight they carry the weight."""
-    if record.law.kind != "speed":
+    """Raises InputError if rotor speeds do not carry the weight in the mean of a flight."""
+    if record.law.kind != SPEED:
         return
     speeds = good_values(record, record.command)
     lift = vehicle.rotor("thrust_constant") * float(np.mean((speeds**2).sum(axis=1)))
     share = lift / (vehicle.mass * vehicle.gravity)
-    unit = {True: "rpm", False: ""}[30.0 < share < 300.0]
     if not 0.2 < share < 5.0:
-        seems = f"; rpm would fit: `unit: {unit}`" if unit else ""
+        seems = "; rpm would fit: `unit: rpm`" if 30.0 < share < 300.0 else ""
         raise InputError(
             f"{record.path}: rotors of {np.mean(speeds):.4g} rad/s in the mean would carry "
             f"{share:.3g} times the weight by the model: the commands have another unit, such as "

@@ -27,7 +27,7 @@ def write_vehicle(made: Identified, folder: Path) -> list[str]:
     """Writes all files of the vehicle into a folder; the names of its scenarios."""
     model = made.model
     engine = model.engine(made.values)
-    engine |= {path: v for path, v in most_speeds(made).items()}
+    engine |= most_speeds(made)
     write_urdf(model.vehicle, engine, folder)
     source = "skybody identify, see report.md"
     text = model.vehicle.rotors_text({**model.vehicle.nominal, **engine}, source)
@@ -265,18 +265,16 @@ def write_share_commands(made: Identified, engine: Mapping[str, float], folder: 
         np.polynomial.Polynomial([scales.law.low, span / most])
     )
     thrust = (engine[vehicle.rotor_path(0, "thrust_constant")] * share**2).coef
-    ratio = engine[vehicle.rotor_path(0, "moment_constant")]
-    moment = (ratio * share**2).coef
+    moment = (engine[vehicle.rotor_path(0, "moment_constant")] * share**2).coef
     curve = f"thrust: [{listed(thrust)}], moment: [{listed(moment)}]"
     lines = [
         "# Hover, commanded as the log: a rotor's speed over max_speed is the command's share.",
         "include: train_hover.yaml",
         f"name: {vehicle.name}_hover_commands",
-        *effects(engine)[: 1 if effects(engine) != ["effects: []"] else 0],
+        "effects:",
+        *effects(engine)[1:],
+        f"  - {{plugin: thrust_curve, parameters: {{{curve}}}}}",
     ]
-    if lines[-1] != "effects:":
-        lines.append("effects:")
-    lines += [*effects(engine)[1:], f"  - {{plugin: thrust_curve, parameters: {{{curve}}}}}"]
     (folder / "hover_commands.yaml").write_text("\n".join(lines) + "\n")
     check(folder / "hover_commands.yaml")
 
