@@ -71,6 +71,12 @@ function(skybody_add_plugin name)
     target_link_options(${name} PRIVATE LINKER:-z,defs)
   endif()
 
+  # Nothing of the standard library is exported either: a library that defines one of its unique
+  # symbols is never unloaded.
+  set(names "${CMAKE_CURRENT_BINARY_DIR}/plugin_names.map")
+  file(CONFIGURE OUTPUT "${names}" CONTENT "{ global: skybody_plugin_library; local: *; };\n")
+  target_link_options(${name} PRIVATE "LINKER:--version-script=${names}")
+
   set(folder "${plugin_OUTPUT_DIRECTORY}")
   if(NOT folder AND own_tree)
     set(folder "${SKYBODY_PLUGIN_OUTPUT_DIRECTORY}")
