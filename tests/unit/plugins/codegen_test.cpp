@@ -26,7 +26,7 @@ std::vector<std::string> output_of(const std::string& command) {
 }
 
 bool kernels_are_inlined() {
-#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(NDEBUG)  // a release build: tests themselves are not optimised
   return true;
 #else
   return false;
@@ -137,7 +137,9 @@ TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
   if (!kernels_are_inlined()) GTEST_SKIP() << "this build does not inline kernels";
   if (!has_kernels(Isa::v4)) GTEST_SKIP() << "this build has no kernels for v4";
   for (const std::filesystem::path& file : plugin_files()) {
-    if (file.string().find("plain_") != std::string::npos) continue;  // written for double only
+    const std::string plugin = file.stem().string();
+    // Written for one lane; g++ vectorizes the lidar's loops over rays.
+    if (plugin.starts_with("plain_") || plugin == "lidar") continue;
     std::string function;
     std::map<std::string, int> joined;
     LaneByLaneReads reads;
