@@ -51,14 +51,18 @@ def export(*words: str | Path) -> int:
 # --- the same bits --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("scenario", ["racing", "obstacles", "landing"])
+@pytest.mark.parametrize(
+    ("scenario", "episodes"),
+    # The race's first gate is drawn; in episode 20 it is the mission's own again.
+    [("racing", 20), ("obstacles", 2), ("landing", 2)],
+)
 def test_a_mission_flies_the_bits_of_the_engine(
-    scenario: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    scenario: str, episodes: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "policy.mission"
-    words = ("shipped", "--scenario", scenario, "--to", "onboard", "-o", out, "--check", "2")
-    assert export(*words) == 0
-    assert "2 episodes" in (text := capsys.readouterr().out)
+    words = ("shipped", "--scenario", scenario, "--to", "onboard", "-o", out)
+    assert export(*words, "--check", episodes) == 0
+    assert f"{episodes} episodes" in (text := capsys.readouterr().out)
     assert "every action equal in all bits" in text
 
 

@@ -40,6 +40,7 @@ class Vehicle:
             for path in simulation.state_paths()
             if path.endswith(".specific_force")
         ]
+        self._given: dict[str, float] = {}  # parameters sent so far; others are the mission's
         self._sequence = 0
         self._clock, self._begun = 0.0, 0.0
 
@@ -53,7 +54,10 @@ class Vehicle:
         compiled, simulation = self.simulation.compiled, self.simulation
         for path in compiled.param_paths:
             value = simulation.param(path)
-            if path.startswith(OWNERS) and value != compiled.param_info(path)[0]:
+            if path.startswith(OWNERS) and value != self._given.get(
+                path, compiled.param_info(path)[0]
+            ):
+                self._given[path] = value
                 self._send(packets.param(self._sequence, path, [value]))
         self._begun = self._clock + 1.0
 
