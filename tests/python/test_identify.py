@@ -12,10 +12,12 @@ import skybody
 import yaml
 from skybody import InputError
 from skybody.identify.__main__ import main
+from skybody.identify.attitude import attitudes
 from skybody.identify.fit import bounded_step
 from skybody.identify.reading import Log
-from skybody.identify.record import Mean
+from skybody.identify.record import CommandLaw, Mean, Record
 from skybody.identify.replay import spun
+from skybody.identify.rotation import into_body, of_vector, vector_of
 from skybody.identify.vehicle import Vehicle
 from skybody.imports.channels import Samples
 
@@ -92,6 +94,28 @@ def test_files_hold_the_identified_constants(result: Path) -> None:
     again = Vehicle(str(result / "vehicle.urdf"))
     inertia = again.nominal[again.path("inertia[0]")]
     assert inertia == pytest.approx(found["inertia.x"]["value"], rel=1e-5)
+
+
+def test_without_poses_the_drag_s_moment_is_not_taken_for_that_of_the_rotors(
+    flown: tuple[Truth, Path], tmp_path: Path
+) -> None:
+    folder, lines = flown[1], (flown[1] / "map.yaml").read_text().splitlines(keepends=True)
+    poses = ("    position:", "    quaternion:")
+    (tmp_path / "map.yaml").write_text("".join(s for s in lines if not s.startswith(poses)))
+    logs = [str(folder / "flight_1.csv"), str(folder / "flight_2.csv")]
+    options = ["--map", str(tmp_path / "map.yaml"), "--model", "crazyflie", "--windows", "40"]
+    assert main([*logs, *options, "--out", str(tmp_path / "out")]) == 0
+    report = json.loads((tmp_path / "out/report.json").read_text())
+    found, true = report["parameters"], flown[0].values
+    for name in ("inertia.x", "inertia.y", "tau_up", "tau_down"):
+        # Velocities by the drag alone: about three times the error with poses, 5 %.
+        assert found[name]["value"] == pytest.approx(true[name], rel=0.15), name
+    # The body's quadratic drag counts as drag of the rotors here, at a speed of about 2 m/s.
+    model = Vehicle("crazyflie")
+    felt = true["drag.rotor"] + 2.0 * true["drag.quadratic_xy"] / (4.0 * model.hover_speed)
+    assert found["drag.rotor"]["value"] == pytest.approx(felt, rel=0.4)
+    errors = report["errors"]
+    assert errors["identified"]["attitude"]["0.5"] < 0.5 * errors["nominal"]["attitude"]["0.5"]
 
 
 # --- bad input ----------------------------------------------------------------------------------
@@ -187,6 +211,21 @@ def test_rotors_spin_up_by_the_engine_s_lag() -> None:
     commands = np.concatenate([np.zeros((1, 1, 1)), np.full((1, 8, 1), 100.0)], axis=1)
     found = spun(commands, np.array([[0.02]]), np.array([[9.0]]))
     assert found[0, 0] == pytest.approx(100.0 * (1.0 - np.exp(-8 * 0.0025 / 0.02)))
+
+
+def test_attitudes_without_poses_are_levelled_by_the_mean_force() -> None:
+    time = np.arange(0.0, 20.0, 0.01)
+    tilt, still = np.array([0.0, 0.3, 0.0]), np.zeros((len(time), 3))
+    # A vehicle that leans by 0.3 rad about y, hangs still, and is shaken at 0.5 Hz.
+    up = into_body(of_vector(tilt), np.array([0.0, 0.0, 9.81])) * np.ones((len(time), 1))
+    up[:, 0] += np.sin(np.pi * time)
+    record = Record(
+        Path("shaken.csv"), CommandLaw("speed"), Samples(time, still), gyro=Samples(time, still),
+        force=Samples(time, up),
+    )  # fmt: skip
+    found = vector_of(attitudes(record).values[500:1500])
+    # A whole number of shakes within the mean: only the steps of time are left.
+    assert found == pytest.approx(np.tile(tilt, (1000, 1)), abs=1e-3)
 
 
 def test_a_step_stays_within_bounds_and_is_best_there() -> None:

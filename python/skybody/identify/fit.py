@@ -14,7 +14,7 @@ import numpy as np
 
 from skybody.look.flight import Array
 
-from .residuals import KINDS, START, START_DEVIATION, Deviations, Residuals
+from .residuals import KINDS, START, Deviations, Residuals, start_deviations
 
 ROBUST = 2.5  # standard deviations from which on a residual counts less
 STEPS = 12  # most of Gauss and Newton
@@ -40,6 +40,7 @@ class Problem:
     def __init__(self, residuals: Residuals, free: Sequence[int]) -> None:
         self.residuals, self.free = residuals, list(free)
         self.deviations = Deviations(residuals.windows.samples)
+        self._start_deviations = start_deviations(residuals.windows)
         parameters = residuals.model.parameters
         self._priors = np.array([parameters[k].prior for k in self.free])
         self._low, self._high = np.array([parameters[k].bounds for k in self.free]).T
@@ -85,7 +86,7 @@ class Problem:
         scaled = rows / self.deviations.row()
         loss = 2.0 * ROBUST**2 * (np.sqrt(1.0 + (scaled / ROBUST) ** 2) - 1.0)
         prior = x[self.free] / self._priors
-        return float(loss.sum() + ((shifts / START_DEVIATION) ** 2).sum() + (prior**2).sum())
+        return float(loss.sum() + ((shifts / self._start_deviations) ** 2).sum() + (prior**2).sum())
 
     def _equations(self, x: Array, starts: Array) -> Equations:
         rows, by_x, by_start, start_by_x = self.residuals.derivatives(x, starts, self.free)
@@ -97,9 +98,9 @@ class Problem:
         r, factor = scaled * weight, (weight * scale)[:, :, None]
         a, b = by_x * factor, by_start * factor
         # Rows of the measured starts: starts - measured(x).
-        pull = 1.0 / START_DEVIATION
-        a = np.concatenate([a, -start_by_x * pull[:, None]], axis=1)
-        own = np.broadcast_to(np.diag(pull), (len(rows), START, START))
+        pull = 1.0 / self._start_deviations
+        a = np.concatenate([a, -start_by_x * pull[:, :, None]], axis=1)
+        own = pull[:, :, None] * np.eye(START)
         b = np.concatenate([b, own], axis=1)
         r = np.concatenate([r, shifts * pull], axis=1)
         return Equations(a, b, r)

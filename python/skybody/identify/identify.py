@@ -75,7 +75,7 @@ def prepared(records: Sequence[Record], vehicle: Vehicle, notes: list[str]) -> l
     for record in records:
         screened = screen(record, vehicle)
         notes += screened.notes
-        track = Track(screened.record)
+        track = Track(screened.record, vehicle.spin_by_mass)
         if record.has_pose:
             offset = clock_offset(track)
             if abs(offset) > CLOCKS:
@@ -91,7 +91,7 @@ def prepared(records: Sequence[Record], vehicle: Vehicle, notes: list[str]) -> l
                     f"{record.path.name}: the clock of commands and IMU is {1e3 * offset:.0f} ms "
                     "ahead of the poses; corrected"
                 )
-            track = Track(shifted(screened.record, -offset))
+            track = Track(shifted(screened.record, -offset), vehicle.spin_by_mass)
         tracks.append(track)
     return tracks
 

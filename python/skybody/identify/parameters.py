@@ -135,13 +135,19 @@ def body_parameters(vehicle: Vehicle) -> list[Parameter]:
 
 
 def drag_parameters(vehicle: Vehicle, has: Mapping[str, bool]) -> list[Parameter]:
-    """Of the air. Without poses the velocity is unknown, and so is drag."""
+    """Of the air.
+
+    Without poses gravity and attitude tell how the velocity changes, and the accelerometer feels
+    the rotors' drag; other drag stays unknown.
+    """
+    nominal = vehicle.rotor("drag_constant")
     if not has["pose"]:
-        return []
+        if not (has["gyro"] and has["force"] and nominal > 0.0):
+            return []
+        return [Parameter("drag.rotor", "N s^2/(m rad)", nominal, 0.7, ENGINE, LOG)]
     per_rotor = vehicle.mass / (len(vehicle.hubs) * vehicle.hover_speed)
     return [
-        Parameter("drag.rotor", "N s^2/(m rad)", vehicle.rotor("drag_constant"), 0.3 * per_rotor,
-                  ENGINE, low=0.0),
+        Parameter("drag.rotor", "N s^2/(m rad)", nominal, 0.3 * per_rotor, ENGINE, low=0.0),
         Parameter("drag.linear_z", "N s/m", 0.0, 0.3 * vehicle.mass, ENGINE, low=0.0),
         Parameter("drag.quadratic_xy", "N s^2/m^2", 0.0, 0.1 * vehicle.mass, ENGINE, low=0.0),
         Parameter("drag.quadratic_z", "N s^2/m^2", 0.0, 0.1 * vehicle.mass, ENGINE, low=0.0),

@@ -17,8 +17,18 @@ KINDS = ("position", "attitude", "rate", "force")
 START = 12  # numbers of a start: position, rotation vector (B), velocity, angular velocity
 # Deviations of measured starts: m, rad, m/s, rad/s.
 START_DEVIATION = np.repeat([0.003, 0.01, 0.1, 0.15], 3)
+# Without poses the accelerometer alone tells velocity [m/s] and tilt [rad].
+FREE_VELOCITY, FREE_TILT = 1.0, 0.1
 START_STEP = np.repeat([1e-3, 1e-3, 1e-2, 1e-2], 3)  # of differences
 VALUES = 12  # measured at each sample
+
+
+def start_deviations(windows: Windows) -> Array:
+    """Standard deviations of the measured starts, (n, START)."""
+    made = np.tile(START_DEVIATION, (len(windows), 1))
+    made[~windows.has_pose, 3:6] = FREE_TILT
+    made[~windows.has_pose, 6:9] = FREE_VELOCITY
+    return made
 
 
 class Deviations:
@@ -110,7 +120,17 @@ class Residuals:
     def _predict(self, x: Array, starts: Array) -> Prediction:
         paths, row = self._engine(x)
         tiled = np.tile(row, (len(starts), 1))
-        return self._replayer.run(paths, tiled, starts, self.speeds(x))
+        return self._flown(paths, tiled, starts, self.speeds(x))
+
+    def _flown(
+        self, paths: Sequence[str], rows: Array, starts: Array, commands: Array
+    ) -> Prediction:
+        """Replays of all windows, once or several times; without poses attitudes are relative."""
+        found = self._replayer.run(paths, rows, starts, commands)
+        loose = np.tile(~self.windows.has_pose, len(starts) // len(self.windows))
+        first = rotation.inverse(starts[loose, None, 3:7])
+        found.quaternion[loose] = rotation.product(first, found.quaternion[loose])
+        return found
 
     def _engine(self, x: Array) -> tuple[list[str], Array]:
         made = self.model.engine(self.model.values(x))
@@ -149,9 +169,7 @@ class Residuals:
             places.append(moved(starts, shift))
             commands.append(speeds)
         all_rows = np.repeat(np.stack(rows), count, axis=0)
-        found = self._replayer.run(
-            paths, all_rows, np.concatenate(places), np.concatenate(commands)
-        )
+        found = self._flown(paths, all_rows, np.concatenate(places), np.concatenate(commands))
         return self._assemble(x, starts, free, flown, found)
 
     def _assemble(
@@ -174,14 +192,14 @@ class Residuals:
         start_by_x = np.zeros((count, START, len(free)))
         own = self.windows.starts(values)
         for column, k in enumerate(free):
-            if k in flown:
-                by_x[:, :, column] = (rows_of(1 + flown.index(k)) - here) / steps[k]
-                continue
             other = x.copy()
             other[k] += steps[k]
             shifted = self.model.values(other)
-            by_x[:, :, column] = (rows_of(0, self.windows.measured(shifted)) - here) / steps[k]
             start_by_x[:, :, column] = between(self.windows.starts(shifted), own) / steps[k]
+            if k in flown:
+                by_x[:, :, column] = (rows_of(1 + flown.index(k)) - here) / steps[k]
+            else:
+                by_x[:, :, column] = (rows_of(0, self.windows.measured(shifted)) - here) / steps[k]
         for k in range(3, START):
             by_start[:, :, k] = (rows_of(1 + len(flown) + k - 3) - here) / START_STEP[k]
         for k in range(3):  # a shift of the start shifts all positions

@@ -20,6 +20,7 @@ STILL = 0.1  # longest time without a change [s]
 SHOCK = 60.0  # specific force of a collision [m/s^2]
 SPIN = 40.0  # fastest turn that is no crash [rad/s]
 NEAR_GROUND = 0.15  # height above the lowest place [m]
+RAREST = 0.2  # longest usual time between commands [s]
 Stretch = tuple[float, float, str]
 
 
@@ -37,6 +38,7 @@ def screen(record: Record, vehicle: Vehicle) -> Screened:
     Raises:
         InputError: units are mixed up, or nothing is left of the flight.
     """
+    check_times(record)
     check_ranges(record)
     bad = [*gaps(record), *frozen(record), *impossible(record), *not_flying(record)]
     made = Screened(record.without(merged(bad)))
@@ -196,11 +198,26 @@ def saturated(record: Record) -> float:
     return float(np.mean((good_values(record, record.command) > 0.995).any(axis=1)))
 
 
+def check_times(record: Record) -> None:
+    """Raises InputError if commands are too rare: their times have another unit."""
+    steps = np.diff(record.command.time)
+    if len(steps) and np.median(steps) > RAREST:
+        raise InputError(
+            f"{record.path}: commands come every {np.median(steps):.3g} s, allowed: {RAREST:g} s: "
+            "times seem to be in ms or us; correct the `unit` of `time` in the map"
+        )
+
+
 def check_ranges(record: Record) -> None:
     """Raises InputError if commands do not fit the range of the map."""
     if record.law.kind != SHARE:
         return
     values, law = record.command.values, record.law
+    if not values.any():
+        raise InputError(
+            f"{record.path}: all commands are {law.low:g}: the motors never run in this log; give "
+            "the part with the flight, or correct the columns of rotor_speed in the map"
+        )
     beyond = float(np.mean((values > 1.001).any(axis=1)))
     most = law.low + float(np.max(values)) * (law.high - law.low)
     if beyond > 0.95 or np.max(values) < 0.02:

@@ -35,7 +35,7 @@ class Grid:
     voltage: Array  # (n,) [V]
     force: Array  # (n, 3) [m/s^2]
     turning: Array  # (n, 3), angular acceleration [rad/s^2]
-    drift: Array  # (n, 2), velocity along x and y of B [m/s]; 0: not known
+    drift: Array  # (n, 2), velocity along x and y of B [m/s], or the specific force of its drag
     used: Mask  # (n,), rows of good stretches
     begins: list[int]  # first row of each flight
 
@@ -76,9 +76,10 @@ def values_of(track: Track, times: Array) -> tuple[Array, ...]:
         push = motion.derivative(times, track.velocity.at(times), 2.0 * SMOOTH)
         push[:, 2] += 9.81
         force = into_body(track.attitude(times), push)
-    drift = np.zeros((len(times), 2))
     if track.velocity is not None:
         drift = into_body(track.attitude(times), track.velocity.at(times))[:, :2]
+    else:
+        drift = force[:, :2]
     return command, voltage, force, turning, drift
 
 

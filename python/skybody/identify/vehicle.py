@@ -125,6 +125,14 @@ class Vehicle:
         total = len(self.hubs) * self.rotor("thrust_constant")
         return float(np.sqrt(self.mass * self.gravity / total))
 
+    @property
+    def spin_by_mass(self) -> float:
+        """Speeds of all rotors in hover over the mass [rad/(s kg)].
+
+        Times the rotors' drag constant it is the specific force of their drag by speed [1/s].
+        """
+        return len(self.hubs) * self.hover_speed / self.mass
+
     @cached_property
     def directions(self) -> Array:
         """+1 or -1 of each rotor."""

@@ -12,6 +12,7 @@ from skybody.imports.channels import Samples
 from skybody.look.flight import Array
 
 from . import rotation
+from .attitude import attitudes, into_world
 from .record import Mask, Mean, Record, Rows
 from .replay import SAMPLE, STEP, WARM
 from .screening import good_at
@@ -22,14 +23,20 @@ SLOW = 4.0  # moving mean of commands [s]
 SPREAD = 0.02  # of starts about their grid [s]
 GOLDEN = 0.6180339887498949
 EDGE = 0.06  # delays that the data around a window must cover [s]
+LEAST_DRAG = 0.05  # by which a velocity is felt [1/s]
 DERIVATIVE = 0.1  # window of derivatives [s]
 
 
 class Track:
     """The measurements of a flight at any time."""
 
-    def __init__(self, record: Record) -> None:
-        self.record = record
+    def __init__(self, record: Record, spin_by_mass: float = 0.0) -> None:
+        """
+        Args:
+            record: the flight.
+            spin_by_mass: of the nominal vehicle [rad/(s kg)].
+        """
+        self.record, self._spin_by_mass = record, spin_by_mass
         self._slow: Mean | None = None
         self.command = Mean(record.command, held=True)
         self.voltage = Mean(record.voltage) if record.voltage is not None else None
@@ -39,7 +46,7 @@ class Track:
         quaternion = record.quaternion
         self.velocity = self._velocity()
         if quaternion is None:
-            quaternion = integrated(record)
+            quaternion = attitudes(record)
         self.quaternion = Mean(quaternion)
         rates = motion.angular_velocities(quaternion.time, quaternion.values, DERIVATIVE)
         self.rate = self.gyro or Mean(Samples(quaternion.time, rates))
@@ -63,23 +70,28 @@ class Track:
         place = record.position
         return Mean(Samples(place.time, motion.derivative(place.time, place.values, DERIVATIVE)))
 
+    def drift(self, times: Array, bias: Array, drag: float) -> Array:
+        """Horizontal velocities in B by the rotors' drag that the accelerometer feels.
+
+        Args:
+            times: (n,) [s].
+            bias: of the accelerometer [m/s^2].
+            drag: constant of a rotor [N s^2/(m rad)].
+
+        Returns:
+            (n, 3) [m/s]; 0 if there is hardly any drag.
+        """
+        made = np.zeros((len(times), 3))
+        rate = self._spin_by_mass * drag
+        if self.force is not None and rate > LEAST_DRAG:
+            felt = self.force(times - 0.5 * DERIVATIVE, DERIVATIVE) - bias
+            made[:, :2] = -felt[:, :2] / rate
+        return made
+
     def attitude(self, times: Array) -> Array:
         """Unit quaternions at times."""
         found = self.quaternion.at(times)
         return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
-
-
-def integrated(record: Record) -> Samples:
-    """Attitudes by the gyroscope alone, from none at the start: true within a window."""
-    gyro = record.gyro
-    assert gyro is not None
-    steps = np.diff(gyro.time)[:, None] * 0.5 * (gyro.values[1:] + gyro.values[:-1])
-    turns = rotation.of_vector(steps)
-    found = np.empty((len(gyro.time), 4))
-    found[0] = (1.0, 0.0, 0.0, 0.0)
-    for row, turn in enumerate(turns):
-        found[row + 1] = rotation.product(found[row], turn)
-    return Samples(gyro.time, found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
 @dataclass(frozen=True)
@@ -155,6 +167,7 @@ class Windows:
     def starts(self, values: Mapping[str, float]) -> Array:
         """Measured states at the starts, (n, 13)."""
         delay, bias = values.get("delay.imu", 0.0), vector(values, "gyro.bias")
+        force_bias, drag = vector(values, "accelerometer.bias"), values.get("drag.rotor", 0.0)
         tilt = rotation.of_vector(vector(values, "pose.tilt"))
 
         def state(track: Track, begin: Array) -> Array:
@@ -165,7 +178,9 @@ class Windows:
                 made[:, 7:10] = track.velocity.at(begin)
                 made[:, 3:7] = rotation.product(track.attitude(begin), rotation.inverse(tilt))
             else:
-                made[:, 3] = 1.0
+                made[:, 3:7] = track.attitude(begin)
+                drift = track.drift(begin + delay, force_bias, drag)
+                made[:, 7:10] = into_world(made[:, 3:7], drift)
             shift = delay if track.gyro is not None else 0.0
             made[:, 10:] = track.rate.at(begin + shift) - (bias if track.gyro is not None else 0.0)
             return made
