@@ -130,10 +130,16 @@ void set_limit(Limits& limits, const std::string& name, const std::vector<double
                                                   {"safe_time", &limits.safe_time}};
   const auto number = numbers.find(name);
   if (number != numbers.end() && values.size() == 1) {
+    if (!(values[0] >= 0.0)) throw Error("--limit " + name + ": allowed: 0 and above");
     *number->second = values[0];
   } else if (name == "safe" && values.size() == 1) {
     limits.safe = values[0] == 0.0 ? SafeAction::kStop : SafeAction::kDescend;
   } else if (name == "fence" && values.size() == 6) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(values[k] < values[k + 3])) {
+        throw Error("--limit fence: allowed: least x, y, z, then greatest x, y, z");
+      }
+    }
     std::copy_n(values.begin(), 3, limits.fence_low.begin());
     std::copy_n(values.begin() + 3, 3, limits.fence_high.begin());
   } else {

@@ -279,6 +279,8 @@ def test_each_mistake_of_the_command_line_is_one_line(racing: Path, tmp_path: Pa
     assert "no address" in refused(racing, "--listen", "here")
     assert "allowed: 1 ... 99" in refused(racing, "--fifo", "0")
     assert "fence with six" in refused(racing, "--limit", "fence=1")
+    assert "least x, y, z, then" in refused(racing, "--limit", "fence=4,4,4,0,0,0")
+    assert "allowed: 0 and above" in refused(racing, "--limit", "tilt=-1")
     assert "no value `task.nothing`" in refused(racing, "--set", "task.nothing=1")
     assert "is no file" in refused(racing, "--reference", racing)
     assert "cannot be read" in refused(tmp_path / "nothing")
