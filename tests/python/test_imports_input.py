@@ -122,6 +122,9 @@ def test_rows_that_are_cut_short(tmp_path: Path, capsys: pytest.CaptureFixture[s
     log.write_text("\n".join([*lines[:5], lines[5][:30], *lines[6:]]))
     message = refused(capsys, log, "--map", used)
     assert f"{log}: line 6: has another number of cells than the names" in message
+    log.write_text("\n".join([*lines[:5], lines[5].replace(lines[5].split(",")[1], "up", 1)]))
+    message = refused(capsys, log, "--map", used)
+    assert f"{log}: line 6, cell 2: `up` is no number, in `x` for robots.cf.position" in message
     log.write_text(lines[0] + "\n")
     assert "has no rows of numbers below its names" in refused(capsys, log, "--map", used)
 

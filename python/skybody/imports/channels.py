@@ -38,6 +38,8 @@ class Channels:
     first_place: int = 1
     kinds: Mapping[str, str] = field(default_factory=dict)  # of MCAP: schemas by topic
     notes: list[str] = field(default_factory=list)  # remarks for the user
+    # Of columns that are no numbers: the first cell that is none, with its place.
+    words: Mapping[str, str] = field(default_factory=dict)
 
     def has(self, columns: Columns) -> bool:
         """Whether all of some columns are there."""
@@ -88,13 +90,18 @@ class Channels:
             row = int(np.argmax(steps < 0.0)) + 1
             raise InputError(
                 f"{self.path}: {self._place(row)}: the time of {columns.names[0]} goes back from "
-                f"{time[row - 1]:.9g} to {time[row]:.9g} s; sort the log, or cut it there"
+                f"{time[row - 1]:.15g} to {time[row]:.15g} s; sort the log, or cut it there"
             )
 
     def _place(self, row: int) -> str:
         return self.place_of.format(row + self.first_place)
 
     def _missing(self, columns: Columns, name: str) -> InputError:
+        if name in self.words:
+            return InputError(
+                f"{self.path}: {self.words[name]} is no number, in `{name}` for {columns.place}; "
+                "correct it, or leave the cell empty"
+            )
         names = sorted(self.columns)
         more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
         hint = allowed_words(name, names).partition(" Allowed")[0]

@@ -36,13 +36,17 @@ def read(path: Path, used: Map) -> Channels:
         data = list(complete(path, rows, len(names), notes))
     if not data:
         raise InputError(f"{path}: has no rows of numbers below its names")
-    columns = {
-        name: numbers
-        for k, name in enumerate(names)
-        if (numbers := numbers_of([row[k] for row in data])) is not None
-    }
+    columns: dict[str, Array] = {}
+    words: dict[str, str] = {}
+    for k, name in enumerate(names):
+        cells = [row[k] for row in data]
+        if (numbers := numbers_of(cells)) is not None:
+            columns[name] = numbers
+        else:
+            words[name] = first_word(cells, k + 1)
     time = used.time.names[0]
     channels = Channels(path, columns, dict.fromkeys(columns, np.zeros(0)), "line {}", 2, {}, notes)
+    channels.words = words
     if time not in columns:
         channels.samples(used.time, bridge=False)  # says that it is missing
     seconds = used.time.factor * columns[time]
@@ -97,3 +101,9 @@ def numbers_of(cells: list[str]) -> Array | None:
         return np.array([float(cell) if cell.strip() else np.nan for cell in cells])
     except ValueError:
         return None
+
+
+def first_word(cells: list[str], column: int) -> str:
+    """The place of a cell that is no number, and its text: a column of `numbers_of` None."""
+    row = next(k for k, cell in enumerate(cells) if numbers_of([cell]) is None)
+    return f"line {row + 2}, cell {column}: `{cells[row]}`"
