@@ -270,7 +270,7 @@ def test_a_network_that_cannot_be_flown_is_refused(name: str, tmp_path: Path) ->
         ('inputs: {x: "velocity[3]"}', r"`velocity\[3\]`: `velocity` has 3 values"),
         ("output: z", "the policy has no output `z`; it has y"),
         ("outputs: y", "must have the keys `inputs` and `output` alone"),
-        ("{", "is no YAML file"),
+        ("{", ":1:2: is no YAML: "),
         ("inputs: {x: 3}", "`inputs.x` must be a column, or a list of columns"),
     ],
 )

@@ -43,6 +43,10 @@ def read_map(path: Path) -> Map:
         values = yaml.safe_load(path.read_text())
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = "" if mark is None else f":{mark.line + 1}:{mark.column + 1}"
+        raise InputError(f"{path}{place}: is no YAML: {error.problem}") from None
     except (yaml.YAMLError, UnicodeDecodeError):
         raise InputError(f"{path}: is no YAML file") from None
     if not isinstance(values, dict) or set(values) - {"inputs", "output"}:

@@ -39,7 +39,10 @@ def affine(name: str) -> Callable[[Sequence[Value], Attributes], Value]:
             )
         value, constant = (data(b), a) if is_constant(a) else (data(a), b)
         if not is_constant(constant):
-            raise Unsupported(f"{name} of two values that are no constants")
+            raise Unsupported(
+                f"{name} of two values that are no constants: layers side by side and skipped "
+                "layers are not supported"
+            )
         number = per_entry(value, constant)
         if name == "Add":
             return value.mapped(1.0, number)

@@ -245,6 +245,8 @@ def check_equal(model: onnx.ModelProto, policy: Policy, reader: Reader) -> None:
         }
         outputs: Any = evaluator.run([reader.output], feed)
         given = np.asarray(outputs[0], np.float64).reshape(1, -1)
+        if not np.isfinite(given).all():
+            raise Unsupported("its actions are not finite for ordinary observations; train it anew")
         expected = policy(row, None, images)
         difference = np.abs(np.clip(given, -1.0, 1.0) - expected).max()
         if not difference <= LARGEST:
