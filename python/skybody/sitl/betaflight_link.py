@@ -79,7 +79,7 @@ class BetaflightLink:
 
     def serve(self, seconds: float, program: BetaflightProgram | None) -> None:
         """Flies until the simulated time is over; waits for a Betaflight that is silent."""
-        with bound(socket.SOCK_DGRAM, MOTOR_PORT, "ending it: Betaflight has no other") as link:
+        with bound(socket.SOCK_DGRAM, MOTOR_PORT, "(Betaflight has no other)") as link:
             link.settimeout(ANSWER)
             self._await_console(program)
             if program is not None:

@@ -9,11 +9,15 @@ HOST = "127.0.0.1"
 WAIT = 0.2  # longest wait without a look at the clock [s]
 
 
-def bound(kind: socket.SocketKind, port: int, option: str = "--port") -> socket.socket:
+def bound(
+    kind: socket.SocketKind, port: int, remedy: str = "or choose another port by --port"
+) -> socket.socket:
     """A socket at a port of this machine that nobody else reaches.
 
     Args:
         kind: SOCK_DGRAM or SOCK_STREAM; the latter listens.
+        port: 0: any that is free.
+        remedy: another one than ending the program that has the port.
 
     Raises:
         ValueError: the port is in use or not allowed.
@@ -30,8 +34,7 @@ def bound(kind: socket.SocketKind, port: int, option: str = "--port") -> socket.
         name = "TCP" if kind == socket.SOCK_STREAM else "UDP"
         if error.errno == errno.EADDRINUSE:
             raise ValueError(
-                f"{name} port {port} of {HOST} is in use; end the other program or choose another "
-                f"port by {option}"
+                f"{name} port {port} of {HOST} is in use; end the other program {remedy}"
             ) from None
         raise ValueError(f"{name} port {port} of {HOST}: {error.strerror}") from None
     made.settimeout(WAIT)
