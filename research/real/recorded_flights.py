@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from skybody import InputError
-from skybody.identify.rotation import of_vector, product
+from skybody.identify.attitude import turned
 from skybody.imports import motion
 from skybody.imports.channels import Channels
 from skybody.imports.flight import Imported, build
@@ -122,16 +122,6 @@ def read_stretch(stretch: Stretch) -> Recorded:
     force = sensor(path, made, "imu.specific_force", 3)
     none = np.full(len(times), np.nan)
     return Recorded(name, made.time, states, pwm, none, force, None, False)
-
-
-def turned(time: Reals, rates: Reals) -> Reals:
-    """Attitudes since the first row by body rates, quaternions w x y z, (rows, 4)."""
-    found = np.zeros((len(time), 4))
-    found[0, 0] = 1.0
-    turns = of_vector(0.5 * (rates[1:] + rates[:-1]) * np.diff(time)[:, None])
-    for row, turn in enumerate(turns):
-        found[row + 1] = product(found[row], turn)
-    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
 def at_rows(channels: Channels, used: Map, columns: Columns) -> Reals:

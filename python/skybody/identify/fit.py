@@ -14,11 +14,14 @@ import numpy as np
 
 from skybody.look.flight import Array
 
-from .residuals import KINDS, START, Deviations, Residuals, start_deviations
+from .residuals import KINDS, START, Deviations, Residuals, moved, start_deviations
 
 ROBUST = 2.5  # standard deviations from which on a residual counts less
 STEPS = 12  # most of Gauss and Newton
 ENOUGH = 1e-4  # relative fall of the cost at which the search ends
+# Least and greatest deviations of residuals [m], [rad], [rad/s], [m/s^2].
+LEAST = {"position": 1e-4, "attitude": 2e-4, "rate": 2e-3, "force": 1e-2}
+MOST = {"position": 0.02, "attitude": 0.04, "rate": 0.4, "force": 0.5}
 
 
 @dataclass
@@ -108,8 +111,6 @@ class Problem:
     def _step(
         self, equations: Equations, x: Array, starts: Array, damping: float
     ) -> tuple[Array, Array]:
-        from .residuals import moved
-
         inside = x[self.free]
         matrix = equations.schur + np.diag(1.0 / self._priors**2)
         matrix = matrix + damping * np.diag(np.diag(matrix))
@@ -117,12 +118,8 @@ class Problem:
         step = bounded_step(matrix, gradient, self._low - inside, self._high - inside)
         new_x = x.copy()
         new_x[self.free] = inside + step
-        return new_x, moved(starts, equations.starts(step))
-
-
-# Deviations.
-LEAST = {"position": 1e-4, "attitude": 2e-4, "rate": 2e-3, "force": 1e-2}
-MOST = {"position": 0.02, "attitude": 0.04, "rate": 0.4, "force": 0.5}
+        # Starts that little tells overshoot by a whole step.
+        return new_x, moved(starts, equations.starts(step) / (1.0 + damping))
 
 
 class Equations:

@@ -36,10 +36,12 @@ PASSES = 3
 
 @dataclass(frozen=True)
 class Options:
-    """Of the identification."""
+    """Options of the identification."""
 
     windows: int = MOST_WINDOWS
+    """Greatest number of windows that are fitted."""
     threads: int = 0
+    """Of the replays; 0: one per processor."""
     fixed: tuple[str, ...] = ()
     """Names of parameters that keep their nominal values."""
 
@@ -49,15 +51,15 @@ class Identified:
     """The result."""
 
     model: Model
-    x: Array
+    x: Array  # identified coordinates
     intervals: list[Interval]
-    covariance: Array
+    covariance: Array  # of the coordinates of the free parameters
     errors: dict[str, Errors]  # of held-out windows: identified, nominal, scaled
     curves: dict[str, tuple[Prediction, Measured]]  # of the same, predicted and measured
     train: Windows
     test: Windows
     test_by_flight: bool
-    start: dict[str, float]
+    start: dict[str, float]  # start values of the fit
     notes: list[str] = field(default_factory=list)
 
     @property

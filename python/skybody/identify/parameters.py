@@ -16,6 +16,7 @@ from .vehicle import Vehicle
 LOG, LINEAR = "log", "linear"
 ENGINE, COMMAND, SENSOR = "engine", "command", "sensor"  # places in which a parameter acts
 AXES = "xyz"
+FLAT = 0.99  # most moment of inertia about z, over the sum of the others; 1: a flat plate
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def command_parameters(
 
 
 def body_parameters(vehicle: Vehicle) -> list[Parameter]:
-    """Of the rigid body, and of the reaction to the rotors."""
+    """Parameters of the rigid body, and of the reaction to the rotors."""
     made = [
         Parameter(f"inertia.{a}", "kg m^2", vehicle.nominal[vehicle.path(f"inertia[{k}]")], p,
                   ENGINE, LOG)
@@ -135,7 +136,7 @@ def body_parameters(vehicle: Vehicle) -> list[Parameter]:
 
 
 def drag_parameters(vehicle: Vehicle, has: Mapping[str, bool]) -> list[Parameter]:
-    """Of the air.
+    """Parameters of the drag.
 
     Without poses gravity and attitude tell how the velocity changes, and the accelerometer feels
     the rotors' drag; other drag stays unknown.
@@ -235,14 +236,16 @@ class Model:
     def inertia(self, values: Mapping[str, float]) -> list[float]:
         """xx yy zz xy xz yz [kg m^2].
 
-        The yaw moments have no scale of their own: `inertia.z` is relative to the mean of x and y.
+        The yaw moments have no scale of their own: `inertia.z` is relative to the mean of x and y,
+        and no body has more about z than about x and y together.
         """
         nominal = [self.vehicle.nominal[self.vehicle.path(f"inertia[{k}]")] for k in range(6)]
         if "inertia.x" not in values:
             return nominal
         x, y = (values[f"inertia.{a}"] / nominal[k] for k, a in enumerate("xy"))
         mean = float(np.sqrt(x * y))
-        found = [nominal[0] * x, nominal[1] * y, values["inertia.z"] * mean]
+        flat = FLAT * (nominal[0] * x + nominal[1] * y)
+        found = [nominal[0] * x, nominal[1] * y, min(values["inertia.z"] * mean, flat)]
         return [*found, *(mean * p for p in nominal[3:])]
 
     def speeds(self, values: Mapping[str, float], command: Array, voltage: Array | None) -> Array:

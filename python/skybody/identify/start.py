@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skybody.imports import motion
+from skybody.imports.channels import Samples
 from skybody.look.flight import Array
 
 from .parameters import Model
@@ -104,7 +105,7 @@ def lagged(command: Array, lag: float, begins: Sequence[int]) -> Array:
 
 
 def delayed(values: Array, delay: float) -> Array:
-    """Rows of later by a whole number of steps."""
+    """Rows later by a whole number of steps; the last ones come first."""
     return np.roll(values, round(delay / STEP), axis=0)
 
 
@@ -231,14 +232,13 @@ def motion_of(speeds: Array) -> Array:
 def clock_offset(track: Track) -> float:
     """How far the clock of the gyroscope is ahead of the clock of the poses [s].
 
-    It is where the gyroscope agrees best with the rates of the attitude. Raises nothing; 0 if one
-    of them is missing.
+    It is where the gyroscope agrees best with the rates of the attitude; 0: one of them is missing.
     """
     record = track.record
     if record.gyro is None or record.quaternion is None:
         return 0.0
     turns = record.quaternion
-    rates = Mean(type(turns)(turns.time, motion.angular_velocities(turns.time, turns.values, 0.05)))
+    rates = Mean(Samples(turns.time, motion.angular_velocities(turns.time, turns.values, 0.05)))
     gyro = Mean(record.gyro)
     begins = starts_of(track, 0.05)
     if len(begins) == 0:

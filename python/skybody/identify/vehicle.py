@@ -92,12 +92,12 @@ class Vehicle:
 
     @property
     def mass(self) -> float:
-        """[kg]"""
+        """Mass [kg]."""
         return self.nominal[self.path("mass")]
 
     @property
     def gravity(self) -> float:
-        """[m/s^2]"""
+        """Magnitude of gravity [m/s^2]."""
         return float(np.linalg.norm(self.compiled.gravity))
 
     @property
