@@ -130,7 +130,7 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         there = Environment(Path(scratch))
-        there.install(*fitting(options.wheels))
+        there.install(*fitting(options.wheels.resolve()))
         check_alone(there)
         if options.beside:
             check_beside(there)
