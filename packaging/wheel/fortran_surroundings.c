@@ -1,5 +1,5 @@
-/* Functions that LAPACK and BLAS call, of Fortran's library (lapack.cmake). Fortran's texts have a length and
- * no end mark; shorter ones are filled with spaces. */
+/* Functions that LAPACK and BLAS call, of Fortran's library (lapack.cmake). Fortran's texts have a
+ * length and no end mark; shorter ones are filled with spaces. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
