@@ -112,28 +112,31 @@ class Problem:
         self, equations: Equations, x: Array, starts: Array, damping: float
     ) -> tuple[Array, Array]:
         inside = x[self.free]
+        equations = equations.damped(damping)
         matrix = equations.schur + np.diag(1.0 / self._priors**2)
         matrix = matrix + damping * np.diag(np.diag(matrix))
         gradient = equations.scores.sum(axis=0) + inside / self._priors**2
         step = bounded_step(matrix, gradient, self._low - inside, self._high - inside)
         new_x = x.copy()
         new_x[self.free] = inside + step
-        # Starts that little tells overshoot by a whole step.
-        return new_x, moved(starts, equations.starts(step) / (1.0 + damping))
+        return new_x, moved(starts, equations.starts(step))
 
 
 class Equations:
     """Linear equations of all windows, with the starts eliminated."""
 
-    def __init__(self, a: Array, b: Array, r: Array) -> None:
+    def __init__(self, a: Array, b: Array, r: Array, damping: float = 0.0) -> None:
         """
         Args:
             a: derivatives by the parameters, (n, rows, p).
             b: derivatives by the starts, (n, rows, START).
             r: residuals, (n, rows).
+            damping: of the starts.
         """
+        self._parts = (a, b, r)
         b_t = np.swapaxes(b, 1, 2)
         inner = b_t @ b  # (n, START, START)
+        inner = inner * (1.0 + damping * np.eye(START))
         cross = b_t @ a  # (n, START, p)
         pulled = (b_t @ r[:, :, None])[:, :, 0]
         self._by_x = np.linalg.solve(inner, cross)
@@ -143,6 +146,10 @@ class Equations:
         self.schur: Array = self.each.sum(axis=0)
         direct = (a_t @ r[:, :, None])[:, :, 0]
         self.scores: Array = direct - (np.swapaxes(cross, 1, 2) @ self._own[:, :, None])[:, :, 0]
+
+    def damped(self, damping: float) -> Equations:
+        """The same equations for shorter steps of the starts."""
+        return Equations(*self._parts, damping)
 
     def starts(self, step: Array) -> Array:
         """Moves of the starts for a step of the parameters, (n, START)."""
