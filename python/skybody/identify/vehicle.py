@@ -196,7 +196,7 @@ class Vehicle:
             except InputError as error:
                 first = str(error).splitlines()[0]
                 told = re.sub(re.escape(str(file)) + r"(:\d+){0,2}(: error)?", self.model, first)
-                raise InputError(told) from None
+                raise InputError(told.replace(f"{folder}{os.sep}", "")) from None
 
     def _base_link(self, compiled: CompiledScenario) -> str:
         if not compiled.rotors:
