@@ -73,7 +73,7 @@ class Options(argparse.ArgumentParser):
             self.error(f"--jobs {options.jobs}: at least 1")
         program = getattr(options, "program", PROGRAM)
         if not program.exists():
-            self.error(f"--program {program} does not exist; ./dev build makes it")
+            self.error(f"the program {program} does not exist; ./dev build makes it")
         try:
             for name in ("data", "images"):
                 (options.out / name).mkdir(parents=True, exist_ok=True)
