@@ -6,6 +6,7 @@ import argparse
 
 import torch
 from skybody import DifferentiableEnv
+from skybody.program import run_program
 
 
 class Transition(torch.autograd.Function):  # a step of the simulator
@@ -32,6 +33,8 @@ def fly(env, act):
 
 
 def main(iterations):
+    torch.manual_seed(1)
+    torch.set_num_threads(1)
     env = DifferentiableEnv("hover_learn", 1, steps=50)  # a second of flight
     actions = (0.21 + 0.2 * torch.randn(50, 1, 4)).requires_grad_()  # 0.21: about hover
     fly(env, lambda t, _: actions[t]).backward()
@@ -47,13 +50,11 @@ def main(iterations):
         (-reward).backward()
         torch.nn.utils.clip_grad_norm_(policy.parameters(), 1.0)
         adam.step()
-        if iteration % 10 == 0 or iteration == iterations - 1:
+        if iteration % 10 == 0:
             print(f"{iteration}: mean reward {reward:.3f}")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--iterations", type=int, default=100)
-    torch.manual_seed(1)
-    torch.set_num_threads(1)
-    main(parser.parse_args().iterations)
+    run_program(lambda: main(parser.parse_args().iterations))

@@ -1,4 +1,4 @@
-"""Where this installation keeps its parts for C++: `python -m skybody --cmake-dir`."""
+"""Where this installation keeps its parts for C++: `python -P -m skybody --cmake-dir`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FOLDERS = {
 
 def main(arguments: list[str] | None = None) -> int:
     """Prints the folder that is asked for; returns the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m skybody", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -P -m skybody", description=__doc__)
     parser.add_argument("--version", action="version", version=__version__)
     wanted = parser.add_mutually_exclusive_group(required=True)
     for option, (find, text) in FOLDERS.items():

@@ -4,7 +4,7 @@
 #   tree        the build tree
 #   prefix      an installation, made for this test; pkg-config, too
 #   fetch       FetchContent: configures Skybody as a part of the project, and builds the renderer
-#   FOLDER      the folder of an installed SkybodyConfig.cmake: `python -m skybody --cmake-dir` of a
+#   FOLDER      the folder of an installed SkybodyConfig.cmake: `python -P -m skybody --cmake-dir` of a
 #               wheel, /usr/lib/cmake/Skybody of the Debian packages
 # CXX may name the compiler.
 # usage: build_and_run.sh BUILD_TREE SOURCE_TREE WORK_DIR KIND

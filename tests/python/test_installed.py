@@ -1,4 +1,8 @@
-"""Parts of an installation: the folders for C++, and errors of a module that does not load."""
+"""Parts of an installation: the folders for C++, and errors of a module that does not load.
+
+Wheels take minutes: `.ci/run` builds them (`./dev wheel --quick`: scripts/build_wheels.py), and
+installs them in an environment of their own (scripts/check_wheels.py).
+"""
 
 import subprocess
 import sys

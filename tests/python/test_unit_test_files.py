@@ -22,6 +22,7 @@ SOURCES = {
     "controllers": ["controllers", "plugins/reference"],
     "effects": ["effects"],
     "learn": ["learn"],
+    "onboard": ["onboard"],
     "plugins": ["core/plugin_host", "plugins/api", "app"],
     "randomization": ["randomization"],
     "render": ["render"],
