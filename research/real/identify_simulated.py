@@ -6,12 +6,16 @@ and offsets of the sensors. The command reads them as it reads real ones.
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from skybody import InputError
 from skybody.identify.identify import Identified, identify
 from skybody.identify.identify import Options as Choices
 from skybody.identify.reading import Log, read
@@ -24,6 +28,7 @@ from research.real.simulated_flights import Truth, drawn, write_flights
 PAGE = "identify_simulated"
 MODEL = "crazyflie"
 VEHICLES, SECONDS, WINDOWS = 20, 15.0, 160
+KINDS = ("position", "attitude", "rate")
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,33 @@ class Found:
     def far(self) -> float:
         """Distance of the truth from the value, in half widths of the interval."""
         return abs(self.truth - self.value) / max(0.5 * (self.high - self.low), 1e-300)
+
+
+@dataclass(frozen=True)
+class OneVehicle:
+    """Results of one vehicle."""
+
+    found: list[Found]
+    errors: dict[str, list[float]]  # by model, at 0.5 s: position [m], attitude [rad], rate [rad/s]
+    refused: str = ""  # the message, if its flights cannot be used
+
+    def line(self, number: int) -> str:
+        """For the terminal."""
+        missed = ", ".join(f"{f.name} ({f.far:.1f})" for f in self.found if not f.inside)
+        inside = sum(f.inside for f in self.found)
+        return f"vehicle {number}: {self.refused or f'{inside} of {len(self.found)}; {missed}'}"
+
+
+def attempt(number: int, seconds: float, windows: int) -> OneVehicle:
+    """Flies and identifies a drawn vehicle."""
+    try:
+        truth, made = identified(number, seconds, windows)
+    except InputError as error:
+        return OneVehicle([], {}, str(error).split(": ", 1)[-1])
+    errors = {
+        name: [made.errors[name].mean(kind, 0.5) or 0.0 for kind in KINDS] for name in made.errors
+    }
+    return OneVehicle(found_of(number, truth, made), errors)
 
 
 def identified(number: int, seconds: float, windows: int) -> tuple[Truth, Identified]:
@@ -101,17 +133,13 @@ def verdict(found: Sequence[Found]) -> str:
     )
 
 
-def errors(made: Sequence[Identified]) -> list[list[str]]:
+def errors(made: Sequence[OneVehicle]) -> list[list[str]]:
     """Mean errors of prediction on held-out windows."""
     rows = [
         ["vehicle", "position at 0.5 s [m]", "attitude at 0.5 s [rad]", "rate at 0.5 s [rad/s]"]
     ]
     for name in made[0].errors:
-        cells = []
-        for kind in ("position", "attitude", "rate"):
-            values = [one.errors[name].mean(kind, 0.5) or 0.0 for one in made]
-            cells.append(f"{np.mean(values):.3g}")
-        rows.append([name, *cells])
+        rows.append([name, *(f"{x:.3g}" for x in np.mean([m.errors[name] for m in made], axis=0))])
     return rows
 
 
@@ -124,32 +152,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = options.given(arguments)
     count = 1 if given.quick else given.vehicles
     seconds, windows = (5.0, 30) if given.quick else (given.seconds, given.windows)
-    found: list[Found] = []
-    results: list[Identified] = []
-    for number in range(count):
-        truth, made = identified(number, seconds, windows)
-        found += found_of(number, truth, made)
-        results.append(made)
-        here = [f for f in found if f.vehicle == number]
-        missed = ", ".join(f"{f.name} ({f.far:.1f})" for f in here if not f.inside)
-        print(
-            f"vehicle {number}: {sum(f.inside for f in here)} of {len(here)}; {missed}", flush=True
-        )
+    with ProcessPoolExecutor(min(count, os.cpu_count() or 1)) as pool:
+        made = []
+        for one in pool.map(partial(attempt, seconds=seconds, windows=windows), range(count)):
+            print(one.line(len(made)), flush=True)
+            made.append(one)
+    found = [f for one in made for f in one.found]
     print(verdict(found))
-    text = page(found, results, count, seconds, windows)
+    text = page(made, seconds, windows)
     write_page(given.out, PAGE, text, {"parameters": [vars(f) for f in found]})
     return 0
 
 
-def page(
-    found: Sequence[Found], made: Sequence[Identified], count: int, seconds: float, windows: int
-) -> str:
+def page(made: Sequence[OneVehicle], seconds: float, windows: int) -> str:
     """The page."""
+    used = [one for one in made if not one.refused]
+    found = [f for one in used for f in one.found]
+    refused = "".join(
+        f"\nThe logs of vehicle {number} are refused: {one.refused}.\n"
+        for number, one in enumerate(made)
+        if one.refused
+    )
     return f"""# Identification of simulated vehicles
 
 {verdict(found)}
-
-{count} vehicles are drawn about the Crazyflie: inertias, moment constant and rotor inertia
+{refused}
+{len(made)} vehicles are drawn about the Crazyflie: inertias, moment constant and rotor inertia
 by 10 to 20 %, lags, delays, the law of the commands, drag, centre of mass, and offsets of the
 sensors (`research/real/simulated_flights.py`). Each flies twice for {seconds:g} s. The logs
 have rows at 500 Hz, with noise of 1 mm, 3 mrad, 0.02 rad/s and 0.15 m/s^2. `skybody identify` fits
@@ -164,5 +192,5 @@ where it may be.
 
 ## Prediction on held-out windows
 
-{markdown_table(errors(made))}
+{markdown_table(errors(used))}
 """
