@@ -5,7 +5,7 @@
 --neural-swarm: a checkout of github.com/aerorobotics/neural-swarm (G. Shi et al., Neural-Swarm2,
 T-RO 2021), whose flights have the thrust by a curve of the motors measured on a stand. Of these
 flights the residual force along z is compared: m a - T, with m by the same flight's free parts.
---flights: as for real_flights, for the battery. What is missing is left out, and the page says so.
+--flights: as for real_flights, for the battery. Missing data are left out, and the page says so.
 """
 
 from __future__ import annotations

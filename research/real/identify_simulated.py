@@ -82,7 +82,7 @@ def attempt(number: int, seconds: float, windows: int) -> OneVehicle:
 
 
 def identified(number: int, seconds: float, windows: int) -> tuple[Truth, Identified]:
-    """A drawn vehicle, and what its flights tell."""
+    """A drawn vehicle, and the result of its identification."""
     vehicle, rng = Vehicle(MODEL), np.random.default_rng(1000 + number)
     truth = drawn(vehicle, rng)
     with tempfile.TemporaryDirectory() as folder:

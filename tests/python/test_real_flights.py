@@ -237,7 +237,7 @@ def test_damped_commands_lose_constant_differences_and_keep_their_mean(file: Pat
 
 def test_the_offset_of_clocks_is_found_and_removed(file: Path) -> None:
     clocks, flight = module("clocks"), read(file)
-    late = clocks.aligned(flight, -0.02)  # the gyroscope tells what was 20 ms before
+    late = clocks.aligned(flight, -0.02)  # the gyroscope shows the motion of 20 ms before
     assert clocks.offset(flight) == pytest.approx(0.0, abs=0.002)
     assert clocks.offset(late) == pytest.approx(0.02, abs=0.002)
 

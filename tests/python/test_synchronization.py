@@ -1,4 +1,4 @@
-"""`python -m research run synchronization`: what it counts, and steps in and between processes.
+"""`python -m research run synchronization`: its counts, and steps in and between processes.
 
 The programs of the two processes are research/sync/server.py and research/sync/agent.py.
 """

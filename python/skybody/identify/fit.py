@@ -82,7 +82,7 @@ class Problem:
                 continue
             spread = 1.4826 * np.median(np.abs(some), axis=0)  # (samples, 3)
             spread = np.sqrt(np.mean(spread**2, axis=1, keepdims=True)) * np.ones((1, 3))
-            # Not far above the first ones: what fits badly must not lose its weight.
+            # Not far above the first ones: windows that fit badly must not lose their weight.
             self.deviations.of[kind] = np.clip(spread, LEAST[kind], MOST[kind])
 
     def _cost(self, rows: Array, shifts: Array, x: Array) -> float:

@@ -136,7 +136,7 @@ def identify(
         flights: to fit.
         tests: to judge; none: the last quarter of each of the flights.
         options: of the identification.
-        say: is told what happens.
+        say: gets the lines of progress.
 
     Raises:
         InputError: flights are not usable.
@@ -147,7 +147,7 @@ def identify(
     scales = scales_of(tracks)
     say(f"{len(tracks)} flights, {sum(kept_time(t.record) for t in tracks):.0f} s that can be used")
     start, model = begin(vehicle, tracks, scales, notes)
-    # Commands that are not complete are weighed by what they are worth over whole windows.
+    # Commands that are not complete are weighed by their effect over whole windows.
     length = LENGTH if "log.detail" in model.names else FIT_LENGTH
     train, test = windows_of(tracks, held, options, length)
     say(f"{len(train)} windows to fit, {len(test)} held out")
@@ -175,7 +175,7 @@ def identify(
 def begin(
     vehicle: Vehicle, tracks: Sequence[Track], scales: Scales, notes: list[str]
 ) -> tuple[dict[str, float], Model]:
-    """Start values, and the model of what the logs can tell."""
+    """Start values, and the model of the quantities that the logs show."""
     records = [track.record for track in tracks]
     has = {
         "voltage": scales.is_share and scales.voltage > 0.0,
@@ -190,7 +190,7 @@ def begin(
         has["detail"] = True
         notes.append(
             f"commands were logged {rate:.0f} times a second and explain {100.0 * found.told:.0f} "
-            "% of the turning: the log does not hold what the rotors were told between. Inertias, "
+            "% of the turning: the log lacks the commands between its rows. Inertias, "
             "moment constants and the centre of mass stay nominal; log commands at 500 Hz or more"
         )
     elif found.told < TOLD:
@@ -212,7 +212,7 @@ def windows_of(
         test = cut(tracks, 0.1, LENGTH)
         ends = [quantile_of(test.begin[test.flight == k]) for k in range(len(tracks))]
         test = test.some(test.begin >= np.array(ends)[test.flight])
-        # What the held-out windows need is in no window of the fit.
+        # No window of the fit contains data of the held-out windows.
         train = train.some(train.begin + length + 2.0 * WARM < np.array(ends)[train.flight])
     for windows, name in ((train, "to fit"), (test, "to judge by")):
         if len(windows) < LEAST_WINDOWS:

@@ -67,7 +67,7 @@ def covariance(fit: Fit, parameters: Sequence[Parameter], windows: Windows) -> A
 
 
 def floor_of(parameter: Parameter, windows: Windows) -> float:
-    """The least deviation: what sampling and the steps of the replay leave open."""
+    """The least deviation: the uncertainty by sampling and by the steps of the replay."""
     if parameter.form == LOG:
         return LEAST_SHARE
     if parameter.name.startswith("delay."):

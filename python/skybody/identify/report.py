@@ -52,7 +52,7 @@ def markdown(rows: list[list[str]]) -> str:
 
 
 def terminal(made: Identified) -> str:
-    """What the command prints."""
+    """Lines for the terminal."""
     return f"{plain(parameter_rows(made))}\n\n{plain(error_rows(made))}"
 
 

@@ -183,7 +183,7 @@ PLACES = {
 
 
 def randomization(made: Identified) -> list[str]:
-    """Draws of what the data leave open."""
+    """Draws within the uncertainty of the data."""
     vehicle, lines = made.model.vehicle, []
     body = f"robots.{ROBOT}.links.{vehicle.link}."
     for interval in made.intervals:
