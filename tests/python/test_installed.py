@@ -34,7 +34,7 @@ def test_a_library_without_files_for_cpp_says_what_installs_them(
         (ModuleNotFoundError("No module named 'skybody._native'"), "install the wheel of this"),
         (ImportError("libc.so.6: version `GLIBC_2.35' not found"), "build it here from source"),
         (
-            ImportError("libskybody.so.0.2: cannot open shared object file"),
+            ImportError("libskybody.so.1: cannot open shared object file"),
             "install the wheels `skybody` and `libskybody` of one version",
         ),
         (ImportError("undefined symbol: _ZN7skybody3fooEv"), "`libskybody` of one version"),
