@@ -2,6 +2,7 @@
 
 python -m research run NAME [--quick] [OPTIONS]   NAME's own options: run NAME --help
 python -m research --list                         names, subjects and pages
+python -m research all --list | [--resume]        every measurement that writes a page, with times
 python -m research index                          writes the index of docs/results/README.md
 python -m research paper --list | --all           every table and figure of the GzDRL paper
 """
@@ -63,16 +64,21 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--list", action="store_true", help="names, subjects and pages")
-    commands = parser.add_subparsers(dest="command", metavar="run | index | paper")
+    commands = parser.add_subparsers(dest="command", metavar="run | all | index | paper")
     one = commands.add_parser("run", add_help=False)
     one.add_argument("name")
     one.add_argument("options", nargs=argparse.REMAINDER)
     commands.add_parser("index", help="write the index of docs/results/README.md")
+    commands.add_parser("all", add_help=False)
     commands.add_parser("paper", add_help=False)
     if sys.argv[1:2] == ["paper"]:  # its options are its own, `--list` among them
         from research.paper.command import main as list_paper
 
         sys.exit(list_paper(sys.argv[2:]))
+    if sys.argv[1:2] == ["all"]:
+        from research.everything.command import main as run_all
+
+        sys.exit(run_all(sys.argv[2:]))
     options = parser.parse_args()
     if options.command == "run":
         run(options.name, options.options)
@@ -81,7 +87,7 @@ def main() -> None:
     elif options.list:
         print(listed())
     else:
-        parser.error("run NAME, index, paper or --list")
+        parser.error("run NAME, all, index, paper or --list")
 
 
 if __name__ == "__main__":
