@@ -66,9 +66,20 @@ void Campaign::add_queues(Front& front) const {
     front.queues.push_back({std::move(seeds), 0, seed_count, true});
     front.queues.push_back({std::move(files), 0, file_count, false});
   }
-  const std::uint64_t end = options_.minutes > 0.0 ? kEndless : options_.first + options_.count;
+  const std::uint64_t end = options_.shares_time() ? kEndless : options_.first + options_.count;
   front.queues.push_back({std::make_unique<MadeInputs>(*front.row, *front.area, options_.seed),
                           options_.first, end, false});
+}
+
+/// Inputs that have been run, of all areas.
+std::uint64_t Campaign::inputs() const {
+  std::uint64_t sum = 0;
+  for (const Front& front : fronts_) sum += front.tally.inputs();
+  return sum;
+}
+
+bool Campaign::is_over() const {
+  return options_.shares_time() && Clock::now() >= deadline_ && inputs() >= options_.inputs;
 }
 
 Campaign::Queue* Campaign::queue_of(Front& front) {
@@ -92,7 +103,7 @@ Campaign::Front* Campaign::next_front() {
 }
 
 std::uint64_t Campaign::block_size(const Front& front) const {
-  if (options_.minutes <= 0.0) return kBlock;
+  if (!options_.shares_time()) return kBlock;
   if (front.tally.seconds < 0.1) return kFirstBlock;
   const double rate = static_cast<double>(front.tally.inputs()) / front.tally.seconds;
   return std::clamp(static_cast<std::uint64_t>(rate * kBlockSeconds), kFirstBlock, kMostBlock);

@@ -56,7 +56,8 @@ class Campaign {
   static void run_from(Job& job, std::uint64_t first);
   void take(Job& job, const BlockEnd& end);
   void tell(Front& front, const Inputs& inputs, const Found& found) const;
-  bool is_over() const { return options_.minutes > 0.0 && Clock::now() >= deadline_; }
+  std::uint64_t inputs() const;
+  bool is_over() const;
 
   const Options& options_;
   std::filesystem::path folder_;

@@ -14,6 +14,7 @@ constexpr const char* kFooter =
     "something found, 2 wrong use.\n"
     "Examples:\n"
     "  skybody_fuzz --minutes 30 --save build/fuzz\n"
+    "  skybody_fuzz --inputs 1000000\n"
     "  skybody_fuzz urdf rotors --seed 7 --count 10000\n"
     "  skybody_fuzz urdf --seed 7 --first 1234 --count 1 --here\n"
     "  skybody_fuzz urdf --input build/fuzz/urdf_7_1234";
@@ -32,8 +33,12 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--first", options.first, "Number of the first input (0)");
   CLI::Option* count = app.add_option("--count", options.count, "Inputs of each area")
                            ->check(whole_number(1, 1'000'000'000));
-  app.add_option("--minutes", options.minutes, "Time for all areas together")
+  app.add_option("--minutes", options.minutes, "Time for all areas together, shared equally")
       ->check(number_within(0.01, 100'000.0))
+      ->excludes(count);
+  app.add_option("--inputs", options.inputs,
+                 "At least so many inputs of all areas together, beside the time if both are given")
+      ->check(whole_number(1, 1'000'000'000'000))
       ->excludes(count);
   app.add_flag("--corpus", options.corpus, "First the valid inputs and the files of the corpus");
   app.add_option("--input", options.input, "Run this file; one area is to be named")
@@ -65,8 +70,9 @@ bool parse_options(int count, char** arguments, Options& options, int& status) {
     if (!options.input.empty() && options.areas.size() != 1) {
       throw CLI::ValidationError("--input", "name the area that the file belongs to");
     }
-    if (options.count == 0 && options.minutes == 0.0 && !options.corpus && options.input.empty()) {
-      throw CLI::ValidationError("nothing to run", "give --count, --minutes, --corpus or --input");
+    if (options.count == 0 && !options.shares_time() && !options.corpus && options.input.empty()) {
+      throw CLI::ValidationError("nothing to run",
+                                 "give --count, --minutes, --inputs, --corpus or --input");
     }
   } catch (const CLI::ParseError& error) {
     status = app.exit(error) == 0 ? 0 : 2;
