@@ -15,24 +15,36 @@ find_path(SKYBODY_TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
 find_library(SKYBODY_TURBOJPEG_LIBRARY turbojpeg REQUIRED)
 find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
-# The headers may be in the project (fetched by ./dev). Without Debian's -dev package there is no
-# plain .so either.
-set(sundials_headers "${PROJECT_SOURCE_DIR}/.sundials/include")
-find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}")
+# SUNDIALS 6 or 7. The headers may be in the project (fetched by ./dev); without Debian's -dev
+# package there is no plain .so either. Debian 13's libraries need MPI: there ./dev builds static
+# ones without it into the project.
+set(sundials_folder "${PROJECT_SOURCE_DIR}/.sundials")
+find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_folder}/include")
 if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
   message(FATAL_ERROR
-    "no headers of SUNDIALS 6: `./dev build` fetches them (libsundials-dev has them, too, but "
+    "no headers of SUNDIALS: `./dev build` fetches them (libsundials-dev has them, too, but "
                       "brings another BLAS, with which Simbody computes other bits)")
 endif()
-find_library(SKYBODY_CVODE_LIBRARY NAMES sundials_cvode libsundials_cvode.so.6 REQUIRED)
-find_library(SKYBODY_ARKODE_LIBRARY NAMES sundials_arkode libsundials_arkode.so.5 REQUIRED)
-file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" SKYBODY_SUNDIALS_VERSION
-     REGEX "define SUNDIALS_VERSION ")  # ... "6.4.1"
-string(REGEX REPLACE ".*\"(.*)\".*" "\\1" SKYBODY_SUNDIALS_VERSION "${SKYBODY_SUNDIALS_VERSION}")
-if(NOT SKYBODY_SUNDIALS_VERSION MATCHES "^6[.]")
+file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" sundials_config
+     REGEX "define SUNDIALS_(VERSION |MPI_ENABLED 1)")
+string(REGEX REPLACE ".*SUNDIALS_VERSION \"([^\"]*)\".*" "\\1" SKYBODY_SUNDIALS_VERSION
+  "${sundials_config}")
+if(NOT SKYBODY_SUNDIALS_VERSION MATCHES "^[67][.]" OR sundials_config MATCHES "MPI_ENABLED 1")
   message(FATAL_ERROR
-    "SUNDIALS ${SKYBODY_SUNDIALS_VERSION} in ${SKYBODY_SUNDIALS_INCLUDE_DIR}; needed: 6")
+    "SUNDIALS ${SKYBODY_SUNDIALS_VERSION} in ${SKYBODY_SUNDIALS_INCLUDE_DIR}; needed: 6, or 7 "
+                      "without MPI, which `./dev build` makes")
 endif()
+set(sundials_libraries cvode arkode)
+if(SKYBODY_SUNDIALS_VERSION MATCHES "^7")
+  list(APPEND sundials_libraries core)
+endif()
+set(skybody_sundials_files "")
+foreach(name IN LISTS sundials_libraries)
+  string(TOUPPER "SKYBODY_${name}_LIBRARY" file)
+  find_library(${file} NAMES sundials_${name} libsundials_${name}.so.6 libsundials_${name}.so.5
+    HINTS "${sundials_folder}/lib" REQUIRED)
+  list(APPEND skybody_sundials_files "${${file}}")
+endforeach()
 
 function(skybody_dependency name)
   add_library(skybody_${name} INTERFACE)
@@ -64,7 +76,7 @@ list(FILTER HDF5_C_LIBRARIES INCLUDE REGEX "hdf5")  # drops HDF5's own dependenc
 target_include_directories(skybody_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
 target_compile_definitions(skybody_hdf5 INTERFACE ${HDF5_C_DEFINITIONS})
 target_link_libraries(skybody_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
-skybody_dependency(sundials "${SKYBODY_CVODE_LIBRARY}" "${SKYBODY_ARKODE_LIBRARY}")
+skybody_dependency(sundials ${skybody_sundials_files})
 target_include_directories(skybody_sundials SYSTEM INTERFACE "${SKYBODY_SUNDIALS_INCLUDE_DIR}")
 skybody_dependency(urdf)
 if(TARGET urdfdom::urdfdom_model)
@@ -104,6 +116,11 @@ if(SKYBODY_DAQP_DIR)
     RENAME daqp.txt COMPONENT library)
 else()
   message(STATUS "no DAQP in .daqp (`./dev build` fetches it): controller nmpc is left out")
+endif()
+
+if(EXISTS "${sundials_folder}/LICENSE")  # linked in
+  install(FILES "${sundials_folder}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/skybody/licenses"
+    RENAME sundials.txt COMPONENT library)
 endif()
 
 if(SKYBODY_BUILD_TESTS)

@@ -7,7 +7,7 @@
 policies, headers, CMake files and the program. `skybody` is the Python package, once for the Python
 of the build and, with skybody_stable_module, once for 3.12 and later. auditwheel copies the
 libraries of others beside ours, under names that no other copy has, and says on which systems
-(manylinux) the wheels run.
+(manylinux) the wheels run. elf_symbol_versions lets these be older ones.
 """
 
 from __future__ import annotations
@@ -24,10 +24,13 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+import elf_symbol_versions
+
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 25e6  # bytes of a wheel
 COMPONENTS = ("library", "development", "program")
 STATIC = ("AEC", "BLAS", "HDF5", "LAPACK", "SZ")  # archives of others, linked in (packaging/wheel)
+OLDER = "older"  # folder of other libraries that ask for older symbols
 MODULE_FINDS_LIBRARY = "$ORIGIN/../libskybody/lib"
 LIBRARY_PACKAGE = '''"""The library of Skybody, for C++ and for the package `skybody`: a prefix."""
 
@@ -134,13 +137,37 @@ def package_of(library: Path) -> str | None:
     return None
 
 
+def linked_libraries(folder: Path) -> set[Path]:
+    """The libraries of the system that a wheel's files need."""
+    said = "".join(run("ldd", path) for path in elf_files(folder))
+    return {Path(path).resolve() for path in re.findall(r"=> (/\S+)", said)}
+
+
+def for_older_systems(wheel: Path, copies: Path) -> None:
+    """Lets the wheel's own files, and copies of the system's libraries that it takes, ask for older
+    symbols. auditwheel finds the copies first.
+    """
+    for path in wheel.rglob("*"):
+        if path.is_file() and not path.is_symlink():
+            elf_symbol_versions.lower(path)
+    copies.mkdir(exist_ok=True)
+    for path in linked_libraries(wheel):
+        copy = Path(shutil.copy2(path, copies / soname(path)))
+        if not elf_symbol_versions.lower(copy):
+            copy.unlink()
+
+
+def soname(library: Path) -> str:
+    """The name by which others ask for a library."""
+    return run(tool("patchelf"), "--print-soname", library).strip() or library.name
+
+
 def add_licenses(build: Path, folder: Path) -> None:
     """Licences of the libraries of others that the wheel brings, as Debian has them."""
     licenses = folder / "libskybody/share/skybody/licenses"
     licenses.mkdir(parents=True, exist_ok=True)
-    linked = "".join(run("ldd", path) for path in elf_files(folder))
     static = [cache_value(build, f"SKYBODY_STATIC_{name}") for name in STATIC]
-    paths = {Path(path).resolve() for path in re.findall(r"=> (/\S+)", linked) + static if path}
+    paths = linked_libraries(folder) | {Path(path).resolve() for path in static if path}
     paths.add(Path(cache_value(build, "SKYBODY_RANDOM123_INCLUDE_DIR")) / "Random123/philox.h")
     for package in sorted({found for path in paths if (found := package_of(path))}):
         notice = Path("/usr/share/doc") / package / "copyright"
@@ -158,6 +185,7 @@ def elf_files(folder: Path) -> list[Path]:
 
 def pack(project: Project, wheel: Wheel, extra: dict[str, list[str]], needs: list[str]) -> Path:
     """Writes the wheel's metadata and packs its folder."""
+    for_older_systems(wheel.folder, wheel.folder.parent / OLDER)
     info = wheel.folder / f"{wheel.name}-{project.version}.dist-info"
     info.mkdir()
     (info / "METADATA").write_text(project.metadata(wheel.name, needs, extra))
@@ -227,9 +255,9 @@ def make(build: Path, out: Path) -> list[Path]:
     time = run("git", "-C", ROOT, "log", "-1", "--format=%ct").strip()
     os.environ.setdefault("SOURCE_DATE_EPOCH", time)  # the same build gives the same wheel
     os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"  # patchelf
-    os.environ["LD_LIBRARY_PATH"] = str(build / "lib/wheel/lapack")
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
+        os.environ["LD_LIBRARY_PATH"] = f"{work / OLDER}:{build / 'lib/wheel/lapack'}"
         packed = [library_wheel(project, build, work)]
         folder = Path(cache_value(build, "SKYBODY_MODULE_FOLDER"))
         stub = folder / "_native.pyi"

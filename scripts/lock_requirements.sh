@@ -18,6 +18,7 @@ lock() {
 lock dev "$@"
 lock no-deps --no-deps "$@"
 lock pictures -c dev.txt
+lock packages -c dev.txt
 # Ray's environment extends that of the tests and has its packages, except Gymnasium (./dev ray).
 sed -n 's/^\([a-z0-9-]*==[^ ]*\).*/\1/p' dev.txt | grep -v '^gymnasium==' >"$tools/shared.txt"
 lock ray -c "$tools/shared.txt" "$@"

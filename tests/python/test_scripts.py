@@ -130,6 +130,7 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "scripts/build_betaflight.sh": Elsewhere("test_sitl_betaflight.py"),
     "scripts/build_wheels.py": Elsewhere("test_installed.py"),
     "scripts/check_wheels.py": Elsewhere("test_installed.py"),
+    "scripts/elf_symbol_versions.py": Elsewhere("test_elf_symbol_versions.py"),
     "scripts/docs_site/build.py": Elsewhere("test_docs_site.py"),
     "scripts/build_times.py": Call("--count 3"),
     "scripts/code_lines.py": Call("scripts"),

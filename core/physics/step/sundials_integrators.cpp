@@ -5,6 +5,7 @@
 #include <arkode/arkode_arkstep.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
+#include <sundials/sundials_config.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
@@ -20,6 +21,19 @@
 
 #include "core/base/system/error.h"
 #include "core/physics/step/integrator.h"
+
+// SUNDIALS 6 under the names of SUNDIALS 7.
+#if SUNDIALS_VERSION_MAJOR < 7
+#define SUN_COMM_NULL nullptr
+#define ARKodeFree ARKStepFree
+#define ARKodeSetUserData ARKStepSetUserData
+#define ARKodeSetOrder ARKStepSetOrder
+#define ARKodeSStolerances ARKStepSStolerances
+#define ARKodeSetMaxNumSteps ARKStepSetMaxNumSteps
+#define ARKodeSetLinearSolver ARKStepSetLinearSolver
+#define ARKodeSetStopTime ARKStepSetStopTime
+#define ARKodeEvolve ARKStepEvolve
+#endif
 
 namespace skybody {
 namespace {
@@ -48,14 +62,31 @@ void free_context(SUNContext context) { SUNContext_Free(&context); }
 void free_linear_solver(SUNLinearSolver solver) { SUNLinSolFree(solver); }
 void free_nonlinear_solver(SUNNonlinearSolver solver) { SUNNonlinSolFree(solver); }
 void free_cvode(void* memory) { CVodeFree(&memory); }
-void free_arkode(void* memory) { ARKStepFree(&memory); }
+void free_arkode(void* memory) { ARKodeFree(&memory); }
 
-/// Suppresses messages on stderr: an error is reported as a fault of the environment.
-void keep_silent(int, const char*, const char*, char*, void*) {}
+/// Messages on stderr are suppressed: an error is reported as a fault of the environment.
+#if SUNDIALS_VERSION_MAJOR < 7
+void ignore_message(int, const char*, const char*, char*, void*) {}
+void silence(SUNContext) {}
+void silence_cvode(void* cvode) {
+  demand(CVodeSetErrHandlerFn(cvode, &ignore_message, nullptr), "CVodeSetErrHandlerFn");
+}
+void silence_arkode(void* arkode) {
+  demand(ARKStepSetErrHandlerFn(arkode, &ignore_message, nullptr), "ARKStepSetErrHandlerFn");
+}
+#else
+void silence(SUNContext context) {
+  demand(SUNContext_ClearErrHandlers(context), "SUNContext_ClearErrHandlers");
+  demand(SUNContext_SetLogger(context, nullptr), "SUNContext_SetLogger");
+}
+void silence_cvode(void*) {}
+void silence_arkode(void*) {}
+#endif
 
 SUNContext new_context() {
   SUNContext context = nullptr;
-  demand(SUNContext_Create(nullptr, &context), "SUNContext_Create");
+  demand(SUNContext_Create(SUN_COMM_NULL, &context), "SUNContext_Create");
+  silence(context);
   return context;
 }
 
@@ -91,7 +122,7 @@ class SundialsIntegrator : public Integrator {
   virtual int solve() = 0;
 
   /// dy/dt for SUNDIALS. Returns 1 to request another point (or a failure), -1 to stop.
-  static int derivative(realtype time, N_Vector y, N_Vector rates, void* self) {
+  static int derivative(sunrealtype time, N_Vector y, N_Vector rates, void* self) {
     auto& me = *static_cast<SundialsIntegrator*>(self);
     const double* q = N_VGetArrayPointer(y);
     const double* u = q + me.q_count_;
@@ -147,7 +178,7 @@ class Cvode final : public SundialsIntegrator {
       : SundialsIntegrator(world),
         memory_(demand(CVodeCreate(is_stiff() ? CV_BDF : CV_ADAMS, context()), "CVodeCreate")) {
     void* cvode = memory_.get();
-    demand(CVodeSetErrHandlerFn(cvode, &keep_silent, nullptr), "CVodeSetErrHandlerFn");
+    silence_cvode(cvode);
     demand(CVodeInit(cvode, &derivative, 0.0, y()), "CVodeInit");
     demand(CVodeSetUserData(cvode, static_cast<SundialsIntegrator*>(this)), "CVodeSetUserData");
     demand(CVodeSStolerances(cvode, settings().relative_tolerance, settings().absolute_tolerance),
@@ -166,7 +197,7 @@ class Cvode final : public SundialsIntegrator {
   bool is_stiff() const { return settings().method == SolverMethod::kBdf; }
 
   int solve() override {
-    realtype reached = 0.0;
+    sunrealtype reached = 0.0;
     if (const int flag = CVodeReInit(memory_.get(), 0.0, y()); flag < 0) return flag;
     if (const int flag = CVodeSetStopTime(memory_.get(), dt()); flag < 0) return flag;
     return CVode(memory_.get(), dt(), y(), &reached, CV_NORMAL);
@@ -185,17 +216,15 @@ class Arkode final : public SundialsIntegrator {
         memory_(demand(ARKStepCreate(explicit_part(), implicit_part(), 0.0, y(), context()),
                        "ARKStepCreate")) {
     void* arkode = memory_.get();
-    demand(ARKStepSetErrHandlerFn(arkode, &keep_silent, nullptr), "ARKStepSetErrHandlerFn");
-    demand(ARKStepSetUserData(arkode, static_cast<SundialsIntegrator*>(this)),
-           "ARKStepSetUserData");
-    demand(ARKStepSetOrder(arkode, 4), "ARKStepSetOrder");
-    demand(
-        ARKStepSStolerances(arkode, settings().relative_tolerance, settings().absolute_tolerance),
-        "ARKStepSStolerances");
-    demand(ARKStepSetMaxNumSteps(arkode, settings().max_steps), "ARKStepSetMaxNumSteps");
+    silence_arkode(arkode);
+    demand(ARKodeSetUserData(arkode, static_cast<SundialsIntegrator*>(this)), "ARKodeSetUserData");
+    demand(ARKodeSetOrder(arkode, 4), "ARKodeSetOrder");
+    demand(ARKodeSStolerances(arkode, settings().relative_tolerance, settings().absolute_tolerance),
+           "ARKodeSStolerances");
+    demand(ARKodeSetMaxNumSteps(arkode, settings().max_steps), "ARKodeSetMaxNumSteps");
     if (is_stiff()) {
       make_linear_solver();
-      demand(ARKStepSetLinearSolver(arkode, linear_solver(), matrix()), "ARKStepSetLinearSolver");
+      demand(ARKodeSetLinearSolver(arkode, linear_solver(), matrix()), "ARKodeSetLinearSolver");
     }
   }
 
@@ -205,11 +234,11 @@ class Arkode final : public SundialsIntegrator {
   ARKRhsFn implicit_part() const { return is_stiff() ? &derivative : nullptr; }
 
   int solve() override {
-    realtype reached = 0.0;
+    sunrealtype reached = 0.0;
     const int flag = ARKStepReInit(memory_.get(), explicit_part(), implicit_part(), 0.0, y());
     if (flag < 0) return flag;
-    if (const int stop = ARKStepSetStopTime(memory_.get(), dt()); stop < 0) return stop;
-    return ARKStepEvolve(memory_.get(), dt(), y(), &reached, ARK_NORMAL);
+    if (const int stop = ARKodeSetStopTime(memory_.get(), dt()); stop < 0) return stop;
+    return ARKodeEvolve(memory_.get(), dt(), y(), &reached, ARK_NORMAL);
   }
 
   Owned<void*, &free_arkode> memory_;  ///< destroyed first: it uses the solvers
