@@ -9,6 +9,7 @@
 
 #include "core/base/system/error.h"
 #include "core/base/system/installation.h"
+#include "core/version.h"
 
 namespace skybody {
 namespace {
@@ -46,6 +47,7 @@ void set_python_environment() {
     if (!entry.empty()) path += (path.empty() ? "" : ":") + entry;
   }
   setenv("PYTHONPATH", path.c_str(), 1);
+  setenv("SKYBODY_PROGRAM_VERSION", version(), 1);  // the package refuses another one
   if (address_space() != RLIM_INFINITY) setenv("OPENBLAS_NUM_THREADS", "1", 0);
 }
 

@@ -26,7 +26,7 @@ if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
                       "brings another BLAS, with which Simbody computes other bits)")
 endif()
 file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" sundials_config
-     REGEX "define SUNDIALS_(VERSION |MPI_ENABLED 1)")
+     REGEX "^#define SUNDIALS_(VERSION |MPI_ENABLED 1)")
 string(REGEX REPLACE ".*SUNDIALS_VERSION \"([^\"]*)\".*" "\\1" SKYBODY_SUNDIALS_VERSION
   "${sundials_config}")
 if(NOT SKYBODY_SUNDIALS_VERSION MATCHES "^[67][.]" OR sundials_config MATCHES "MPI_ENABLED 1")

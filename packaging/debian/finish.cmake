@@ -1,5 +1,5 @@
 # Run by CPack on the folders of all packages: paths of the build are taken out of programs and
-# libraries, and each package gets its copyright and changelog.
+# libraries, each package gets its copyright and changelog, and the program its manual pages.
 file(GLOB packages LIST_DIRECTORIES true "${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*")
 foreach(package IN LISTS packages)
   get_filename_component(component "${package}" NAME)
@@ -15,6 +15,14 @@ foreach(package IN LISTS packages)
       execute_process(COMMAND patchelf --remove-rpath "${file}" COMMAND_ERROR_IS_FATAL ANY)
     endif()
   endforeach()
+
+  if(component STREQUAL "program")
+    set(manual "${package}/usr/share/man/man1")
+    execute_process(COMMAND python3 "${CPACK_SKYBODY_MANUAL}" --program "${CPACK_SKYBODY_PROGRAM}"
+                            --out "${manual}" COMMAND_ERROR_IS_FATAL ANY)
+    file(GLOB pages "${manual}/*.1")
+    execute_process(COMMAND gzip -9n ${pages} COMMAND_ERROR_IS_FATAL ANY)
+  endif()
 
   set(doc "${package}/usr/share/doc/${name}")
   file(COPY "${CMAKE_CURRENT_LIST_DIR}/copyright" DESTINATION "${doc}"

@@ -2,6 +2,7 @@
 #include <nanobind/stl/string.h>
 #include <skybody/build_info.h>
 #include <skybody/git_describe.h>
+#include <skybody/version.h>
 
 #include <map>
 #include <string>
@@ -36,6 +37,7 @@ void bind_versions(nb::module_& m) {
       "library_folder", [] { return library_folder().string(); },
       "The folder of libskybody: of a build, of an installation or of the wheel `libskybody`.");
   m.attr("__version__") = version();
+  m.attr("built_for") = SKYBODY_VERSION;  // the library that is loaded may be of another version
 }
 
 }  // namespace skybody::python

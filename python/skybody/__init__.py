@@ -14,7 +14,10 @@ on. The submodules above are imported at their first use.
 from __future__ import annotations
 
 import importlib
+import os
 from typing import TYPE_CHECKING, Any
+
+from .native_problem import native_problem, refuse, version_problem
 
 try:
     from ._native import (
@@ -31,12 +34,11 @@ try:
         MassProperties,
         ObservationColumn,
         Snapshot,
+        built_for,
         versions,
     )
 except ImportError as error:
-    from .native_problem import native_problem
-
-    raise native_problem(error) from error
+    refuse(native_problem(error))
 from .differentiable import DifferentiableEnv
 from .extras import EXTRAS, missing_package
 from .pool import Pool
@@ -47,6 +49,11 @@ if TYPE_CHECKING:
     from .vector import SkybodyVectorEnv as make_vec
 
 __version__ = versions()["skybody"]
+
+_program = os.environ.get("SKYBODY_PROGRAM_VERSION", __version__)  # set where the program runs us
+if _problem := version_problem(package=built_for, library=__version__, program=_program):
+    refuse(_problem)
+os.environ.pop("SKYBODY_PROGRAM_VERSION", None)  # programs that we start may have another package
 
 __all__ = [
     "CONTROL_MODES",

@@ -4,13 +4,14 @@ Wheels take minutes: `.ci/run` builds them (`./dev wheel --quick`: scripts/build
 installs them in an environment of their own (scripts/check_wheels.py).
 """
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from skybody.__main__ import main
-from skybody.native_problem import native_problem
+from skybody.native_problem import native_problem, version_problem
 
 
 def test_the_cmake_folder_is_that_of_this_build() -> None:
@@ -37,6 +38,10 @@ def test_a_library_without_files_for_cpp_says_what_installs_them(
             ImportError("libskybody.so.1: cannot open shared object file"),
             "install the wheels `skybody` and `libskybody` of one version",
         ),
+        (
+            ImportError("libstdc++.so.6: cannot open shared object file"),
+            "this system has no libstdc++.so.6: install the package that has it",
+        ),
         (ImportError("undefined symbol: _ZN7skybody3fooEv"), "`libskybody` of one version"),
     ],
 )
@@ -44,6 +49,35 @@ def test_a_native_module_that_does_not_load_is_one_line_with_the_remedy(
     error: ImportError, remedy: str
 ) -> None:
     said = str(native_problem(error))
-    assert said.startswith("skybody: its ") or said.startswith("skybody: this system's")
+    assert said.startswith("skybody: its ") or said.startswith("skybody: this system")
     assert remedy in said
     assert "\n" not in said
+
+
+def test_parts_of_one_version_are_no_problem() -> None:
+    assert version_problem(package="1.0.0", library="1.0.0", program="1.0.0") is None
+
+
+@pytest.mark.parametrize(
+    ("library", "program", "remedy"),
+    [
+        ("1.0.1", "1.0.0", "install the wheels `skybody` and `libskybody` of one version"),
+        ("1.0.0", "1.0.1", "start the program of this Python's environment"),
+    ],
+)
+def test_parts_of_two_versions_are_one_line_with_the_remedy(
+    library: str, program: str, remedy: str
+) -> None:
+    said = str(version_problem(package="1.0.0", library=library, program=program))
+    assert "1.0.0" in said and "1.0.1" in said
+    assert remedy in said
+    assert "\n" not in said
+
+
+def test_a_program_of_another_version_is_refused() -> None:
+    environment = {**os.environ, "SKYBODY_PROGRAM_VERSION": "0.1.0"}
+    command = [sys.executable, "-c", "import skybody"]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: skybody: the program is 0.1.0, the Python package in")
+    assert done.stderr.count("\n") == 1
