@@ -1,7 +1,8 @@
 """Parts of an installation: the folders for C++, and errors of a module that does not load.
 
 Wheels take minutes: `.ci/run` builds them (`./dev wheel --quick`: scripts/build_wheels.py), and
-installs them in an environment of their own (scripts/check_wheels.py).
+installs them in an environment of their own (scripts/check_wheels.py). scripts/check_debian.sh
+takes half an hour: it makes, installs and removes Debian packages in another release.
 """
 
 import os
@@ -12,6 +13,8 @@ from pathlib import Path
 import pytest
 from skybody.__main__ import main
 from skybody.native_problem import native_problem, version_problem
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_the_cmake_folder_is_that_of_this_build() -> None:
@@ -81,3 +84,18 @@ def test_a_program_of_another_version_is_refused() -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("error: skybody: the program is 0.1.0, the Python package in")
     assert done.stderr.count("\n") == 1
+
+
+def test_the_program_has_manual_pages(tmp_path: Path) -> None:
+    command = [sys.executable, str(ROOT / "scripts/manual_pages.py"), "--out", str(tmp_path)]
+    program = ROOT / "build/release/bin/skybody"
+    subprocess.run([*command, "--program", str(program)], check=True)
+    pages = {path.name: path.read_text() for path in tmp_path.glob("*.1")}
+    assert {"skybody.1", "skybody-run.1", "skybody-check.1"} <= set(pages)
+    assert "skybody-train.1" not in pages  # its help needs Python's packages
+    assert "\n.SH COMMANDS\n" in pages["skybody.1"] and "\ntrain\n" not in pages["skybody.1"]
+    for name, text in pages.items():
+        title = name.removesuffix(".1")
+        assert text.startswith(f".TH {title.upper()} 1 ")
+        assert f"\n.SH NAME\n{title.replace('-', chr(92) + '-')} \\- " in text
+    assert "\\-\\-policy" in pages["skybody-run.1"]
