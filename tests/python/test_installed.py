@@ -1,8 +1,9 @@
 """Parts of an installation: the folders for C++, and errors of a module that does not load.
 
 Wheels take minutes: `.ci/run` builds them (`./dev wheel --quick`: scripts/build_wheels.py), and
-installs them in an environment of their own (scripts/check_wheels.py). scripts/check_debian.sh
-takes half an hour: it makes, installs and removes Debian packages in another release.
+installs them in an environment of their own (scripts/check_wheels.py). Roots of other Debian
+releases (scripts/debian_root.sh) take longer: scripts/check_debian.sh makes, installs and removes
+Debian packages in one, scripts/time_installation.sh times the way from wheels to a film.
 """
 
 import os

@@ -132,6 +132,8 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "scripts/build_wheels.py": Elsewhere("test_installed.py"),
     "scripts/check_wheels.py": Elsewhere("test_installed.py"),
     "scripts/check_debian.sh": Elsewhere("test_installed.py"),
+    "scripts/debian_root.sh": Elsewhere("test_installed.py"),
+    "scripts/time_installation.sh": Elsewhere("test_installed.py"),
     "scripts/manual_pages.py": Elsewhere("test_installed.py"),
     "scripts/elf_symbol_versions.py": Elsewhere("test_elf_symbol_versions.py"),
     "scripts/docs_site/build.py": Elsewhere("test_docs_site.py"),
