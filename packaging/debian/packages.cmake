@@ -64,7 +64,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS python3-skybody)
 if(TARGET skybody_python)
   skybody_debian_package(python python3-skybody python
     "the Python package, which trains, draws and exports.\nIts environments need Gymnasium, which \
-is not in Debian 12 and 13.")
+neither Debian 12 nor 13 has.")
   get_target_property(suffix skybody_python SUFFIX)
   string(REGEX REPLACE ".*cpython-3([0-9]+).*" "\\1" minor "${suffix}")
   math(EXPR next "${minor} + 1")
