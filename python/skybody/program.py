@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import mmap
 import multiprocessing
 import os
@@ -22,6 +23,9 @@ BLAS_BYTES = 48 << 20  # OpenBLAS allocates 32 MiB at its first product
 _NO_ROOM = re.compile(
     "failed to map segment|cannot allocate memory|error return without exception set", re.IGNORECASE
 )
+
+# Matplotlib warns, when imported, that without a home that can be written its cache is temporary.
+logging.getLogger("matplotlib").addFilter(lambda record: record.levelno > logging.WARNING)
 
 
 def module_command(module: str, *arguments: str) -> list[str]:

@@ -120,9 +120,9 @@ def identify_logs(options: argparse.Namespace) -> int:
     flights = [read(Log.of(log), vehicle, options.map, units) for log in options.logs]
     tests = [read(Log.of(log), vehicle, options.map, units) for log in options.test]
     chosen = Options(options.windows, options.threads, tuple(options.fix))
-    made = identify(vehicle, flights, tests, chosen, lambda text: print(text, file=sys.stderr))
-    with whole_output(out) as part:
+    with whole_output(out) as part:  # fails before the fit if it cannot be written
         part.mkdir()
+        made = identify(vehicle, flights, tests, chosen, lambda text: print(text, file=sys.stderr))
         scenarios = write_vehicle(made, part)
         write_report(made, part, scenarios)
     for note in made.notes:

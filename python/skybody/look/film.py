@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import shutil
@@ -146,7 +147,8 @@ def write(path: Path, size: Size, frames: Iterable[Frame]) -> None:
         raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
     finally:
         if path.suffix:
-            part.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # of a folder that cannot be written
+                part.unlink(missing_ok=True)
 
 
 def write_video(path: Path, size: Size, frames: Iterable[Frame]) -> None:
