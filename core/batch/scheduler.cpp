@@ -41,6 +41,9 @@ Pool::Scheduler::Scheduler(std::shared_ptr<const CompiledScenario> compiled,
       finished_(in_flight_.size()),
       marked_(in_flight_.size()),
       group_state_(static_cast<std::size_t>(states.places().count())),
+      waits_(options.order == Order::kArrival && options.batch < options.envs &&
+             states.places().span > 1),
+      waiting_(states.places().count()),
       buffers_(options.batch, states.widths(), options.autoreset == Autoreset::kSameStep,
                options.debug_buffers),
       staging_(options.envs, states.widths(), options.autoreset == Autoreset::kSameStep),
@@ -100,6 +103,7 @@ void Pool::Scheduler::send_reset(std::span<const std::uint8_t> mask) {
     states.requests().hand_over(env);
     enqueue(env);
   }
+  start_waiting(options.batch);
   threads_.submit();
 }
 
@@ -132,6 +136,7 @@ void Pool::Scheduler::send_steps(std::span<const float> actions,
     states.requests().hand_over(env);
     enqueue(env);
   }
+  start_waiting(options.batch);
   threads_.submit();
 }
 
@@ -204,10 +209,40 @@ void Pool::Scheduler::enqueue(int env) {
   in_flight_[static_cast<std::size_t>(env)] = 1;
   ++in_flight_count;
   const int group = states.places().group_of(env);
-  const std::uint64_t lane = std::uint64_t{1} << states.places().lane_of(env);
+  if (waits_) {
+    waiting_.hold(group, states.places().bit(env));
+  } else {
+    start(group, states.places().bit(env));
+  }
+}
+
+/// Adds lanes of a group to the next submit().
+void Pool::Scheduler::start(int group, std::uint32_t lanes) {
   const std::uint64_t before = group_state_[static_cast<std::size_t>(group)].fetch_or(
-      lane | kOwned, std::memory_order_acq_rel);
+      lanes | kOwned, std::memory_order_acq_rel);
   if ((before & kOwned) == 0) threads_.add(group);
+}
+
+/// Starts waiting environments that need not wait, and as many others as the next batch needs.
+void Pool::Scheduler::start_waiting(int batch) {
+  if (waiting_.count() == 0) return;
+  const auto starts = [this](int group, std::uint32_t lanes) { start(group, lanes); };
+  waiting_.release([this](int group, std::uint32_t lanes) { return !others_return(group, lanes); },
+                   starts);
+  while (in_flight_count - waiting_.count() < std::min(batch, in_flight_count)) {
+    waiting_.release_fullest(starts);
+  }
+}
+
+/// Whether recv() will return the rest of a group, so that its waiting lanes can stay for it.
+bool Pool::Scheduler::others_return(int group, std::uint32_t lanes) const {
+  const EnvironmentGroups& places = states.places();
+  std::uint32_t rest = places.all_lanes(group) & ~lanes;
+  if (rest == 0) return false;
+  for (; rest != 0; rest &= rest - 1) {
+    if (!in_flight(places.env_of(group, std::countr_zero(rest)))) return false;
+  }
+  return true;
 }
 
 /// Enqueues all environments. None may be in flight.
@@ -279,6 +314,10 @@ std::shared_ptr<const Batch> Pool::Scheduler::recv(ThreadPool::Clock::time_point
   Batch& out = buffers_.next();
   const int count = std::min(options.batch, in_flight_count);
   if (options.order == Order::kFixed) choose_in_turn(count);
+  if (waiting_.count() > 0) {
+    start_waiting(count);
+    threads_.submit();
+  }
   const auto ready = [&] {
     drain();
     return batch_ready(count);

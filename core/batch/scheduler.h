@@ -14,6 +14,7 @@
 #include "core/batch/environment_states.h"
 #include "core/batch/pool.h"
 #include "core/batch/thread_pool.h"
+#include "core/batch/waiting_lanes.h"
 
 namespace skybody {
 
@@ -21,6 +22,10 @@ namespace skybody {
 /// at once while none is in flight, and workers write directly into the buffer that recv() returns.
 /// Otherwise workers write into a staging row per environment, and recv() gathers rows in its
 /// order.
+///
+/// In batches smaller than the pool, in order of arrival, a sent environment waits while the rest
+/// of its lane group is finished or running, so that groups are stepped whole. It does not wait if
+/// the next batch needs it, or if the caller keeps one of the rest.
 class Pool::Scheduler : private GroupRunner {
  public:
   Scheduler(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
@@ -63,6 +68,9 @@ class Pool::Scheduler : private GroupRunner {
   void open_round(int count);
   void enqueue(int env);
   void enqueue_all();
+  void start(int group, std::uint32_t lanes);
+  void start_waiting(int batch);
+  bool others_return(int group, std::uint32_t lanes) const;
   void drain();
   std::shared_ptr<const Batch> recv_round(ThreadPool::Clock::time_point deadline);
   void choose_in_turn(int count);
@@ -76,6 +84,8 @@ class Pool::Scheduler : private GroupRunner {
   std::vector<std::int32_t> arrived_;  ///< finished and not yet received, oldest first
   std::vector<std::int32_t> chosen_;   ///< ids of the batch that recv() returns next
   std::vector<std::atomic<std::uint64_t>> group_state_;
+  bool waits_ = false;  ///< whether sent environments wait for the rest of their group
+  WaitingLanes waiting_;
   BufferRing buffers_;
   Batch staging_;
   Batch* target_ = nullptr;

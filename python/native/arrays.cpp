@@ -91,6 +91,13 @@ bool is_contiguous(const AnyArray& array) {
   return true;
 }
 
+bool has_shape(int dimensions, const std::ptrdiff_t* shape,
+               std::initializer_list<std::int64_t> wanted) {
+  return static_cast<std::size_t>(dimensions) == wanted.size() &&
+         std::equal(wanted.begin(), wanted.end(), shape,
+                    [](std::int64_t w, std::ptrdiff_t extent) { return w < 0 || w == extent; });
+}
+
 /// Values of a one- or two-dimensional array in C order.
 template <class T>
 std::vector<T> gather(const AnyArray& array) {
@@ -113,12 +120,20 @@ std::vector<T> gather(const AnyArray& array) {
 template <class T>
 Values<T> read_array(nb::handle object, const char* name,
                      std::initializer_list<std::int64_t> shape) {
-  const std::string wanted = type_name(nb::dtype<T>());
   Values<T> values;
+  if (const auto plain = plain_array<T>(object);
+      plain.data != nullptr && has_shape(plain.dimensions, plain.shape, shape)) {
+    values.plain_ = nb::borrow(object);
+    values.rows_ = static_cast<std::size_t>(plain.shape[0]);
+    values.span_ = {plain.data, plain.size};
+    return values;
+  }
+  const std::string wanted = type_name(nb::dtype<T>());
   values.array_ = to_array(object, name, wanted);
   const AnyArray& array = values.array_;
   if (array.dtype() != nb::dtype<T>()) refuse_type(array, name, wanted);
   check_shape(array, name, shape);
+  values.rows_ = array.shape(0);
   if (array.size() == 0) return values;
   if (is_contiguous(array)) {
     values.span_ = {static_cast<const T*>(array.data()), array.size()};
@@ -153,10 +168,10 @@ void check_image(int index, std::size_t images) {
 
 template <class T>
 nb::object copy_of(std::span<const T> values, std::span<const std::size_t> shape) {
-  auto* memory = new T[std::max<std::size_t>(values.size(), 1)];
+  T* memory = nullptr;
+  nb::object array = fresh_array(shape, memory);
   std::copy(values.begin(), values.end(), memory);
-  const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<T*>(p); });
-  return nb::cast(nb::ndarray<nb::numpy, T>(memory, shape.size(), shape.data(), owner));
+  return array;
 }
 
 template nb::object copy_of(std::span<const float>, std::span<const std::size_t>);

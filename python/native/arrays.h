@@ -10,15 +10,14 @@
 #include <vector>
 
 #include "core/base/math/vec3.h"
+#include "python/native/numpy_array.h"
 
 namespace skybody::python {
 
-namespace nb = nanobind;
-
 template <class T>
-using Array1 = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
+using Array1 = ArrayView<T, 1>;
 template <class T>
-using Array2 = nb::ndarray<nb::numpy, T, nb::ndim<2>>;
+using Array2 = ArrayView<T, 2>;
 
 /// The values of an array argument in C order: the array's own memory, or a copy if it is not
 /// contiguous. Holds the array; create and destroy it under the GIL.
@@ -26,13 +25,15 @@ template <class T>
 class Values {
  public:
   std::span<const T> span() const { return span_; }
-  std::size_t rows() const { return array_.shape(0); }
+  std::size_t rows() const { return rows_; }
 
  private:
   template <class U>
   friend Values<U> read_array(nb::handle, const char*, std::initializer_list<std::int64_t>);
-  nb::ndarray<nb::ro, nb::device::cpu> array_;
+  nb::object plain_;                            ///< a NumPy array whose own memory is read
+  nb::ndarray<nb::ro, nb::device::cpu> array_;  ///< any other
   std::vector<T> copy_;
+  std::size_t rows_ = 0;
   std::span<const T> span_;
 };
 

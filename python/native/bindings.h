@@ -19,6 +19,7 @@ void bind_errors(nb::module_& m);
 void bind_compiled_scenario(nb::module_& m);
 void bind_batch(nb::module_& m);
 void bind_differentiable_envs(nb::module_& m);
+void bind_info_columns(nb::module_& m);
 void bind_learn(nb::module_& m);
 void bind_flight_policy(nb::module_& m);
 void bind_mission(nb::module_& m);

@@ -161,6 +161,8 @@ def check_seed(seed: Any) -> int | None:
 def env_ids(ids: ArrayLike) -> NDArray[np.int32]:
     """Ids of environments, (n,) int32. Raises TypeError if they are not integers."""
     given = np.asarray(ids)
+    if given.dtype == np.int32:  # the usual case, before the dearer questions
+        return np.ascontiguousarray(given)
     if given.size == 0:
         return np.empty(0, np.int32)
     if not np.issubdtype(given.dtype, np.integer):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._native import Batch, CompiledScenario
+from ._native import Batch, CompiledScenario, InfoColumns
 
 RESERVED = (
     "env_id",
@@ -98,27 +98,22 @@ class InfoChannels:
     def __init__(self, compiled: CompiledScenario, present: bool = True) -> None:
         self._has_privileged = compiled.privileged_size > 0
         self._team = len(compiled.agents) > 1
-        self._columns: list[tuple[str, tuple[slice, int | slice]]] = []  # indices of all rows
+        self._columns: list[tuple[str, int, int]] = []  # name, first value of a row, count
         for channel in compiled.info_channels if present else ():
             if channel.name in RESERVED:
                 raise ValueError(
                     f"the task of `{compiled.name}` declares an info value `{channel.name}`, "
                     f"but Skybody itself uses the names {', '.join(RESERVED)}: rename it"
                 )
-            end = channel.first + channel.count
-            where = channel.first if channel.count == 1 else slice(channel.first, end)
-            self._columns.append((channel.name, (slice(None), where)))
-        self._masks = ["_" + name for name, _ in self._columns]
+            self._columns.append((channel.name, channel.first, channel.count))
+        self._views = InfoColumns(self._columns)
+        self._masks = ["_" + name for name, _, _ in self._columns]
         if self._has_privileged:
             self._masks.append("_privileged")
 
     def columns(self, rows: Batch | InfoRows | ValueRows) -> dict[str, Any]:
         """One array per info value, (n,) or (n, count): views of the rows."""
-        infos: dict[str, Any] = {}
-        if self._columns:
-            values = rows.info
-            for name, where in self._columns:
-                infos[name] = values[where]
+        infos: dict[str, Any] = self._views.of(rows.info) if self._columns else {}
         if self._has_privileged:
             infos["privileged"] = rows.privileged
         return infos
@@ -146,8 +141,8 @@ class InfoChannels:
         info: dict[str, Any] = {}
         if self._columns:
             row = rows.info[i]
-            for name, (_, where) in self._columns:
-                info[name] = row[where].copy() if isinstance(where, slice) else row[where]
+            for name, first, count in self._columns:
+                info[name] = row[first] if count == 1 else row[first : first + count].copy()
         if self._has_privileged:
             info["privileged"] = rows.privileged[i].copy()
         return info

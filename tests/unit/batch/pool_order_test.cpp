@@ -74,6 +74,42 @@ TEST(ArrivalOrder, GivesEveryEnvironmentOnceBeforeItIsSentAgain) {
   }
 }
 
+/// Receives until every environment has been received once; sends none of them.
+void receive_all(Pool& envs) {
+  while (envs.in_flight() > 0) envs.recv();
+}
+
+TEST(ArrivalOrder, APartOfALaneGroupIsSteppedIfItsRestIsNotSent) {
+  for (const int threads : {1, 2}) {
+    Pool envs(small_env(), {.envs = 32, .batch = 11, .threads = threads, .order = Order::kArrival});
+    envs.send_reset();
+    receive_all(envs);
+    const std::vector<std::int32_t> some = {0, 1, 9};
+    envs.send(actions_of(some, 1, 4), some);
+    EXPECT_EQ(envs.recv()->rows, 3);
+  }
+}
+
+TEST(ArrivalOrder, NoEnvironmentStarvesWhileOthersFillTheBatches) {
+  for (const int threads : {1, 2}) {
+    Pool envs(small_env(), {.envs = 32, .batch = 11, .threads = threads, .order = Order::kArrival});
+    envs.send_reset();
+    receive_all(envs);
+    std::vector<std::int32_t> sent;  // without the caller's own 3 ... 7 of the first group
+    for (std::int32_t env = 0; env < 32; ++env) {
+      if (env < 3 || env > 7) sent.push_back(env);
+    }
+    envs.send(actions_of(sent, 1, 4), sent);
+    std::vector<int> received(32);
+    for (int k = 2; k < 100; ++k) {
+      const auto batch = envs.recv();
+      for (const std::int32_t env : ids_of(*batch)) ++received[static_cast<std::size_t>(env)];
+      send_back(envs, *batch, k);
+    }
+    for (const std::int32_t env : sent) EXPECT_GT(received[static_cast<std::size_t>(env)], 20);
+  }
+}
+
 TEST(ShortBatch, IsGivenWhereFewerAreInFlight) {
   for (const Order order : {Order::kFixed, Order::kArrival}) {
     Pool envs(small_env(), {.envs = 5, .batch = 5, .threads = 2, .order = order});
