@@ -3,6 +3,7 @@
 skybody sitl ardupilot hover --frame x-reversed     # then: arducopter --model JSON:127.0.0.1
 skybody sitl px4 hover_crazyflie                    # then: PX4 with PX4_SIM_MODEL=none_iris
 skybody sitl betaflight hover_crazyflie --pilot hold --program obj/betaflight_4.6.0_SITL
+skybody sitl betaflight racing --pilot policy --program obj/betaflight_4.6.0_SITL
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from skybody.program import module_command, run_program
 
 from . import ardupilot_link, px4_link
 from .ardupilot_link import ArdupilotLink
-from .betaflight_link import BetaflightLink
+from .betaflight_link import BetaflightLink, Pilot
 from .betaflight_pilot import HoldPilot
+from .betaflight_policy import SHIPPED, PolicyPilot
 from .betaflight_program import BetaflightProgram, enter_own_network, settings_for
 from .frames import HOME, Home
 from .messages import Messages
@@ -43,8 +45,9 @@ def parser() -> argparse.ArgumentParser:
     add("scenario", metavar="SCENARIO", help="YAML file, or name of a shipped scenario")
     add("--robot", default="", help="robot to fly; may be left out if there is one")
     add("--frame", default="", help="frame type; default: by the places of the rotors")
-    add("--start", choices=("ground", "air"), default="ground",
-        help="at rest on the ground below the start, or as the scenario begins")  # fmt: skip
+    add("--start", choices=("ground", "air"),
+        help="at rest on the ground below the start (default), or as the scenario begins "
+        "(default of --pilot policy)")  # fmt: skip
     add("--home", type=home, default=HOME, metavar="LAT,LON,ALT",
         help="place of the world's origin [deg, deg, m]")  # fmt: skip
     add("--port", type=whole(0, 65535), help="default: 9002 of ardupilot, 4560 of px4; 0: any")
@@ -54,8 +57,11 @@ def parser() -> argparse.ArgumentParser:
         help="as skybody run; repeatable")  # fmt: skip
     only = made.add_argument_group("betaflight")
     only.add_argument("--program", type=Path, help="Betaflight's SITL, to be started here")
-    only.add_argument("--pilot", choices=("none", "hold"), default="none",
-        help="hold: arms, takes off, holds --height by the throttle stick")  # fmt: skip
+    only.add_argument("--pilot", choices=("none", "hold", "policy"), default="none",
+        help="hold: arms, takes off, holds --height by the throttle stick; policy: flies the "
+        "scenario's task by --policy, from the air")  # fmt: skip
+    only.add_argument("--policy", default=SHIPPED, metavar="POLICY",
+        help="of rates and thrust: shipped (default), policy.h5, or training run")  # fmt: skip
     only.add_argument("--factor", type=real(0.01, 4), default=0.5,
         help="simulated time over that on the wall; default: 0.5")  # fmt: skip
     only.add_argument("--cli", action="append", default=[], metavar="LINE",
@@ -80,6 +86,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made = parser()
     options = made.parse_args(arguments)
     frames = FRAMES[options.autopilot]
+    by_policy = options.autopilot == "betaflight" and options.pilot == "policy"
+    options.start = options.start or ("air" if by_policy else "ground")
+    if by_policy and options.start == "ground":
+        made.error("--start ground: --pilot policy begins in the air, as the scenario does")
     if options.frame and options.frame not in frames:
         made.error(f"--frame: no frame `{options.frame}`; allowed: {', '.join(frames)}")
     try:
@@ -131,14 +141,27 @@ def serve_px4(vehicle: Vehicle, messages: Messages, options: argparse.Namespace)
 
 def serve_betaflight(vehicle: Vehicle, messages: Messages, options: argparse.Namespace) -> None:
     """Flies with Betaflight."""
-    pilot = HoldPilot(vehicle, options.height) if options.pilot == "hold" else None
+    pilot, lines = pilot_of(vehicle, options)
     link = BetaflightLink(vehicle, pilot, options.factor, messages)
     if options.program is None:
         link.serve(options.seconds, None)
         return
-    settings = [*settings_for(vehicle.frame), *options.cli]
+    settings = [*settings_for(vehicle.frame), *lines, *options.cli]
     with BetaflightProgram(options.program, settings) as program:
         link.serve(options.seconds, program)
+    for channel in vehicle.compiled.info_channels if isinstance(pilot, PolicyPilot) else ():
+        values = vehicle.simulation.info[channel.first : channel.first + channel.count]
+        messages.say(f"info     {channel.name} {' '.join(f'{value:g}' for value in values)}")
+
+
+def pilot_of(vehicle: Vehicle, options: argparse.Namespace) -> tuple[Pilot | None, list[str]]:
+    """The pilot, and lines of Betaflight's console that it needs."""
+    if options.pilot == "hold":
+        return HoldPilot(vehicle, options.height), []
+    if options.pilot == "policy":
+        pilot = PolicyPilot(vehicle, options.policy)
+        return pilot, pilot.settings()
+    return None, []
 
 
 SERVERS = {"ardupilot": serve_ardupilot, "px4": serve_px4, "betaflight": serve_betaflight}

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import socket
 import time
+from typing import Protocol
 
 import numpy as np
 
 from . import betaflight
-from .betaflight_pilot import HoldPilot
 from .betaflight_program import CONSOLE, BetaflightProgram, console
 from .frames import Array
 from .messages import Messages
@@ -21,11 +21,33 @@ from .vehicle import Reading, Vehicle
 
 MOTOR_PORT, STATE_PORT, RADIO_PORT = 9002, 9003, 9004
 STATE_PERIOD = 0.001  # [s]
-RADIO_PERIOD = 0.004  # [s]
 ANSWER = 0.02  # on the wall, longest wait for motors; then the state is sent again [s]
 LATE = 0.1  # on the wall, behind the wanted rate before that begins anew [s]
 STARTS, PROBES = 8, 50  # of Betaflight; answers of one whose clock runs
+WAITING = 1.0  # simulated time over that on the wall while the vehicle is held
 SILENCE = 2.0  # on the wall, before a message [s]
+
+
+class Pilot(Protocol):
+    """Holds the radio."""
+
+    @property
+    def radio_period(self) -> float:
+        """Time between two packets [s]."""
+
+    @property
+    def waits(self) -> bool:
+        """Whether the vehicle is held at its start, while Betaflight's clock runs."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether the flight is over."""
+
+    def prepare(self, time: float, throttles: Array) -> list[float]:
+        """Channels [us] while the vehicle is held, at Betaflight's time [s]."""
+
+    def channels(self, reading: Reading, motors_turn: bool) -> list[float]:
+        """Channels [us] in flight."""
 
 
 class BetaflightLink:
@@ -34,7 +56,7 @@ class BetaflightLink:
     def __init__(
         self,
         vehicle: Vehicle,
-        pilot: HoldPilot | None,
+        pilot: Pilot | None,
         factor: float,
         messages: Messages | None = None,
     ) -> None:
@@ -71,7 +93,7 @@ class BetaflightLink:
         """The radio's packet; None if it is not due, or somebody else sends it."""
         if self.pilot is None or reading.time < self._next_radio - 0.5 * self.vehicle.dt:
             return None
-        self._next_radio += RADIO_PERIOD
+        self._next_radio += self.pilot.radio_period
         channels = self.pilot.channels(reading, bool(self.throttles.any()))
         return betaflight.encode_radio(reading.time, channels)
 
@@ -84,8 +106,9 @@ class BetaflightLink:
             self._await_console(program)
             if program is not None:
                 self._await_clock(link, program)
+            self._await_pilot(link, program)
             begun, first = time.monotonic(), self.vehicle.time
-            while self.vehicle.time < seconds:
+            while self.vehicle.time < seconds and not self._pilot_ended():
                 waited = self._exchange(link, self.vehicle.read(), program)
                 self.vehicle.advance(self.throttles, self.steps)
                 due = begun + (self.vehicle.time - first) / self.factor
@@ -135,7 +158,36 @@ class BetaflightLink:
             program.console().close()
         raise ValueError(f"Betaflight answers to no state after {STARTS} starts")
 
+    def _await_pilot(self, link: socket.socket, program: BetaflightProgram | None) -> None:
+        """Holds the vehicle at its start until the pilot is ready; the clock of the states runs."""
+        reading, next_radio = self.vehicle.read(), 0.0
+        begun, first = time.monotonic(), self.late
+        while self.pilot is not None and self.pilot.waits:
+            if self.late >= next_radio:
+                next_radio = self.late + self.pilot.radio_period
+                channels = self.pilot.prepare(self.late, self.throttles)
+                link.sendto(betaflight.encode_radio(self.late, channels), (HOST, RADIO_PORT))
+            waited = self._answer_to(link, reading, program)
+            self.late += STATE_PERIOD
+            left = begun + (self.late - first) / WAITING - time.monotonic()
+            if waited or left < -LATE:
+                begun, first = time.monotonic(), self.late
+            elif left > 0.0:
+                time.sleep(left)
+
+    def _pilot_ended(self) -> bool:
+        return self.pilot is not None and self.pilot.ended
+
     def _exchange(
+        self, link: socket.socket, reading: Reading, program: BetaflightProgram | None
+    ) -> bool:
+        """Sends the radio's packet, if it is due, and a state: as `_answer_to`."""
+        radio = self.radio(reading)
+        if radio is not None:
+            link.sendto(radio, (HOST, RADIO_PORT))
+        return self._answer_to(link, reading, program)
+
+    def _answer_to(
         self, link: socket.socket, reading: Reading, program: BetaflightProgram | None
     ) -> bool:
         """Sends a state until motors answer; whether that took more than one packet.
@@ -143,9 +195,6 @@ class BetaflightLink:
         A repeated state has a later time stamp. Betaflight's clock runs by the differences of the
         stamps: it stands still after a long pause, until there is another difference.
         """
-        radio = self.radio(reading)
-        if radio is not None:
-            link.sendto(radio, (HOST, RADIO_PORT))
         begun, told, tries = time.monotonic(), False, 0
         while True:
             link.sendto(self.state(reading), (HOST, STATE_PORT))

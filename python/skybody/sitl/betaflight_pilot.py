@@ -7,10 +7,12 @@ import math
 from skybody.view.live import weight_of
 
 from .betaflight import HIGH, LOW, MIDDLE
+from .frames import Array
 from .vehicle import Reading, Vehicle
 
 GRACE = 5.5  # after the start; Betaflight refuses to arm in its first 5 s [s]
 SWITCH_PERIOD = 1.0  # of tries to arm [s]
+RADIO_PERIOD = 0.004  # [s]
 CLIMB_RATE = 0.5  # of the wanted height [m/s]
 STIFFNESS, DAMPING, INTEGRAL = 0.4, 0.5, 0.15  # shares of the weight per m, m/s, m s
 LARGEST_TRIM = 0.3  # share of the weight
@@ -18,6 +20,10 @@ LARGEST_TRIM = 0.3  # share of the weight
 
 class HoldPilot:
     """Roll, pitch and yaw sticks stay in the middle: the attitude is Betaflight's."""
+
+    radio_period = RADIO_PERIOD
+    waits = False
+    ended = False
 
     def __init__(self, vehicle: Vehicle, height: float) -> None:
         """height: of the base above its place on the ground [m]."""
@@ -28,6 +34,10 @@ class HoldPilot:
         self._trim = 0.0
         self._time: float | None = None
         self.armed = False
+
+    def prepare(self, time: float, throttles: Array) -> list[float]:
+        """Is not called: it takes off from the ground."""
+        raise NotImplementedError
 
     def channels(self, reading: Reading, motors_turn: bool) -> list[float]:
         """Channels of the radio [us]: four sticks, arm switch, angle-mode switch.

@@ -20,6 +20,7 @@ from types import TracebackType
 HOST = "127.0.0.1"
 CONSOLE = 5761  # TCP, of its first serial port
 START = 30.0  # longest wait for the console [s]
+ENTRIES, ENTRY = 5, 3.0  # tries to enter it, and the longest wait of each [s]
 INSIDE = "SKYBODY_SITL_NETWORK"  # is set in the network of its own
 TIMER_SLACK = 29  # PR_SET_TIMERSLACK: Betaflight sleeps 50 us in each loop
 FLAGS_GET, FLAGS_SET, UP = 0x8913, 0x8914, 1  # of a network interface
@@ -116,8 +117,7 @@ class BetaflightProgram:
 
     def _configure(self, settings: Sequence[str]) -> None:
         """Sets and saves values, and starts the program anew with them."""
-        with self.console() as line:
-            answer(line, b"#", 3.0, b"Entering CLI")
+        with self._entered_console() as line:
             for setting in settings:
                 text = answer(line, setting.encode() + b"\n", 5.0, b"# ")
                 if b"ERROR" in text:
@@ -127,6 +127,19 @@ class BetaflightProgram:
             answer(line, b"save\n", 3.0, b"Rebooting")
         self._end()
         self._process = self._started()
+
+    def _entered_console(self) -> socket.socket:
+        """The console with its prompt. Some starts on a busy machine answer to nothing."""
+        for _ in range(ENTRIES):
+            line = self.console()
+            try:
+                answer(line, b"#", ENTRY, b"Entering CLI")
+                return line
+            except ValueError as error:
+                line.close()
+                problem = error
+                self.restart()
+        raise problem
 
     def console(self) -> socket.socket:
         """A connection to its console.
