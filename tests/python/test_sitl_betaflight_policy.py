@@ -13,8 +13,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sitl_pilots import Array, Kept
 from skybody import CompiledScenario, Simulation
 from skybody.sitl.__main__ import main
+from skybody.sitl.betaflight_link import BetaflightLink
 from skybody.sitl.betaflight_pilot import hover_share
 from skybody.sitl.betaflight_policy import PolicyPilot, command_range, rate_gains, with_action
 from skybody.sitl.betaflight_rates import (
@@ -26,7 +28,8 @@ from skybody.sitl.betaflight_rates import (
     speed_slope,
     throttle_stick,
 )
-from skybody.sitl.vehicle import Setup, Vehicle
+from skybody.sitl.vehicle import Reading, Setup, Vehicle
+from test_sitl_betaflight import fake
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = os.environ.get("SKYBODY_BETAFLIGHT", "")
@@ -171,6 +174,45 @@ def test_it_waits_until_the_motors_turn_as_in_a_hover(racer: Vehicle) -> None:
         assert pilot.prepare(7.0 + 0.004 * k, turning)[4] == 2000
     assert not pilot.waits
     assert not pilot.ended
+
+
+class Waiting:
+    """A pilot that is ready after five packets, and ends the flight after three more."""
+
+    radio_period = 0.004
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self.vehicle = vehicle
+        self.held: list[float] = []  # times of the vehicle
+        self.flown: list[float] = []
+
+    @property
+    def waits(self) -> bool:
+        return len(self.held) < 5
+
+    @property
+    def ended(self) -> bool:
+        return len(self.flown) == 3
+
+    def prepare(self, time: float, throttles: Array) -> list[float]:
+        del time, throttles
+        self.held.append(self.vehicle.time)
+        return [1500.0] * 4
+
+    def channels(self, reading: Reading, motors_turn: bool) -> list[float]:
+        del motors_turn
+        self.flown.append(reading.time)
+        return [1500.0] * 4
+
+
+def test_the_vehicle_is_held_until_the_pilot_is_ready(monkeypatch: pytest.MonkeyPatch) -> None:
+    flying = Vehicle("betaflight", Setup("racing", frame="x-reversed", on_ground=False))
+    pilot = Waiting(flying)
+    with fake(monkeypatch):
+        BetaflightLink(flying, pilot, 1e3, Kept()).serve(1.0, None)
+    assert pilot.held == [0.0] * 5
+    assert pilot.flown == pytest.approx([0.0, 0.004, 0.008])
+    assert flying.time == pytest.approx(0.009)
 
 
 def test_the_ground_is_no_start_for_a_policy(capsys: pytest.CaptureFixture[str]) -> None:
