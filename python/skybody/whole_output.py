@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from skybody import InputError
+
+FORBIDDEN = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 @contextlib.contextmanager
@@ -28,7 +31,13 @@ def whole_output(path: Path) -> Iterator[Path]:
             yield part
             part.replace(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+        raise InputError(not_written(path, error)) from None
+
+
+def not_written(path: Path, error: OSError) -> str:
+    """The message for a place that cannot be written."""
+    remedy = "; give a place that you may write" if error.errno in FORBIDDEN else ""
+    return f"{path}: cannot be written ({error.strerror or error}){remedy}"
 
 
 def refuse_source(path: Path, source: Path) -> None:

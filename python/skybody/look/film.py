@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from skybody import InputError
 from skybody._native import Renderer
+from skybody.whole_output import not_written
 
 from .cameras import Camera, camera
 from .scene import Scene
@@ -144,7 +145,7 @@ def write(path: Path, size: Size, frames: Iterable[Frame]) -> None:
         if path.suffix:
             part.replace(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+        raise InputError(not_written(path, error)) from None
     finally:
         if path.suffix:
             with contextlib.suppress(OSError):  # of a folder that cannot be written

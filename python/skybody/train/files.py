@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import hashlib
 import os
@@ -69,7 +70,8 @@ def naming(path: Path) -> Iterator[None]:
 def explain(error: Exception) -> str:
     """The file and the operating system's message, or the text of another error."""
     if isinstance(error, OSError) and error.filename is not None:
-        return f"{error.filename}: {error.strerror}"
+        remedy = "; --out names another folder" if error.errno == errno.EROFS else ""
+        return f"{error.filename}: {error.strerror}{remedy}"
     return str(error)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from skybody.arguments import MOST_THREADS
 from skybody.command_line import CommandLine, real, report_error, whole
 from skybody.program import run_program
+from skybody.train.files import explain
 
 from . import report
 from .draws import DrawRanges
@@ -178,7 +179,7 @@ def main() -> int:
         return report_error(str(error))
     except OSError as error:
         bar.clear()
-        return report_error(f"{error.filename}: {error.strerror}")
+        return report_error(explain(error))
     print(report.table(tuned), end="")
     print(f"better on {tuned.better_draws} of {HELD_OUT} held-out draws; {tuned.seconds:.1f} s")
     if tuned.after.cost >= tuned.before.cost:

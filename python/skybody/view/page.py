@@ -14,6 +14,7 @@ from typing import Any
 from skybody import InputError
 from skybody.look.palette import ROBOTS
 from skybody.train.files import write_file
+from skybody.whole_output import not_written
 
 from .live import Live, sliders_of
 from .pack import Packer, rounded
@@ -148,4 +149,4 @@ def write_page(
     try:
         write_file(path, document(title, flights, curve).encode())
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+        raise InputError(not_written(path, error)) from None
