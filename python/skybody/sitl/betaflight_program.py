@@ -19,7 +19,7 @@ from types import TracebackType
 
 HOST = "127.0.0.1"
 CONSOLE = 5761  # TCP, of its first serial port
-START = 30.0  # longest wait for the console [s]
+STARTS, START = 3, 10.0  # tries until the console is open, and the longest wait of each [s]
 ENTRIES, ENTRY = 5, 3.0  # tries to enter it, and the longest wait of each [s]
 INSIDE = "SKYBODY_SITL_NETWORK"  # is set in the network of its own
 TIMER_SLACK = 29  # PR_SET_TIMERSLACK: Betaflight sleeps 50 us in each loop
@@ -147,12 +147,14 @@ class BetaflightProgram:
         Raises:
             ValueError: it does not come up.
         """
-        try:
-            return console(START)
-        except TimeoutError:
-            raise ValueError(
-                f"{self._program} does not open TCP port {CONSOLE} within {START:g} s"
-            ) from None
+        for _ in range(STARTS):
+            try:
+                return console(START)
+            except TimeoutError:  # a start that hangs, on a busy machine
+                self.restart()
+        raise ValueError(
+            f"{self._program} does not open TCP port {CONSOLE} in {STARTS} starts of {START:g} s"
+        )
 
     def restart(self) -> None:
         """Ends it and starts it anew, with the saved settings."""
