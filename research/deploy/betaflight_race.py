@@ -241,16 +241,14 @@ def summary(races: list[dict[str, Any]], name: str) -> str:
     """A policy's races in words."""
     own = [row for row in races if row["policy"] == name]
 
-    def whole(kind: str) -> str:
-        flown = [row[kind] for row in own if kind in row]
+    def whole(*kinds: str) -> str:
+        flown = [row[kind] for row in own for kind in kinds if kind in row]
         gates = np.mean([race["gates"] for race in flown])
         finished = sum(race["finished"] for race in flown)
-        return f"{finished} of {len(flown)} ({gates:.1f} gates on average)"
+        return f"all {GATES} gates in {finished} of {len(flown)} races, {gates:.1f} on average"
 
-    words = f"- `{name}`: all {GATES} gates in {whole('betaflight')} races through Betaflight"
-    if any("again" in row for row in own):
-        words += f", in {whole('again')} flown again"
-    return f"{words}, in {whole('in_process')} in process."
+    through, beside = whole("betaflight", "again"), whole("in_process")
+    return f"- `{name}`: {through}; in process {beside}."
 
 
 def answer_table(found: list[dict[str, Any]]) -> str:
@@ -277,8 +275,8 @@ def page(about: dict[str, Any], found: dict[str, Any], options: Any) -> str:
     python -m research run {PAGE} --firmware PROGRAM --factor {options.factor:g}
 
 Policies fly QDrone2 over the three laps of `{SCENARIO}` by the sticks of Betaflight 4.6.0 (SITL) in
-acro mode (`skybody sitl betaflight {SCENARIO} --pilot policy`), at {options.factor:g} times real
-time, and the same starts and tracks in process by the controller `ctbr` of their training.
+acro mode (`skybody sitl betaflight {SCENARIO} --pilot policy`), at
+{options.factor:g} times real time, and the same starts and tracks in process by the controller `ctbr` of their training.
 `shipped` is that of `{SCENARIO}`. `racing_sticks` was trained in
 [racing_sticks.yaml](../../research/deploy/scenarios/racing_sticks.yaml), with drawn gains of the
 rates, delays of 0 to 16 ms, drawn mass and thrust, and 0.1 m more room to the frames.
@@ -296,6 +294,9 @@ From a hover at {STEP_BEGIN:g} s one rate steps; times are until 10 % and 63 % o
 the mean of the last 50 ms until {STEP_END:g} s.
 
 {answer_table(found["answers"])}
+
+Roll and pitch answer alike. Yaw has at most a quarter of Betaflight's range of the motors: its
+mixer takes thrust for yaw, while `ctbr` gives yaw the rest that thrust, roll and pitch leave.
 
 ## Settings
 
