@@ -26,8 +26,10 @@ PyObject* make_array(int type, void* memory, std::span<const std::size_t> shape)
   if (shape.size() > kMostDimensions) throw nb::value_error("an array has too many dimensions");
   npy_intp extents[kMostDimensions];
   std::copy(shape.begin(), shape.end(), extents);
+  // Without memory, flags other than 0 would ask for Fortran's order.
+  const int flags = memory == nullptr ? 0 : NPY_ARRAY_CARRAY;
   return PyArray_New(&PyArray_Type, static_cast<int>(shape.size()), extents, type, nullptr, memory,
-                     0, NPY_ARRAY_CARRAY, nullptr);
+                     0, flags, nullptr);
 }
 
 /// @throws nb::python_error if there is no array
