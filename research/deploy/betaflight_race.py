@@ -277,7 +277,8 @@ def page(about: dict[str, Any], found: dict[str, Any], options: Any) -> str:
 Policies fly QDrone2 over the three laps of `{SCENARIO}` by the sticks of Betaflight 4.6.0 (SITL) in
 acro mode (`skybody sitl betaflight {SCENARIO} --pilot policy`), at
 {options.factor:g} times real time, and the same starts and tracks in process by the
-controller `ctbr` of their training. `shipped` is that of `{SCENARIO}`. `racing_sticks` was trained in
+controller `ctbr` of their training. `shipped` is that of `{SCENARIO}`.
+`racing_sticks` was trained in
 [racing_sticks.yaml](../../research/deploy/scenarios/racing_sticks.yaml), with drawn gains of the
 rates, delays of 0 to 16 ms, drawn mass and thrust, and 0.1 m more room to the frames.
 
