@@ -1,5 +1,6 @@
 #include "learn/hyperparameter_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -32,8 +33,9 @@ const char* read(std::string_view text, int& to) {
 }
 
 const char* read(std::string_view text, bool& to) {
-  if (text != "true" && text != "false") return "true or false";
-  to = text == "true";
+  const bool is_true = text == "true" || text == "True";
+  if (!is_true && text != "false" && text != "False") return "true or false";
+  to = is_true;
   return nullptr;
 }
 
@@ -42,8 +44,11 @@ const char* read(std::string_view text, Sizes& to) {
   Sizes sizes;
   for (std::string_view rest = text; !rest.empty();) {
     const std::size_t end = rest.find(',');
+    const std::size_t first = std::min(rest.find_first_not_of(' '), rest.size());
     int& size = sizes.emplace_back();
-    if (read(rest.substr(0, end), size) != nullptr) return "sizes as 64,64";
+    if (read(rest.substr(first, std::min(end, rest.size()) - first), size) != nullptr) {
+      return "sizes as 64,64";
+    }
     rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
   }
   to = sizes;

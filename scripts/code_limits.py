@@ -29,8 +29,6 @@ ALLOWED = {
     ("Simulation", "methods"): 67,  # a user's calls: one method a quantity
     ("EquationsOfMotion", "methods"): 41,  # the rest are to be divided
     ("CouplingWorkspace", "members"): 27,
-    ("GradientSlice", "members"): 38,
-    ("PpoSlice", "members"): 43,
     ("Group", "members"): 31,
 }
 NO_MEMBER = re.compile(

@@ -25,4 +25,16 @@ double RunningMoments::scale(std::size_t column) const {
   return 1.0 / std::sqrt(variance[column] + kLeastVariance);
 }
 
+RunningMoments moments_of(std::span<const float> values) {
+  double sum = 0.0, squares = 0.0;
+  for (const float value : values) {
+    const double x = static_cast<double>(value);
+    sum += x;
+    squares += x * x;
+  }
+  RunningMoments moments(1);
+  moments.add(static_cast<double>(values.size()), {&sum, 1}, {&squares, 1});
+  return moments;
+}
+
 }  // namespace skybody::learn

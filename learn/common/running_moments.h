@@ -31,4 +31,7 @@ struct RunningMoments {
   }
 };
 
+/// The moments of some values, of one column.
+RunningMoments moments_of(std::span<const float> values);
+
 }  // namespace skybody::learn

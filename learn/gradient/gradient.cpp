@@ -177,7 +177,7 @@ void AnalyticGradientLearner::normalize() {
 }
 
 PolicyFile AnalyticGradientLearner::policy() const {
-  PolicyFile file = policy_metadata(*compiled_, Algorithm::kGradient, counters_.steps);
+  PolicyFile file = policy_metadata(*compiled_, name(Algorithm::kGradient), counters_.steps);
   file.squash = ActionSquash::kTanh;
   for (std::size_t k = 0; k < static_cast<std::size_t>(compiled_->observation_size()); ++k) {
     file.mean.push_back(moments_.mean[k]);

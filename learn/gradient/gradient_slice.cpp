@@ -26,6 +26,32 @@ Vec3<double> goal_point(const CompiledScenario& compiled) {
 
 }  // namespace
 
+GradientSlice::Weights::Weights(const Hyperparameters& hyper, bool has_value)
+    : transition(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
+      reward(hyper.reward_weight),
+      goal(hyper.goal_weight),
+      end(hyper.end_value_weight),
+      discounts(static_cast<std::size_t>(hyper.rollout_steps + 1), 1.0) {
+  for (std::size_t t = 1; has_value && t < discounts.size(); ++t) {
+    discounts[t] = discounts[t - 1] * hyper.discount;
+  }
+}
+
+GradientSlice::Flight::Flight(int steps, int actions)
+    : flying(static_cast<std::size_t>(steps)),
+      sound(flying.size()),
+      goal(GoalCost::kGoalRows * kGroupLanes * flying.size()),
+      gain(kGroupLanes * flying.size()),
+      action(gain.size() * static_cast<std::size_t>(actions)) {}
+
+GradientSlice::Slopes::Slopes(int rows, int actions, int input_stride)
+    : adjoints(static_cast<std::size_t>(rows) * kGroupLanes),
+      to_action(static_cast<std::size_t>(actions) * kGroupLanes),
+      cost(kGroupLanes),
+      distance(kGroupLanes),
+      inputs(kGroupLanes * static_cast<std::size_t>(input_stride)),
+      outputs(kGroupLanes * static_cast<std::size_t>(actions)) {}
+
 GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
                              const Hyperparameters& hyper, const PolicyNetwork& network,
                              std::uint64_t seed, int first_env, int envs,
@@ -39,29 +65,15 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       envs_(envs),
       horizon_(hyper.rollout_steps),
       actions_(compiled_->action_size()),
-      weight_(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
-      reward_weight_(hyper.reward_weight),
-      goal_weight_(hyper.goal_weight),
-      end_weight_(hyper.end_value_weight),
-      discounts_(static_cast<std::size_t>(hyper.rollout_steps + 1), 1.0),
+      weights_(hyper, value != nullptr),
       work_(compiled_->make_workspace(kGroupLanes)),
       adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0),
       inputs_(*compiled_, value != nullptr, hyper.rollout_steps,
-              (envs + kGroupLanes - 1) / kGroupLanes) {
+              (envs + kGroupLanes - 1) / kGroupLanes),
+      flight_(horizon_, actions_),
+      slopes_(adjoint_.rows(), actions_, inputs_.stride()) {
   const FpEnvironment guard;
   const auto steps = static_cast<std::size_t>(horizon_);
-  const auto rows = steps * kGroupLanes;
-  flying_.resize(steps);
-  sound_.resize(steps);
-  goal_ = AlignedArray<double>(GoalCost::kGoalRows * kGroupLanes * steps);
-  adjoints_ = AlignedArray<double>(static_cast<std::size_t>(adjoint_.rows()) * kGroupLanes);
-  to_action_ = AlignedArray<double>(static_cast<std::size_t>(actions_) * kGroupLanes);
-  cost_row_ = AlignedArray<double>(kGroupLanes);
-  distance_ = AlignedArray<double>(kGroupLanes);
-  gain_ = AlignedArray<double>(rows);
-  action_ = AlignedArray<float>(rows * static_cast<std::size_t>(actions_));
-  dx_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(inputs_.stride()));
-  dy_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(actions_));
   reward_ = AlignedArray<float>(kGroupLanes);
   status_ = AlignedArray<std::uint64_t>(kGroupLanes);
   memory_.resize(inputs_.has_images() ? 1 : steps);
@@ -75,8 +87,7 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   episode_returns_.reserve(static_cast<std::size_t>(envs) * steps);
   work_->contacts.reserve(64);
   if (value != nullptr) {
-    for (std::size_t t = 1; t <= steps; ++t) discounts_[t] = discounts_[t - 1] * hyper.discount;
-    value_ = std::make_unique<HorizonValue>(*value, hyper, inputs_.stride(), weight_,
+    value_ = std::make_unique<HorizonValue>(*value, hyper, inputs_.stride(), weights_.transition,
                                             envs * hyper.rollout_steps);
   }
   if (alike != nullptr) {
@@ -135,9 +146,9 @@ void GradientSlice::add_seconds(GradientSum sum, Clock::time_point begin) {
 
 void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
   std::uint32_t flying = group.lanes;
-  terminated_ = 0;
+  flight_.terminated = 0;
   for (int t = 0; t < horizon_; ++t) {
-    flying_[static_cast<std::size_t>(t)] = flying;
+    flight_.flying[static_cast<std::size_t>(t)] = flying;
     const Clock::time_point begin = Clock::now();
     act(group, inputs, t);
     add_seconds(kSumInferenceSeconds, begin);
@@ -150,7 +161,7 @@ void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
     }
     add_seconds(kSumFlightSeconds, middle);
     take_outcome(group, t);
-    flying = sound_[static_cast<std::size_t>(t)];
+    flying = flight_.sound[static_cast<std::size_t>(t)];
     each_lane(flying, [&](int l) {
       if (status_[static_cast<std::size_t>(l)] != kRunning) flying &= ~(1u << l);
     });
@@ -173,7 +184,7 @@ void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t)
   each_lane(group.lanes, [&](int l) {
     inputs_.normalize(group.first + l, inputs.mean, inputs.scale, inputs_.row(t, l));
   });
-  const std::uint32_t flying = flying_[static_cast<std::size_t>(t)];
+  const std::uint32_t flying = flight_.flying[static_cast<std::size_t>(t)];
   each_lane(flying, [&](int l) {
     const std::span<const float> seen = inputs_.present(group.first + l);
     for (std::size_t k = 0; k < width; ++k) {
@@ -190,7 +201,7 @@ void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t)
 }
 
 void GradientSlice::take_outcome(const Group& group, int t) {
-  const std::uint32_t flying = flying_[static_cast<std::size_t>(t)];
+  const std::uint32_t flying = flight_.flying[static_cast<std::size_t>(t)];
   std::uint32_t sound = flying;
   each_lane(flying, [&](int l) {
     const auto lane = static_cast<std::size_t>(l);
@@ -198,22 +209,22 @@ void GradientSlice::take_outcome(const Group& group, int t) {
     inputs_.take(group.first + l, l);
     returns_[env] += static_cast<double>(reward_[lane]);
     sums_[kSumSteps] += 1.0;
-    gain_[static_cast<std::size_t>(t * kGroupLanes + l)] =
-        reward_weight_ * static_cast<double>(reward_[lane]);
+    flight_.gain[static_cast<std::size_t>(t * kGroupLanes + l)] =
+        weights_.reward * static_cast<double>(reward_[lane]);
     if (status_[lane] == kRunning) return;
     episode_returns_.push_back(static_cast<float>(returns_[env]));
-    if ((status_[lane] & (kTerminated | kFault)) != 0) terminated_ |= 1u << l;
+    if ((status_[lane] & (kTerminated | kFault)) != 0) flight_.terminated |= 1u << l;
     if ((status_[lane] & kFault) == 0) return;
     sound &= ~(1u << l);
     sums_[kSumFaulted] += 1.0;
   });
-  sound_[static_cast<std::size_t>(t)] = sound;
+  flight_.sound[static_cast<std::size_t>(t)] = sound;
 }
 
 /// Lanes whose last transition was `t`, without a fault.
 std::uint32_t GradientSlice::ending(int t) const {
   const auto at = static_cast<std::size_t>(t);
-  return t + 1 < horizon_ ? sound_[at] & ~flying_[at + 1] : sound_[at];
+  return t + 1 < horizon_ ? flight_.sound[at] & ~flight_.flying[at + 1] : flight_.sound[at];
 }
 
 /// Inspects the ends of flights: contacts, which the derivatives ignore, and the last observations.
@@ -242,7 +253,7 @@ void GradientSlice::look_at_ends(Group& group, const GradientInputs& inputs) {
 /// also resets a part of the others, so that later horizons sample all parts of an episode.
 void GradientSlice::begin_anew(Group& group, std::int64_t iteration) {
   const FpEnvironment guard;
-  std::uint32_t flying = sound_.back();
+  std::uint32_t flying = flight_.sound.back();
   each_lane(flying, [&](int l) {
     if (status_[static_cast<std::size_t>(l)] != kRunning) flying &= ~(1u << l);
   });

@@ -82,6 +82,34 @@ class GradientSlice {
     int count;            ///< number of these lanes
     int first;            ///< first environment, within the slice
   };
+  /// Weights of the terms of the loss.
+  struct Weights {
+    explicit Weights(const Hyperparameters& hyper, bool has_value);
+
+    double transition;              ///< of one transition in the mean of an iteration
+    double reward, goal, end;       ///< of the reward, the cost, the value after the horizon
+    std::vector<double> discounts;  ///< of each transition
+  };
+  /// A group's flight through a horizon.
+  struct Flight {
+    Flight(int steps, int actions);
+
+    std::vector<std::uint32_t> flying;  ///< per transition: lanes that take it
+    std::vector<std::uint32_t> sound;   ///< those of them that no fault ended
+    std::uint32_t terminated = 0;       ///< lanes whose episode the task has ended
+    AlignedArray<double> goal;          ///< per transition: GoalCost::kGoalRows
+    AlignedArray<double> gain;   ///< per transition and lane: summands of the value's targets
+    AlignedArray<float> action;  ///< per transition and lane
+  };
+  /// Derivatives of the loss on the way back, for one transition.
+  struct Slopes {
+    Slopes(int rows, int actions, int input_stride);
+
+    AlignedArray<double> adjoints;        ///< rows of TransitionAdjoint
+    AlignedArray<double> to_action;       ///< by the actions
+    AlignedArray<double> cost, distance;  ///< per lane: the goal's cost, and its distance [m]
+    AlignedArray<float> inputs, outputs;  ///< by the network's inputs and outputs
+  };
   void begin();
   void reset(Group& group, std::uint32_t lanes);
   void fly(Group& group, const GradientInputs& inputs);
@@ -99,10 +127,10 @@ class GradientSlice {
   void begin_anew(Group& group, std::int64_t iteration);
   void add_seconds(GradientSum sum, Clock::time_point begin);
   double* goal_at(int t) {
-    return goal_.data() + std::ptrdiff_t{GoalCost::kGoalRows} * t * kGroupLanes;
+    return flight_.goal.data() + std::ptrdiff_t{GoalCost::kGoalRows} * t * kGroupLanes;
   }
   float* action(int t, int lane) {
-    return action_.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * actions_;
+    return flight_.action.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * actions_;
   }
   PolicySteps steps_of(const Group& group, int t) const;
   PolicyNetwork::Memory& memory_of(int t);
@@ -113,23 +141,14 @@ class GradientSlice {
   Isa isa_;
   std::uint64_t seed_;
   int first_env_, envs_, horizon_, actions_;
-  double weight_;                  ///< weight of one transition in the mean of an iteration
-  double reward_weight_;           ///< weight of the reward
-  double goal_weight_;             ///< weight of the cost
-  double end_weight_;              ///< weight of the value after the horizon
-  std::vector<double> discounts_;  ///< discount of each transition
+  Weights weights_;
   std::unique_ptr<GroupWorkspace> work_;
   TransitionAdjoint adjoint_;
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> flying_,
-      sound_;  ///< per transition: lanes that take it; those of them that no fault ended
-  std::uint32_t terminated_ = 0;  ///< lanes whose episode the task has ended
-  AlignedArray<double> goal_, adjoints_, to_action_, cost_row_, distance_;
-  AlignedArray<double>
-      gain_;  ///< per transition and lane: the summands of the value function's targets
   HorizonInputs inputs_;
-  AlignedArray<float> action_;  ///< per transition and lane
-  AlignedArray<float> dx_, dy_, reward_;
+  Flight flight_;  ///< of the current group
+  Slopes slopes_;
+  AlignedArray<float> reward_;
   AlignedArray<std::uint64_t> status_;
   std::vector<PolicyNetwork::Memory> memory_;  ///< per transition; with images for one at a time
   std::unique_ptr<HorizonValue> value_;

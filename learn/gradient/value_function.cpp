@@ -26,14 +26,11 @@ void td_lambda(std::span<const double> gains, std::span<const double> values, do
 }
 
 ValueFunction::ValueFunction(int observed, const Hyperparameters& hyper, std::uint64_t seed)
-    : network_({observed, hyper.hidden, 1, hyper.activation}, best_isa()),
-      parameters_(network_.parameter_count()),
-      delayed_(network_.parameter_count()),
-      adam_(network_.parameter_count(), hyper.max_grad_norm, best_isa()),
+    : critic_({observed, hyper.hidden, 1, hyper.activation}, hyper.max_grad_norm, best_isa()),
+      delayed_(critic_.parameters().size()),
       scale_(scale_of(hyper)) {
-  network_.initialize({parameters_.data(), parameters_.size()}, kLastLayerGain, seed,
-                      derive_stream("learn.value"));
-  std::copy_n(parameters_.data(), parameters_.size(), delayed_.data());
+  critic_.initialize(kLastLayerGain, seed, derive_stream("learn.value"));
+  std::copy_n(parameters().data(), delayed_.size(), delayed_.data());
   prepare();
 }
 
@@ -41,23 +38,13 @@ double ValueFunction::scale_of(const Hyperparameters& hyper) {
   return 1.0 / std::max(1.0 - hyper.discount, kLeastRest);
 }
 
-double ValueFunction::step(std::span<const float* const> gradients, double learning_rate) {
-  adam_.sum(gradients);
-  const double norm = adam_.step({parameters_.data(), parameters_.size()}, learning_rate);
-  network_.transpose(parameters(), transposed_);
-  return norm;
-}
-
 void ValueFunction::follow() {
-  for (std::size_t k = 0; k < parameters_.size(); ++k) {
-    delayed_[k] = std::fma(kFollow, parameters_[k] - delayed_[k], delayed_[k]);
+  for (std::size_t k = 0; k < delayed_.size(); ++k) {
+    delayed_[k] = std::fma(kFollow, parameters()[k] - delayed_[k], delayed_[k]);
   }
-  network_.transpose(target_parameters(), delayed_transposed_);
+  prepare();
 }
 
-void ValueFunction::prepare() {
-  network_.transpose(parameters(), transposed_);
-  network_.transpose(target_parameters(), delayed_transposed_);
-}
+void ValueFunction::prepare() { network().transpose(target_parameters(), delayed_transposed_); }
 
 }  // namespace skybody::learn

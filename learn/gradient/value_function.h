@@ -10,8 +10,7 @@
 
 #include "core/base/simd/aligned_array.h"
 #include "learn/hyperparameters.h"
-#include "learn/network/adam.h"
-#include "learn/network/network.h"
+#include "learn/network/trained_network.h"
 
 namespace skybody::learn {
 
@@ -33,17 +32,19 @@ class ValueFunction {
  public:
   ValueFunction(int observed, const Hyperparameters& hyper, std::uint64_t seed);
 
-  const Network& network() const { return network_; }
-  std::span<const float> parameters() const { return {parameters_.data(), parameters_.size()}; }
+  const Network& network() const { return critic_.network(); }
+  std::span<const float> parameters() const { return critic_.parameters(); }
   std::span<const float> target_parameters() const { return {delayed_.data(), delayed_.size()}; }
-  const TransposedWeights& transposed() const { return transposed_; }
+  const TransposedWeights& transposed() const { return critic_.transposed(); }
   const TransposedWeights& delayed_transposed() const { return delayed_transposed_; }
   /// Factor from the network's output to the value.
   double scale() const { return scale_; }
   static double scale_of(const Hyperparameters& hyper);
 
   /// One optimiser step. @returns the gradient's norm @param gradients  of the slices
-  double step(std::span<const float* const> gradients, double learning_rate);
+  double step(std::span<const float* const> gradients, double learning_rate) {
+    return critic_.step(gradients, learning_rate);
+  }
   /// Moves the delayed copy towards the critic. Called once per iteration, after all steps.
   void follow();
 
@@ -51,19 +52,17 @@ class ValueFunction {
   /// the values that it has written. @param self  const or not
   template <class Self, class Visitor>
   static void visit(Self& self, const std::string& name, Visitor& visitor) {
-    visitor(name, self.parameters_.data(), self.parameters_.size());
+    TrainedNetwork::visit(self.critic_, name, visitor);
     visitor(name + ".delayed", self.delayed_.data(), self.delayed_.size());
-    Adam::visit(self.adam_, name + ".adam", visitor);
     if constexpr (!std::is_const_v<Self>) self.prepare();
   }
 
  private:
   void prepare();
 
-  Network network_;
-  AlignedArray<float> parameters_, delayed_;
-  TransposedWeights transposed_, delayed_transposed_;
-  Adam adam_;
+  TrainedNetwork critic_;
+  AlignedArray<float> delayed_;
+  TransposedWeights delayed_transposed_;
   double scale_;
 };
 

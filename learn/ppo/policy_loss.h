@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/simd/isa.h"
-#include "learn/ppo/gaussian.h"
+#include "learn/common/gaussian.h"
 
 namespace skybody::learn {
 

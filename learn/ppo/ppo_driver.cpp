@@ -216,17 +216,13 @@ Report PpoDriver::report(double rollout_seconds) const {
 }
 
 PolicyFile PpoDriver::policy() const {
-  PolicyFile file = policy_metadata(*setup_->compiled, Algorithm::kFastPpo, counters_.steps);
+  PolicyFile file = policy_metadata(*setup_->compiled, name(Algorithm::kFastPpo), counters_.steps);
   const AgentTable& agents = setup_->agents;
   for (std::size_t k = 0; agents.is_shared && k < agents.observation.size(); ++k) {
     file.agents.push_back({agents.observation[k], agents.action[k]});
   }
   file.squash = setup_->hyper.squashed ? ActionSquash::kTanh : ActionSquash::kClip;
-  file.clip = setup_->hyper.observation_clip;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(file.input_size()); ++k) {
-    file.mean.push_back(moments_.mean[k]);
-    file.scale.push_back(moments_.scale(k));
-  }
+  set_normalization(moments_, setup_->hyper.observation_clip, file);
   const auto weights = average_.of(networks_.policy_weights());
   file.layers = networks_.policy().layers(weights);
   add_images(setup_->images, networks_.policy().image_layers(weights), file);

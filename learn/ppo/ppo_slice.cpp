@@ -5,9 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/math/random.h"
 #include "learn/common/wall_clock.h"
-#include "learn/network/noise.h"
 
 namespace skybody::learn {
 namespace {
@@ -16,7 +14,6 @@ PoolOptions pool_options(const PpoSetup& setup, int slice) {
   PoolOptions options;
   options.envs = setup.plan.envs(slice);
   options.threads = 1;
-  options.autoreset = Autoreset::kSameStep;
   options.seed = setup.seed;
   options.first_env_id = static_cast<std::uint64_t>(setup.plan.first_env(slice));
   return options;
@@ -36,9 +33,6 @@ int gathered_rows(const PpoSetup& setup) {
   return setup.images.empty() ? SliceScratch::kRows : SliceScratch::kRows / 4;
 }
 
-/// Floats of the policy's memory per row.
-int state_stride(const PpoSetup& setup) { return padded(setup.hyper.recurrent_units); }
-
 }  // namespace
 
 SliceScratch::SliceScratch(const PpoSetup& setup)
@@ -49,68 +43,42 @@ SliceScratch::SliceScratch(const PpoSetup& setup)
       loss(minibatch_rows, setup.isa) {
   if (setup.hyper.recurrent_units == 0) return;
   begins.resize(static_cast<std::size_t>(minibatch_rows));
-  states =
-      AlignedArray<float>(product(minibatch_rows / setup.hyper.rollout_steps, state_stride(setup)));
+  states = AlignedArray<float>(
+      product(minibatch_rows / setup.hyper.rollout_steps, padded(setup.hyper.recurrent_units)));
 }
 
 PpoSlice::PpoSlice(std::shared_ptr<const PpoSetup> setup, int index)
     : setup_(std::move(setup)),
       index_(index),
-      envs_(setup_->plan.envs(index)),
-      step_rows_(envs_ * setup_->agents.rows()),
+      step_rows_(setup_->plan.envs(index) * setup_->agents.rows()),
       steps_(setup_->hyper.rollout_steps),
       stride_(setup_->row.stride()),
       normalizer_(setup_->hyper.observation_clip, setup_->isa),
-      pool_(setup_->compiled, pool_options(*setup_, index)),
-      own_observation_(product(envs_, setup_->compiled->observation_size())),
-      own_privileged_(product(envs_, setup_->compiled->privileged_size())),
+      environments_(setup_->compiled, pool_options(*setup_, index)),
       rows_(product(steps_ + 1, step_rows_) * static_cast<std::size_t>(stride_)),
-      reward_(product(steps_, step_rows_)),
-      goes_on_(reward_.size()),
-      bootstrap_(reward_.size()),
-      value_(product(steps_ + 1, step_rows_)),
-      following_(static_cast<std::size_t>(step_rows_)),
-      noise_(product(step_rows_, setup_->row.actions)),
-      mean_(noise_.size()),
-      action_(product(envs_, setup_->compiled->action_size())),
-      images_(*setup_, envs_, value_.size()),
-      last_inputs_(product(step_rows_, stride_)),
-      order_(reward_.size()),
-      begins_(static_cast<std::size_t>(envs_)),
-      discounted_(static_cast<std::size_t>(step_rows_)),
-      returns_(static_cast<std::size_t>(envs_)),
+      advantages_(steps_, step_rows_),
+      images_(*setup_, environments_.size(), product(steps_ + 1, step_rows_)),
+      order_(steps_, step_rows_, setup_->hyper.recurrent_units > 0),
+      memory_(setup_->hyper.recurrent_units, steps_, step_rows_),
+      begins_(static_cast<std::size_t>(environments_.size())),
+      discounted_(step_rows_, setup_->hyper.discount),
+      returns_(begins_.size()),
       rollout_sums_(static_cast<std::size_t>(kRolloutSums + 2 * setup_->row.inputs)),
-      advantage_sums_(kAdvantageSums),
-      minibatch_sums_(kMinibatchSums),
-      log_std_gradient_(static_cast<std::size_t>(setup_->row.actions)) {
-  if (setup_->hyper.recurrent_units > 0) {
-    state_stride_ = state_stride(*setup_);
-    states_ = AlignedArray<float>(product(step_rows_, state_stride_));
-    first_states_ = AlignedArray<float>(states_.size());
-    is_fresh_.resize(static_cast<std::size_t>(step_rows_), 1);
-    episode_begins_.resize(reward_.size());
-  }
-  cut_.reserve(static_cast<std::size_t>(step_rows_));
-  episode_returns_.reserve(product(steps_, envs_));
-  pool_.send_reset();
-  pool_.recv();
-  look_at_observations();
-}
-
-/// Reads the observations from the pool, if there is no batch: after environments were reset or
-/// restored.
-void PpoSlice::look_at_observations() {
-  pool_.observations(own_observation_);
-  pool_.privileged(own_privileged_);
-  observation_ = own_observation_.data();
-  privileged_ = own_privileged_.data();
-  images_.look_at(pool_);
-  batch_.reset();
+      advantage_sums_(kAdvantageSums) {
+  draws_.noise.resize(product(step_rows_, setup_->row.actions));
+  draws_.mean.resize(draws_.noise.size());
+  draws_.action.resize(product(environments_.size(), setup_->compiled->action_size()));
+  cut_.inputs = AlignedArray<float>(product(step_rows_, stride_));
+  cut_.at.reserve(static_cast<std::size_t>(step_rows_));
+  gradients_.sums.resize(kMinibatchSums);
+  gradients_.log_std.resize(static_cast<std::size_t>(setup_->row.actions));
+  episode_returns_.reserve(product(steps_, environments_.size()));
+  images_.look_at(environments_.pool());
 }
 
 void PpoSlice::restore_environments(std::span<const std::uint64_t> words) {
-  pool_.restore(words);
-  look_at_observations();
+  environments_.restore(words);
+  images_.look_at(environments_.pool());
 }
 
 // --- a rollout ----------------------------------------------------------------------------------
@@ -122,33 +90,30 @@ void PpoSlice::collect(const RolloutInputs& inputs, const PpoNetworks& networks,
   iteration_ = inputs.iteration;
   clear_sums();
   deviations_.update(networks.log_std());
-  std::copy_n(states_.data(), states_.size(), first_states_.data());
+  memory_.begin();
   for (int step = 0; step < steps_; ++step) {
     write_inputs(step, true);
     choose_actions(step, networks, scratch);
     step_environments();
     take_outcome(step);
-    if (!cut_.empty()) value_cut_episodes(networks, scratch);
+    if (!cut_.at.empty()) value_cut_episodes(networks, scratch);
   }
   write_inputs(steps_, false);  // inputs of the last values
   inputs_ = nullptr;
-  rollout_sums_[kSumRows] = static_cast<double>(reward_.size());
+  rollout_sums_[kSumRows] = static_cast<double>(steps_) * step_rows_;
   rollout_sums_[kSumSeconds] = seconds_since(begin);
 }
 
 void PpoSlice::clear_sums() {
   std::fill(rollout_sums_.begin(), rollout_sums_.end(), 0.0);
-  std::fill(bootstrap_.begin(), bootstrap_.end(), 0.0f);
+  advantages_.begin();
   episode_returns_.clear();
 }
 
 /// Copies the inputs of an environment's rows, one after the other from `first` on, not yet
 /// normalized.
-void PpoSlice::copy_inputs(const float* observation, const float* privileged, int env,
-                           float* first) {
+void PpoSlice::copy_inputs(const float* observation, const float* privileged, float* first) {
   const AgentTable& agents = setup_->agents;
-  observation += product(env, setup_->compiled->observation_size());
-  privileged += product(env, setup_->compiled->privileged_size());
   for (int a = 0; a < agents.rows(); ++a) {
     float* to = first + product(a, stride_);
     for (const int entry : agents.observation[static_cast<std::size_t>(a)])
@@ -160,8 +125,9 @@ void PpoSlice::copy_inputs(const float* observation, const float* privileged, in
 
 /// Writes the environments' current observations, normalized, into the rows of a step.
 void PpoSlice::write_inputs(int step, bool adds_sums) {
-  for (int env = 0; env < envs_; ++env) {
-    copy_inputs(observation_, privileged_, env, row(step, env * setup_->agents.rows()));
+  for (int env = 0; env < environments_.size(); ++env) {
+    copy_inputs(environments_.observation(env), environments_.privileged(env),
+                row(step, env * setup_->agents.rows()));
   }
   images_.write(at(step, 0));
   double* columns = rollout_sums_.data() + kRolloutSums;
@@ -170,36 +136,31 @@ void PpoSlice::write_inputs(int step, bool adds_sums) {
                     adds_sums ? &sums : nullptr);
 }
 
-/// The policy's memory for `count` rows of a step, read and then overwritten by the network.
+/// `count` rows of a step, with the policy's memory.
 PolicySteps PpoSlice::recall(int step, int first, int count) {
   PolicySteps steps = {{count, 1}};
   steps.images = images_.rows(at(step, first));
-  if (state_stride_ == 0) return steps;
-  const auto r = static_cast<std::size_t>(first);
-  std::copy_n(is_fresh_.data() + r, count, episode_begins_.data() + at(step, first));
-  steps.begins = is_fresh_.data() + r;
-  steps.states = states_.data() + product(first, state_stride_);
+  memory_.recall(at(step, first), first, count, steps);
   return steps;
 }
 
 void PpoSlice::choose_actions(int step, const PpoNetworks& networks, SliceScratch& scratch) {
   const int actions = setup_->row.actions;
-  constexpr std::uint64_t kNoiseStream = derive_stream("learn.noise");
-  draw_normals({{setup_->seed, static_cast<std::uint64_t>(index_)},
-                static_cast<std::uint64_t>(inputs_->iteration),
-                kNoiseStream,
-                static_cast<std::uint64_t>(step)},
-               noise_, setup_->isa);
+  draw_noise({.seed = setup_->seed,
+              .slice = static_cast<std::uint64_t>(index_),
+              .rollout = static_cast<std::uint64_t>(inputs_->iteration),
+              .step = static_cast<std::uint64_t>(step)},
+             draws_.noise, setup_->isa);
   for (int r = 0; r < step_rows_; r += SliceScratch::kRows) {
     const int count = std::min(SliceScratch::kRows, step_rows_ - r);
     networks.policy().forward(networks.policy_weights(), row(step, r), stride_,
                               recall(step, r, count), scratch.policy,
-                              mean_.data() + product(r, actions), actions);
+                              draws_.mean.data() + product(r, actions), actions);
   }
-  if (setup_->hyper.bounded_mean) apply_tanh(mean_.data(), mean_.size(), setup_->isa);
+  if (setup_->hyper.bounded_mean) apply_tanh(draws_.mean.data(), draws_.mean.size(), setup_->isa);
   float* first = row(step, 0);
-  draw_actions(mean_.data(), noise_.data(), step_rows_, deviations_, first + setup_->row.action(),
-               first + setup_->row.log_probability(), stride_);
+  draw_actions(draws_.mean.data(), draws_.noise.data(), step_rows_, deviations_,
+               first + setup_->row.action(), first + setup_->row.log_probability(), stride_);
   command(step);
 }
 
@@ -209,38 +170,36 @@ void PpoSlice::command(int step) {
   const int width = setup_->compiled->action_size();
   for (int r = 0; r < step_rows_; ++r) {
     const float* drawn = row(step, r) + setup_->row.action();
-    float* to = action_.data() + product(r / agents.rows(), width);
+    float* to = draws_.action.data() + product(r / agents.rows(), width);
     for (const int entry : agents.action[static_cast<std::size_t>(r % agents.rows())]) {
       to[entry] = *drawn++;
     }
   }
-  if (setup_->hyper.squashed) apply_tanh(action_.data(), action_.size(), setup_->isa);
+  if (setup_->hyper.squashed) apply_tanh(draws_.action.data(), draws_.action.size(), setup_->isa);
 }
 
 void PpoSlice::step_environments() {
   const Clock::time_point begin = Clock::now();
-  pool_.send(action_);
-  batch_ = pool_.recv();
+  environments_.step(draws_.action);
   rollout_sums_[kSumEnvironmentSeconds] += seconds_since(begin);
-  observation_ = batch_->observation.data();
-  privileged_ = batch_->privileged.data();
-  images_.look_at(*batch_);
+  images_.look_at(environments_.batch());
 }
 
 void PpoSlice::take_outcome(int step) {
-  const Batch& batch = *batch_;
-  cut_.clear();
-  for (int env = 0; env < envs_; ++env) {
+  const Batch& batch = environments_.batch();
+  cut_.at.clear();
+  for (int env = 0; env < environments_.size(); ++env) {
     const auto i = static_cast<std::size_t>(env);
+    const EpisodeEnd end = environments_.end_of(env);
     take_rewards(step, env);
     rollout_sums_[kSumFaults] += batch.fault[i];
-    const bool has_ended = (batch.terminated[i] | batch.truncated[i]) != 0;
+    const bool has_ended = end != EpisodeEnd::kNone;
     if (setup_->error.is_told() && batch.fault[i] == 0) {
       const float* info = (has_ended ? batch.final_info : batch.info).data();
       rollout_sums_[kSumError] += setup_->error.of(info + product(env, batch.width.info));
       rollout_sums_[kSumErrorSteps] += 1.0;
     }
-    if (has_ended) end_episode(step, env);
+    if (has_ended) end_episode(step, env, end);
   }
 }
 
@@ -248,54 +207,50 @@ void PpoSlice::take_outcome(int step) {
 /// rewards.
 void PpoSlice::take_rewards(int step, int env) {
   const AgentTable& agents = setup_->agents;
-  const auto i = static_cast<std::size_t>(env);
-  const bool goes_on = (batch_->terminated[i] | batch_->truncated[i]) == 0;
+  const Batch& batch = environments_.batch();
+  const bool goes_on = environments_.end_of(env) == EpisodeEnd::kNone;
   const float* rewards = agents.is_shared
-                             ? batch_->agent_reward.data() + product(env, batch_->width.agents)
-                             : batch_->reward.data() + env;
+                             ? batch.agent_reward.data() + product(env, batch.width.agents)
+                             : batch.reward.data() + env;
   for (int a = 0; a < agents.rows(); ++a) {
     const int r = env * agents.rows() + a;
-    reward_[at(step, r)] = rewards[a];
-    goes_on_[at(step, r)] = goes_on ? 1.0f : 0.0f;
-    if (state_stride_ > 0) is_fresh_[static_cast<std::size_t>(r)] = goes_on ? 0 : 1;
-    double& discounted = discounted_[static_cast<std::size_t>(r)];
-    discounted = discounted * setup_->hyper.discount + static_cast<double>(rewards[a]);
-    const double d = discounted - inputs_->return_mean;
+    advantages_.set(at(step, r), rewards[a], goes_on);
+    memory_.set_fresh(r, !goes_on);
+    const double d = discounted_.add(r, rewards[a], goes_on) - inputs_->return_mean;
     rollout_sums_[kSumReturn] += d;
     rollout_sums_[kSumReturnSquares] += d * d;
-    if (!goes_on) discounted = 0.0;
   }
-  returns_[i] += static_cast<double>(batch_->reward[i]);
+  const auto i = static_cast<std::size_t>(env);
+  returns_[i] += static_cast<double>(batch.reward[i]);
 }
 
 /// Value after the end: of a truncated episode the value function at its last observation; of a
 /// terminated or faulted one 0. A fault's outcome is not used for learning.
-void PpoSlice::end_episode(int step, int env) {
-  const auto i = static_cast<std::size_t>(env);
-  episode_returns_.push_back(static_cast<float>(returns_[i]));
-  returns_[i] = 0.0;
-  const bool is_cut = batch_->truncated[i] != 0 && batch_->terminated[i] == 0;
-  if (!is_cut || batch_->fault[i] != 0) return;
-  copy_inputs(batch_->final_observation.data(), batch_->final_privileged.data(), env,
-              last_inputs_.data() + product(static_cast<int>(cut_.size()), stride_));
-  images_.keep_last(*batch_, env, cut_.size());
+void PpoSlice::end_episode(int step, int env, EpisodeEnd end) {
+  double& sum = returns_[static_cast<std::size_t>(env)];
+  episode_returns_.push_back(static_cast<float>(sum));
+  sum = 0.0;
+  if (end != EpisodeEnd::kCut) return;
+  copy_inputs(environments_.last_observation(env), environments_.last_privileged(env),
+              cut_.inputs.data() + product(static_cast<int>(cut_.at.size()), stride_));
+  images_.keep_last(environments_.batch(), env, cut_.at.size());
   for (int a = 0; a < setup_->agents.rows(); ++a) {
-    cut_.push_back(static_cast<int>(at(step, env * setup_->agents.rows() + a)));
+    cut_.at.push_back(at(step, env * setup_->agents.rows() + a));
   }
 }
 
 void PpoSlice::value_cut_episodes(const PpoNetworks& networks, SliceScratch& scratch) {
-  const int count = static_cast<int>(cut_.size());
-  normalizer_.apply(last_inputs_.data(), count, stride_, inputs_->mean, inputs_->scale, nullptr);
+  const int count = static_cast<int>(cut_.at.size());
+  normalizer_.apply(cut_.inputs.data(), count, stride_, inputs_->mean, inputs_->scale, nullptr);
   for (int r = 0; r < count; r += SliceScratch::kRows) {
     const int part = std::min(SliceScratch::kRows, count - r);
     PolicySteps steps = {{part, 1}};
     steps.images = images_.last(static_cast<std::size_t>(r));
-    networks.value().forward(networks.value_weights(), last_inputs_.data() + product(r, stride_),
+    networks.value().forward(networks.value_weights(), cut_.inputs.data() + product(r, stride_),
                              stride_, steps, scratch.value, scratch.output.data(), 1);
     for (int k = 0; k < part; ++k) {
-      bootstrap_[static_cast<std::size_t>(cut_[static_cast<std::size_t>(r + k)])] =
-          scratch.output[static_cast<std::size_t>(k)];
+      advantages_.set_end_value(cut_.at[static_cast<std::size_t>(r + k)],
+                                scratch.output[static_cast<std::size_t>(k)]);
     }
   }
 }
@@ -303,7 +258,7 @@ void PpoSlice::value_cut_episodes(const PpoNetworks& networks, SliceScratch& scr
 void PpoSlice::stagger_resets(std::int64_t iteration) {
   const std::int64_t parts = setup_->compiled->scenario().stepping.horizon / steps_;
   bool any = false;
-  for (int env = 0; env < envs_; ++env) {
+  for (int env = 0; env < environments_.size(); ++env) {
     const std::int64_t group = (setup_->plan.first_env(index_) + env) * parts / setup_->hyper.envs;
     const auto i = static_cast<std::size_t>(env);
     begins_[i] = group == iteration ? 1 : 0;
@@ -311,13 +266,14 @@ void PpoSlice::stagger_resets(std::int64_t iteration) {
     any = true;
     returns_[i] = 0.0;
     const int rows = setup_->agents.rows();
-    std::fill_n(discounted_.begin() + env * rows, rows, 0.0);
-    if (state_stride_ > 0) std::fill_n(is_fresh_.begin() + env * rows, rows, std::uint8_t{1});
+    for (int r = env * rows; r < (env + 1) * rows; ++r) {
+      discounted_.restart(r);
+      memory_.set_fresh(r, true);
+    }
   }
   if (!any) return;
-  pool_.send_reset(begins_);
-  pool_.recv();
-  look_at_observations();
+  environments_.reset(begins_);
+  images_.look_at(environments_.pool());
 }
 
 }  // namespace skybody::learn

@@ -8,15 +8,19 @@
 #include <vector>
 
 #include "core/base/simd/aligned_array.h"
-#include "core/batch/pool.h"
+#include "learn/common/gaussian.h"
+#include "learn/common/normalizer.h"
 #include "learn/common/state_blocks.h"
-#include "learn/ppo/gaussian.h"
-#include "learn/ppo/normalizer.h"
+#include "learn/ppo/minibatch_order.h"
 #include "learn/ppo/policy_loss.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
 #include "learn/ppo/rollout_images.h"
+#include "learn/ppo/slice_memory.h"
+#include "learn/rollout/advantage_estimator.h"
+#include "learn/rollout/discounted_returns.h"
+#include "learn/rollout/rollout_environments.h"
 
 namespace skybody::learn {
 
@@ -59,13 +63,13 @@ class PpoSlice {
 
   std::span<const double> rollout_sums() const { return rollout_sums_; }
   std::span<const double> advantage_sums() const { return advantage_sums_; }
-  std::span<const double> minibatch_sums() const { return minibatch_sums_; }
+  std::span<const double> minibatch_sums() const { return gradients_.sums; }
   /// In the layout of PpoNetworks::policy_parameters().
   std::span<const float> policy_gradient() const {
-    return {gradients_[0].data(), gradients_[0].size()};
+    return {gradients_.policy.data(), gradients_.policy.size()};
   }
   std::span<const float> value_gradient() const {
-    return {gradients_[1].data(), gradients_[1].size()};
+    return {gradients_.value.data(), gradients_.value.size()};
   }
   /// Returns of the episodes that ended in the rollout.
   std::span<const float> episode_returns() const { return episode_returns_; }
@@ -79,32 +83,34 @@ class PpoSlice {
     std::span<const int> order;  ///< of the last epoch
   };
   Rollout rollout() const {
-    return {steps_, step_rows_, {rows_.data(), rows_.size()}, reward_, goes_on_, bootstrap_,
-            value_, order_};
+    return {steps_,
+            step_rows_,
+            {rows_.data(), rows_.size()},
+            advantages_.rewards(),
+            advantages_.goes_on(),
+            advantages_.end_values(),
+            advantages_.values(),
+            order_.order()};
   }
 
   /// Passes the checkpointed arrays, without the environments, to `visitor`.
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor) {
     const std::string name = "slice" + std::to_string(self.index_);
-    visitor(name + ".discounted", self.discounted_.data(), self.discounted_.size());
+    DiscountedReturns::visit(self.discounted_, name + ".discounted", visitor);
     visitor(name + ".returns", self.returns_.data(), self.returns_.size());
-    visitor(name + ".states", self.states_.data(), self.states_.size());
-    visitor(name + ".is_fresh", self.is_fresh_.data(), self.is_fresh_.size());
+    SliceMemory::visit(self.memory_, name, visitor);
   }
-  std::vector<std::uint64_t> save_environments() const { return pool_.save(); }
+  std::vector<std::uint64_t> save_environments() const { return environments_.save(); }
   void restore_environments(std::span<const std::uint64_t> words);
 
  private:
   float* row(int step, int row_of_step) {
     return rows_.data() + at(step, row_of_step) * static_cast<std::size_t>(stride_);
   }
-  std::size_t at(int step, int row_of_step) const {
-    return static_cast<std::size_t>(step) * static_cast<std::size_t>(step_rows_) +
-           static_cast<std::size_t>(row_of_step);
-  }
+  std::size_t at(int step, int row_of_step) const { return advantages_.at(step, row_of_step); }
   void clear_sums();
-  void copy_inputs(const float* observation, const float* privileged, int env, float* first);
+  void copy_inputs(const float* observation, const float* privileged, float* first);
   void write_inputs(int step, bool adds_sums);
   PolicySteps recall(int step, int first, int count);
   void choose_actions(int step, const PpoNetworks& networks, SliceScratch& scratch);
@@ -112,53 +118,51 @@ class PpoSlice {
   void step_environments();
   void take_outcome(int step);
   void take_rewards(int step, int env);
-  void end_episode(int step, int env);
+  void end_episode(int step, int env, EpisodeEnd end);
   void value_cut_episodes(const PpoNetworks& networks, SliceScratch& scratch);
   void find_values(const PpoNetworks& networks, SliceScratch& scratch);
-  void shuffle(int epoch);
   void gather(int first, int count, SliceScratch& scratch);
-  PolicySteps gather_memory(int first, int count, SliceScratch& scratch) const;
+  PolicySteps gathered_steps(int first, int count, SliceScratch& scratch) const;
   void add_policy_gradient(const Minibatch&, const PolicySteps&, const PpoNetworks&, SliceScratch&);
   void add_value_gradient(const Minibatch&, const PolicySteps&, const PpoNetworks&, SliceScratch&);
-  void look_at_observations();
+
+  /// A step's draws: normals and means of its rows, actions of its environments.
+  struct Draws {
+    std::vector<float> noise, mean, action;
+  };
+  /// Episodes that a step truncated: the rows of their last inputs, and their transitions.
+  struct CutEpisodes {
+    AlignedArray<float> inputs;
+    std::vector<std::size_t> at;
+  };
+  /// Results of a minibatch.
+  struct Gradients {
+    std::vector<double> sums, log_std;
+    AlignedArray<float> policy, value;
+  };
 
   std::shared_ptr<const PpoSetup> setup_;
-  int index_, envs_, step_rows_, steps_, stride_;
+  int index_, step_rows_, steps_, stride_;
   Normalizer normalizer_;
-  Pool pool_;
-  std::shared_ptr<const Batch> batch_;                          ///< of the last step
-  const float *observation_ = nullptr, *privileged_ = nullptr;  ///< current, of all environments
-  std::vector<float> own_observation_, own_privileged_;         ///< storage if no batch has them
-  const RolloutInputs* inputs_ = nullptr;                       ///< of the current rollout
-  std::int64_t iteration_ = 0;                                  ///< of the last rollout
+  RolloutEnvironments environments_;
+  const RolloutInputs* inputs_ = nullptr;  ///< of the current rollout
+  std::int64_t iteration_ = 0;             ///< of the last rollout
   Deviations deviations_;
 
   AlignedArray<float> rows_;  ///< steps + 1 times step_rows_; RowLayout
-  std::vector<float> reward_, goes_on_,
-      bootstrap_;  ///< per row: 1 if the episode goes on; value after a truncated episode
-  std::vector<float> value_;                  ///< per row, including the last observations
-  std::vector<float> following_;              ///< advantage of the following step, per row
-  std::vector<float> noise_, mean_, action_;  ///< of a step
-  RolloutImages images_;                      ///< of rows_ and last_inputs_
-  AlignedArray<float> last_inputs_;           ///< last inputs of the episodes truncated in a step
-  std::vector<int> cut_;                      ///< their rows
-  std::vector<int> order_;                    ///< of the rollout's rows, in this epoch
-  std::vector<std::uint8_t> begins_;          ///< environments to reset
+  AdvantageEstimator advantages_;
+  Draws draws_;
+  RolloutImages images_;  ///< of rows_ and cut_
+  CutEpisodes cut_;
+  MinibatchOrder order_;  ///< of the rollout's rows, in this epoch
+  SliceMemory memory_;
+  std::vector<std::uint8_t> begins_;  ///< environments to reset
 
-  // Only for a policy with a memory, otherwise empty:
-  int state_stride_ = 0;
-  AlignedArray<float> states_;          ///< current, for each row of a step
-  AlignedArray<float> first_states_;    ///< at the beginning of the rollout
-  std::vector<std::uint8_t> is_fresh_;  ///< for each row of a step: whether its episode begins
-  std::vector<std::uint8_t>
-      episode_begins_;  ///< for each row of the rollout, in the numbering of order_
-
-  std::vector<double> discounted_;  ///< return so far, for each row of a step
-  std::vector<double> returns_;     ///< undiscounted return, for each environment
+  DiscountedReturns discounted_;  ///< for each row of a step
+  std::vector<double> returns_;   ///< undiscounted return, for each environment
   std::vector<float> episode_returns_;
-  std::vector<double> rollout_sums_, advantage_sums_, minibatch_sums_;
-  std::vector<double> log_std_gradient_;
-  AlignedArray<float> gradients_[2];  ///< policy, value
+  std::vector<double> rollout_sums_, advantage_sums_;
+  Gradients gradients_;
 };
 
 }  // namespace skybody::learn

@@ -1,62 +1,37 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "core/assemble/compile_scenario.h"
-#include "core/base/system/suggestion.h"
 #include "core/io/files/shipped_files.h"
-#include "core/io/yaml/config_tree.h"
+#include "core/io/yaml/diagnostics.h"
 #include "core/io/yaml/include_chain.h"
+#include "learn/preset.h"
+#include "learn/preset_file.h"
 #include "python/native/bindings.h"
+#include "python/native/learner_options.h"
 
 namespace skybody::python {
 namespace {
 
-/// A value in the form of `--set KEY=VALUE`: a list as its entries with commas between them. None,
-/// and an error, if it is neither a scalar nor a list.
-std::optional<std::string> text_of(const ConfigEntry& entry, Diagnostics& diagnostics) {
-  if (entry.value.is_scalar()) return entry.value.scalar;
-  bool is_list = entry.value.is_sequence();
-  std::vector<std::string> items;
-  for (const ConfigNode& item : entry.value.items) {
-    is_list = is_list && item.is_scalar();
-    items.push_back(item.scalar);
-  }
-  if (is_list) return join(items, ",");
-  diagnostics.error(entry.value.mark, "`" + entry.key + "` is " + entry.value.describe() +
-                                          "; it must be a value or a list of values");
-  return std::nullopt;
-}
-
-nb::dict section_of(const ConfigEntry& section, Diagnostics& diagnostics) {
-  nb::dict values;
-  if (!section.value.is_map()) {
-    diagnostics.error(section.value.mark, "`" + section.key + "` is " + section.value.describe() +
-                                              "; it must be a map of keys and values");
-  }
-  for (const ConfigEntry& entry : section.value.entries) {
-    if (const auto text = text_of(entry, diagnostics)) {
-      values[entry.key.c_str()] = nb::make_tuple(*text, to_string(entry.key_mark));
-    }
-  }
-  return values;
-}
-
 nb::dict read_settings(const std::string& file) {
-  Diagnostics diagnostics;
   nb::dict sections;
-  const std::optional<ConfigNode> root = load_config(file, diagnostics);
-  if (root) {
-    for (const ConfigEntry& section : root->entries) {
-      sections[section.key.c_str()] =
-          nb::make_tuple(section_of(section, diagnostics), to_string(section.key_mark));
+  for (const learn::PresetSection& section : learn::read_preset_file(file)) {
+    nb::dict values;
+    for (const learn::PresetValue& value : section.values) {
+      values[value.key.c_str()] = nb::make_tuple(value.text, to_string(value.mark));
     }
+    sections[section.learner.c_str()] = nb::make_tuple(values, to_string(section.mark));
   }
-  diagnostics.throw_if_errors();
   return sections;
+}
+
+nb::tuple read_preset(const std::string& scenario, const std::string& algorithm,
+                      double action_seconds) {
+  const learn::Algorithm which = algorithm_of(algorithm);
+  const learn::Preset preset = learn::read_preset(scenario, which, action_seconds);
+  return nb::make_tuple(dict_of(preset.hyper, which), preset.total_steps);
 }
 
 }  // namespace
@@ -67,6 +42,13 @@ void bind_settings(nb::module_& m) {
                 "dict[str, tuple[dict[str, tuple[str, str]], str]]"),
         "Sections of a YAML file: ({key: (value as text, place)}, place) of each; a place is "
         "`file:line:column`.\nRaises InputError, with places, where it is something else.");
+  m.def("read_preset", &read_preset, nb::arg("scenario"), nb::arg("algorithm"),
+        nb::arg("action_seconds") = 0.0,
+        nb::sig("def read_preset(scenario: str, algorithm: str, action_seconds: float = 0.0) -> "
+                "tuple[dict[str, typing.Any], int]"),
+        "The preset of a scenario for a learner in C++: its hyper-parameters and its number of "
+        "steps.\naction_seconds: between two actions, for scenarios without a preset; 0: not "
+        "known.\n\nRaises InputError, with places, for a mistake in the file.");
   m.def("shipped_scenarios", &shipped_scenarios, "Names of all shipped scenarios, sorted.");
   m.def("shipped_policies", &shipped_policies,
         "Names of all shipped scenarios with a shipped policy, sorted.");

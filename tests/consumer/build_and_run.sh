@@ -48,6 +48,7 @@ build all
 [[ ! -x $work/build/pool ]] || "$work/build/pool" hover
 "$work/build/draw_sphere"
 (cd "$work" && build/learn 20000 && test -s policy.h5)
+(cd "$work" && rm policy.h5 && build/own_algorithm 20000 && test -s policy.h5)
 "$skybody" check "$source_tree/examples/visit_points.yaml" --plugin-path "$work/build/plugins"
 
 if [[ $kind == prefix ]] && command -v pkg-config >/dev/null; then

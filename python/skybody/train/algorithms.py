@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -24,8 +23,6 @@ class Algorithm:
     make: Callable[..., Learner]
     # in C++: NumPy checkpoints, averages its policy itself, needs no PyTorch
     is_native: bool = False
-    # (hyper-parameters, seconds between two actions) -> those of scenarios without a preset
-    fit: Callable[[Any, float], Any] = lambda hyper, _: hyper
     sees_images: bool = False  # else scenarios that observe images are refused
 
 
@@ -47,17 +44,6 @@ def _sb3_ppo(*arguments: Any) -> Learner:
     return Sb3Ppo(*arguments)
 
 
-HORIZON = 0.64  # [s] horizon of `gradient`: in a shorter one the vehicle hardly moves
-MOST_HORIZON = 640  # transitions, which are kept in memory
-
-
-def _fit_gradient(hyper: Any, action_seconds: float) -> Any:
-    horizon = min(MOST_HORIZON, max(1, round(HORIZON / action_seconds)))
-    return dataclasses.replace(
-        hyper, envs=32, rollout_steps=horizon, learning_rate=6e-3, max_grad_norm=1.0
-    )
-
-
 ALGORITHMS: dict[str, Algorithm] = {
     "fast-ppo": Algorithm(
         "PPO in C++", lambda: native_defaults("fast-ppo"), _fast_ppo, True, sees_images=True
@@ -67,7 +53,6 @@ ALGORITHMS: dict[str, Algorithm] = {
         lambda: native_defaults("gradient"),
         _gradient,
         True,
-        _fit_gradient,
         sees_images=True,
     ),
     "ppo": Algorithm("PPO of Stable-Baselines3", Hyperparameters, _sb3_ppo),

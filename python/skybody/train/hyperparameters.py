@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +21,7 @@ class UsageError(ValueError):
     """A wrong option or input file of the user; the text is the whole message.
 
     Attributes:
-        key: of the hyper-parameter that is out of range; None for other errors.
+        key: of the hyper-parameter of a learner in Python that is out of range; else None.
     """
 
     def __init__(self, message: str, key: str | None = None) -> None:
@@ -98,32 +98,12 @@ def native_defaults(algorithm: str) -> Any:
         try:
             hyperparameters(algorithm, vars(hyper))
         except ValueError as error:
-            raise UsageError(str(error), _wrong_key(algorithm, vars(hyper))) from None
+            raise UsageError(str(error)) from None
 
     fields = [(name, type(value), value) for name, value in hyperparameters(algorithm).items()]
     return dataclasses.make_dataclass(
         "NativeHyperparameters", fields, frozen=True, namespace={"check": check}
     )()
-
-
-def _wrong_key(algorithm: str, values: Mapping[str, Any]) -> str | None:
-    """The key of the rejected value of a learner in C++: invalid alone, or in combination."""
-    defaults = hyperparameters(algorithm)
-    for name, value in values.items():
-        if not _is_possible(algorithm, {name: value}):
-            return name
-    for name in values:
-        if _is_possible(algorithm, {**values, name: defaults[name]}):
-            return name
-    return None
-
-
-def _is_possible(algorithm: str, values: dict[str, Any]) -> bool:
-    try:
-        hyperparameters(algorithm, values)
-    except ValueError:
-        return False
-    return True
 
 
 def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:

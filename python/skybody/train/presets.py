@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from skybody._native import CompiledScenario, read_settings, training_presets
+from skybody._native import CompiledScenario, read_preset, read_settings, training_presets
 from skybody.arguments import allowed_words
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.hyperparameters import (
@@ -79,19 +79,25 @@ def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -
             preset.
 
     Raises:
-        InputError: the file of presets is not YAML of this form; with places.
-        UsageError: it names an unknown learner or hyper-parameter, or a wrong value.
+        InputError, UsageError: the file of presets is not YAML of this form, or names an unknown
+            learner or hyper-parameter, or a wrong value; with places.
     """
     row = algorithm_of(algorithm)
-    made = Preset(row.defaults(), TOTAL_STEPS)
+    if row.is_native:
+        values, steps = read_preset(scenario, algorithm, action_seconds or 0.0)
+        return Preset(dataclasses.replace(row.defaults(), **values), steps)
+    return _python_preset(scenario, algorithm, row.defaults())
+
+
+def _python_preset(scenario: str, algorithm: str, defaults: Hyperparameters) -> Preset:
+    """The preset of a learner in Python; see preset()."""
+    made = Preset(defaults, TOTAL_STEPS)
     file = presets_file(scenario)
     sections = read_settings(str(file)) if file.is_file() else {}
     for name, (_, place) in sections.items():
         if name not in ALGORITHMS:
             raise UsageError(f"{place}: no learner `{name}`{allowed_words(name, ALGORITHMS)}")
     values, _ = sections.get(algorithm, ({}, ""))
-    if not values and action_seconds is not None:
-        made = dataclasses.replace(made, hyper=row.fit(made.hyper, action_seconds))
     for key, (text, place) in values.items():
         where = f"{place}: {key}"
         if key == STEPS_KEY:

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
+#include "learn/common/gaussian.h"
 #include "learn/common/learner_threads.h"
+#include "learn/common/normalizer.h"
 #include "learn/common/running_moments.h"
-#include "learn/ppo/gaussian.h"
-#include "learn/ppo/normalizer.h"
 #include "learn/ppo/policy_loss.h"
 
 namespace skybody::learn {

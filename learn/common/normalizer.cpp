@@ -1,4 +1,4 @@
-#include "learn/ppo/normalizer.h"
+#include "learn/common/normalizer.h"
 
 #include "core/base/simd/kernels.h"
 #include "core/base/simd/lanes.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,17 @@ struct Deviations {
   /// Only the first call allocates.
   void update(std::span<const float> log_std);
 };
+
+/// Selects the noise of a step: equal numbers give equal noise.
+struct NoiseSource {
+  std::uint64_t seed = 0;
+  std::uint64_t slice = 0;    ///< environments that are drawn together
+  std::uint64_t rollout = 0;  ///< completed rollouts
+  std::uint64_t step = 0;     ///< of the rollout
+};
+
+/// Fills `values` with independent standard normals. The bits are the same on v3 and v4.
+void draw_noise(const NoiseSource& source, std::span<float> values, Isa isa = best_isa());
 
 /// Draws the actions of some rows.
 /// @param mean              rows x actions

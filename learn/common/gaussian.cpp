@@ -1,7 +1,9 @@
-#include "learn/ppo/gaussian.h"
+#include "learn/common/gaussian.h"
 
 #include "core/base/math/math.h"
+#include "core/base/math/random.h"
 #include "learn/network/kernels/kernels.h"
+#include "learn/network/noise.h"
 
 namespace skybody::learn {
 
@@ -19,6 +21,12 @@ void Deviations::update(std::span<const float> log_std) {
     inverse[k] = exp(-log_deviation);
     log_sum += log_deviation;
   }
+}
+
+void draw_noise(const NoiseSource& source, std::span<float> values, Isa isa) {
+  constexpr std::uint64_t kNoiseStream = derive_stream("learn.noise");
+  draw_normals({{source.seed, source.slice}, source.rollout, kNoiseStream, source.step}, values,
+               isa);
 }
 
 void draw_actions(const float* mean, const float* noise, int rows, const Deviations& deviations,
