@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Times the way from the wheels to a film in a bare Debian: installation, first flight, training, a
-# flight of the trained policy, and its film. Prints a line of Markdown for each part. Takes root's
+# flight of the trained policy, and its film. Prints a row of Markdown for each part. Takes root's
 # rights and debootstrap.
 #
 #   scripts/time_installation.sh [RELEASE [FOLDER]]    # wheels of build/wheels; trixie, build/debian_trixie
@@ -19,21 +19,26 @@ inside user 'command -v python3 >/dev/null ||
     { apt-get -qq update; apt-get -qq install -y --no-install-recommends python3-venv >/dev/null; }
   rm -rf /venv; python3 -m venv /venv'
 
-total=0
-# part NAME COMMAND
+TIMEFORMAT='%R %U %S'
+all=()
+# part NAME COMMAND: seconds of the clock, and of processors, which tell more under load.
 part() {
-  local start=$EPOCHREALTIME seconds
-  inside user "cd /tmp; . /venv/bin/activate; { $2; } >/tmp/log 2>&1 || { cat /tmp/log; exit 1; }"
-  seconds=$(awk "BEGIN {printf \"%.1f\", $EPOCHREALTIME - $start}")
-  total=$(awk "BEGIN {printf \"%.1f\", $total + $seconds}")
-  echo "| $1 | $seconds |"
+  local script="cd /tmp; . /venv/bin/activate; { $2; } >/tmp/log 2>&1 || { cat /tmp/log >&2; exit 1; }"
+  local spent
+  spent=$({ time inside user "$script" 2>"$FOLDER/error.log"; } 2>&1) || {
+    cat "$FOLDER/error.log" >&2
+    exit 1
+  }
+  all+=("$spent")
+  awk -v name="$1" '{printf "| %s | %.1f | %.1f |\n", name, $1, $2 + $3}' <<<"$spent"
 }
-echo "| $RELEASE, load $(cut -d' ' -f1 /proc/loadavg) | s |"
-echo "| --- | ---: |"
+echo "| $RELEASE, load $(cut -d' ' -f1 /proc/loadavg) on $(nproc) processors | s | processor s |"
+echo "| --- | ---: | ---: |"
 part 'pip install' 'n=$(python -c "import sys; print(\"cp311-cp311\" if sys.version_info < (3, 12) else \"abi3\")")
   pip install --no-cache-dir /wheels/libskybody-*.whl /wheels/skybody-*-$n-*.whl'
 part 'skybody run hover' 'skybody run hover --policy hold --out flights/first'
 part 'skybody train hover_learn' 'skybody train hover_learn --out flights/learn'
 part 'skybody run hover_learn' 'skybody run hover_learn --policy flights/learn --out flights/learned'
 part 'skybody render' 'skybody render flights/learned -o film.mp4'
-echo "| together | $total |"
+printf '%s\n' "${all[@]}" |
+  awk '{wall += $1; work += $2 + $3} END {printf "| together | %.1f | %.1f |\n", wall, work}'
