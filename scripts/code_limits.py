@@ -29,7 +29,6 @@ ALLOWED = {
     ("Simulation", "methods"): 67,  # a user's calls: one method a quantity
     ("EquationsOfMotion", "methods"): 41,  # the rest are to be divided
     ("CouplingWorkspace", "members"): 27,
-    ("Group", "members"): 31,
 }
 NO_MEMBER = re.compile(
     r"\b(using|friend|typedef|static_assert|static constexpr|constexpr static)\b"
