@@ -161,12 +161,11 @@ def check_seed(seed: Any) -> int | None:
 def env_ids(ids: ArrayLike) -> NDArray[np.int32]:
     """Ids of environments, (n,) int32. Raises TypeError if they are not integers."""
     given = np.asarray(ids)
-    if given.dtype == np.int32:  # the usual case, before the dearer questions
+    if given.dtype == np.int32:  # the usual case, without the slower checks
         return np.ascontiguousarray(given)
     if given.size == 0:
         return np.empty(0, np.int32)
     if not np.issubdtype(given.dtype, np.integer):
         raise TypeError(f"ids of environments are {given.dtype}; they must be integers")
-    if given.dtype != np.int32:
-        given = np.clip(given, -1, 2**31 - 1)  # an id out of range stays out of range
+    given = np.clip(given, -1, 2**31 - 1)  # an id out of range stays out of range
     return np.ascontiguousarray(given, np.int32)

@@ -98,7 +98,7 @@ class InfoChannels:
     def __init__(self, compiled: CompiledScenario, present: bool = True) -> None:
         self._has_privileged = compiled.privileged_size > 0
         self._team = len(compiled.agents) > 1
-        self._columns: list[tuple[str, int, int]] = []  # name, first value of a row, count
+        self._columns: list[tuple[str, int, int]] = []  # name, first column, number of columns
         for channel in compiled.info_channels if present else ():
             if channel.name in RESERVED:
                 raise ValueError(

@@ -26,7 +26,13 @@ def native_problem(error: ImportError) -> ImportError:
 
 
 def version_problem(*, package: str, library: str, program: str) -> ImportError | None:
-    """The error of parts with two versions; None if they have one."""
+    """The error of parts of two versions; None if all have one.
+
+    Args:
+        package: for which the Python package was built.
+        library: of the libskybody that is loaded.
+        program: of the program that started this Python.
+    """
     here = Path(__file__).parent
     if package != library:
         said = f"the package in {here} is {package}, its library is {library}: {REINSTALL}"

@@ -57,7 +57,7 @@ class Race:
     time: float  # of the whole flight [s]
     lap: float  # time of the last whole lap; 0: none [s]
     failure: str  # the info that ended it; empty: none
-    late: int = 0  # answers of Betaflight
+    late: int = 0  # number of late answers of Betaflight
 
 
 def result(compiled: CompiledScenario, info: NDArray[np.float32], time: float, late: int) -> Race:
@@ -89,7 +89,7 @@ class Recorder(Vehicle):
 
 
 def by_betaflight(seed: int, policy: str, options: Any) -> tuple[Race, Reals]:
-    """A race through Betaflight, and its rows (time, position, rates)."""
+    """A race through Betaflight, and its rows (n, 7): time [s], position [m], rates [rad/s]."""
     vehicle = Recorder(seed)
     pilot = PolicyPilot(vehicle, policy)
     late = serve(vehicle, pilot, LONGEST, options)
@@ -182,7 +182,7 @@ def answers(options: Any) -> list[Answer]:
 
 
 def by_ctbr(pilot: StepPilot) -> Reals:
-    """The same step in process: time and rates."""
+    """The same step in process: rows (n, 4) of time [s] and rates [rad/s]."""
     simulation = Simulation(SCENARIO, seed=0)
     simulation.reset(0)
     rows: list[Reals] = []

@@ -145,11 +145,17 @@ def serve_betaflight(vehicle: Vehicle, messages: Messages, options: argparse.Nam
     link = BetaflightLink(vehicle, pilot, options.factor, messages)
     if options.program is None:
         link.serve(options.seconds, None)
-        return
-    settings = [*settings_for(vehicle.frame), *lines, *options.cli]
-    with BetaflightProgram(options.program, settings) as program:
-        link.serve(options.seconds, program)
-    for channel in vehicle.compiled.info_channels if isinstance(pilot, PolicyPilot) else ():
+    else:
+        settings = [*settings_for(vehicle.frame), *lines, *options.cli]
+        with BetaflightProgram(options.program, settings) as program:
+            link.serve(options.seconds, program)
+    if isinstance(pilot, PolicyPilot):
+        say_infos(vehicle, messages)
+
+
+def say_infos(vehicle: Vehicle, messages: Messages) -> None:
+    """Prints the info values of the task after the last step."""
+    for channel in vehicle.compiled.info_channels:
         values = vehicle.simulation.info[channel.first : channel.first + channel.count]
         messages.say(f"info     {channel.name} {' '.join(f'{value:g}' for value in values)}")
 

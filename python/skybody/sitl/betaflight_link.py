@@ -29,7 +29,7 @@ SILENCE = 2.0  # on the wall, before a message [s]
 
 
 class Pilot(Protocol):
-    """Holds the radio."""
+    """Chooses the channels of the radio: roll, pitch, throttle, yaw, switches."""
 
     @property
     def radio_period(self) -> float:
@@ -181,7 +181,7 @@ class BetaflightLink:
     def _exchange(
         self, link: socket.socket, reading: Reading, program: BetaflightProgram | None
     ) -> bool:
-        """Sends the radio's packet, if it is due, and a state: as `_answer_to`."""
+        """Sends the radio's packet, if it is due, and a state. Returns as `_answer_to`."""
         radio = self.radio(reading)
         if radio is not None:
             link.sendto(radio, (HOST, RADIO_PORT))

@@ -36,8 +36,9 @@ class HoldPilot:
         self.armed = False
 
     def prepare(self, time: float, throttles: Array) -> list[float]:
-        """Is not called: it takes off from the ground."""
-        raise NotImplementedError
+        """Sticks at rest: it takes off from the ground, so that the vehicle is not held."""
+        del time, throttles
+        return [MIDDLE, MIDDLE, LOW, MIDDLE, LOW, LOW]
 
     def channels(self, reading: Reading, motors_turn: bool) -> list[float]:
         """Channels of the radio [us]: four sticks, arm switch, angle-mode switch.

@@ -133,7 +133,7 @@ def command_range(compiled: CompiledScenario, robot: str) -> tuple[Array, Array]
 
 
 def rate_gains(compiled: CompiledScenario) -> Array:
-    """kp [1/s] and kd of the scenario's first controller that has both, (2, 3)."""
+    """kp [1/s] and kd about x, y, z, (2, 3): of the first controller with both, else GAINS."""
     paths = set(compiled.param_paths)
     for first in sorted(p for p in paths if ".controllers." in p and p.endswith(".kp[2]")):
         name = first.removesuffix(".kp[2]")
@@ -146,9 +146,13 @@ def rate_gains(compiled: CompiledScenario) -> Array:
 def with_action(
     compiled: CompiledScenario, row: NDArray[np.float32], action: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """An observation in whose columns `action` the last action stands; empty: none yet.
+    """Writes the last action into the columns `action` of an observation; returns the row.
 
-    The simulation knows no action: Betaflight turns its rotors.
+    The simulation knows no action, since Betaflight turns the rotors.
+
+    Args:
+        row: an observation, changed in place.
+        action: empty before the first one.
     """
     for column in compiled.observation_columns:
         if action.size and column.source == "task" and column.name.split(".")[-1] == "action":
