@@ -56,10 +56,10 @@ class Soaked:
             self.compiled, self.envs, num_threads=threads, seed=1, keep_hash=True
         )
 
-    def fly(self, pool: skybody.Pool, chance: Chance, rounds: int) -> int:
-        """Steps or resets every environment; returns the number of steps."""
+    def fly(self, pool: skybody.Pool, chance: Chance, times: int) -> int:
+        """Steps or resets every environment so many times; returns the number of steps."""
         ids, steps = np.arange(self.envs, dtype=np.int32), 0
-        for _ in range(rounds):
+        for _ in range(times):
             mask: Mask = chance.resets(self.envs)
             actions = chance.actions(self.envs)
             pool.async_reset(mask)

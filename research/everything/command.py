@@ -36,7 +36,7 @@ class Step:
 
 def run_command(words: Sequence[str], log: Path) -> int:
     """Runs a command from the repository's root; its output goes into a file."""
-    command_of("all")  # PYTHONPATH has the repository
+    command_of("all")  # adds the repository to PYTHONPATH
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("w", encoding="utf-8") as file:
         done = subprocess.run(words, cwd=ROOT, stdout=file, stderr=file, check=False)
@@ -45,20 +45,21 @@ def run_command(words: Sequence[str], log: Path) -> int:
 
 def steps_of(options: argparse.Namespace, record: Record) -> list[Step]:
     """The chosen rows."""
-    given = Given(options.firmware, options.neural_swarm)
-    found = []
-    for row in rows():
-        if options.only and row.name not in options.only:
-            continue
-        why = missing(row, given)
-        if options.quick and row.quick == "none":
-            why = "has no trial"
-        if why is None and not options.again:
-            why = record.reason(row, options.resume) if not options.quick else None
-            if options.quick and options.resume and record.has_ended(row):
-                why = "its trial has ended here, with today's sources"
-        found.append(Step(row, record.minutes(row), why or ""))
-    return found
+    chosen = [row for row in rows() if not options.only or row.name in options.only]
+    return [Step(row, record.minutes(row), reason(row, options, record)) for row in chosen]
+
+
+def reason(row: Row, options: argparse.Namespace, record: Record) -> str:
+    """Why a row is skipped; empty: it runs."""
+    if options.quick and row.quick == "none":
+        return "has no trial"
+    absent = missing(row, Given(options.firmware, options.neural_swarm))
+    if absent or options.again:
+        return absent or ""
+    if not options.quick:
+        return record.reason(row, options.resume) or ""
+    has_ended = options.resume and record.has_ended(row)
+    return "its trial has ended here, with today's sources" if has_ended else ""
 
 
 def duration(minutes: float) -> str:

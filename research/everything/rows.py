@@ -67,7 +67,7 @@ class Row:
 
 
 def rows(file: Path = FILE) -> list[Row]:
-    """All rows, in their order. Those without a page have that of the measurement."""
+    """All rows, in their order. A row without `page` has the page of its measurement."""
     pages = {row.name: row.page for row in (*registry.measurements(), *registry.OTHERS)}
     found = yaml.safe_load(file.read_text(encoding="utf-8"))
     return [Row(**{"page": pages.get(row["name"], ""), **row}) for row in found]

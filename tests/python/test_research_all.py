@@ -114,21 +114,38 @@ def test_no_row_starts_that_would_end_after_the_hours(
         called.append(log.stem)
         return 0
 
-    monkey = [command.Step(row, row.minutes) for row in (ROWS["learning"], ROWS["memory"])]
-    assert command.run_steps(monkey, chosen, record, run) == []
+    steps = [command.Step(row, row.minutes) for row in (ROWS["learning"], ROWS["memory"])]
+    assert command.run_steps(steps, chosen, record, run) == []
     assert called == ["memory"]
     assert "learning: left out, takes about 5.5 h" in capsys.readouterr().out
 
 
-def test_documents_and_tests_are_no_sources() -> None:
-    head = subprocess.run(
-        ["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False
-    ).stdout.strip()
-    if not head:
-        pytest.skip("no git repository")
-    assert not sources_are_of(f"{head}-dirty")
-    assert not sources_are_of("")
-    assert not sources_are_of("no_such_commit")
+def test_documents_and_tests_are_no_sources(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def git(*words: str) -> str:
+        name = ("-c", "user.name=a", "-c", "user.email=a@b")
+        done = subprocess.run(
+            ["git", *name, *words], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        return done.stdout.strip()
+
+    for name in ("docs/page.md", "tests/test_a.py", "a.py"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("1\n")
+    git("init")
+    git("add", ".")
+    git("commit", "-m", "all")
+    commit = git("rev-parse", "HEAD")
+    monkeypatch.setattr(plan, "ROOT", tmp_path)
+    assert sources_are_of(commit)
+    for bad in ("", "no_such_commit", f"{commit}-dirty"):
+        assert not sources_are_of(bad)
+    (tmp_path / "docs/page.md").write_text("2\n")
+    (tmp_path / "tests/test_a.py").write_text("2\n")
+    assert sources_are_of(commit)
+    (tmp_path / "a.py").write_text("2\n")
+    assert not sources_are_of(commit)
 
 
 def test_a_trial_runs_resumes_and_refuses(tmp_path: Path) -> None:
