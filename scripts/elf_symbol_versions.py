@@ -55,7 +55,7 @@ class Library:
         self.sections = [Section(s[1], s[4], s[5], s[6]) for s in found]
 
     def section(self, kind: int) -> Section | None:
-        """The only section of its kind."""
+        """The section of a kind, of which a library has at most one."""
         return next((s for s in self.sections if s.kind == kind), None)
 
     def text(self, offset: int) -> str:
@@ -95,7 +95,10 @@ class Library:
         return found
 
     def lower(self) -> bool:
-        """Asks for the older wait. @returns False if it asks for no newer one, or for more of it"""
+        """Asks for the older wait; returns whether anything has changed.
+
+        Nothing changes if the library asks for no newer wait, or also for other new symbols.
+        """
         needs = self.section(NEEDS)
         new = [(entry, index) for entry, index, name in self.asks() if name == NEW]
         old = [entry for entry, _, name in self.asks() if name == OLD]
@@ -105,13 +108,13 @@ class Library:
         if self.symbols_of(index) != {WAIT}:
             return False
         name = VERSION.unpack_from(self.data, old[0])[3]
-        _, flags, index, _, to_next = VERSION.unpack_from(self.data, entry)
+        _, flags, _, _, to_next = VERSION.unpack_from(self.data, entry)
         VERSION.pack_into(self.data, entry, elf_hash(OLD), flags, index, name, to_next)
         return True
 
 
 def lower(path: Path) -> bool:
-    """Lowers the versions that a file asks for. @returns whether it has changed"""
+    """Lowers the versions that a file asks for; returns whether the file has changed."""
     data = path.read_bytes()
     if not data.startswith(b"\x7fELF"):
         return False

@@ -23,7 +23,7 @@ HEADINGS = {"OPTIONS": "OPTIONS", "SUBCOMMANDS": "COMMANDS", "POSITIONALS": "ARG
 
 
 def help_of(program: Path, command: tuple[str, ...]) -> str | None:
-    """The text of --help; None of a command in Python."""
+    """The text of --help; None for a command in Python."""
     environment = {**os.environ, "SKYBODY_PYTHON": "/bin/false", "COLUMNS": "80"}
     words = [str(program), *command, "--help"]
     done = subprocess.run(words, capture_output=True, text=True, env=environment)

@@ -59,12 +59,11 @@ def test_a_policy_flies(policy: str, tmp_path: Path) -> None:
 
 def test_a_flight_log_is_read_with_the_same_values() -> None:
     flight = Flight(OLD / "log")
-    found = {}
-    for name, (shape, digest) in FACTS["log"].items():
-        with h5py.File(flight.path) as file:
+    with h5py.File(flight.path) as file:
+        for name, (shape, digest) in FACTS["log"].items():
             values = file[name][()]
-        found[name] = [list(values.shape), hashlib.sha256(values.tobytes()).hexdigest()]
-        assert found[name] == [shape, digest]
+            assert list(values.shape) == shape, name
+            assert hashlib.sha256(values.tobytes()).hexdigest() == digest, name
     assert flight.body_names == ["quad.base_link"]
     assert flight.bodies.shape == (41, 1, 13)
     assert np.isfinite(flight.bodies).all()
