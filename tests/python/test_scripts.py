@@ -137,7 +137,6 @@ SCRIPTS: dict[str, Call | Elsewhere] = {
     "scripts/debian_root.sh": Elsewhere("test_installed.py"),
     "scripts/time_installation.sh": Elsewhere("test_installed.py"),
     "scripts/manual_pages.py": Elsewhere("test_installed.py"),
-    "scripts/elf_symbol_versions.py": Elsewhere("test_elf_symbol_versions.py"),
     "scripts/docs_site/build.py": Elsewhere("test_docs_site.py"),
     "scripts/build_times.py": Call("--count 3"),
     "scripts/code_lines.py": Call("scripts"),

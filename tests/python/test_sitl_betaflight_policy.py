@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from sitl_pilots import Array, Kept
 from skybody import CompiledScenario, Simulation
-from skybody.sitl.__main__ import main
+from skybody.sitl.__main__ import main, parser, serve_betaflight
 from skybody.sitl.betaflight_link import BetaflightLink
 from skybody.sitl.betaflight_pilot import hover_share
 from skybody.sitl.betaflight_policy import PolicyPilot, command_range, rate_gains, with_action
@@ -213,6 +213,28 @@ def test_the_vehicle_is_held_until_the_pilot_is_ready(monkeypatch: pytest.Monkey
     assert pilot.held == [0.0] * 5
     assert pilot.flown == pytest.approx([0.0, 0.004, 0.008])
     assert flying.time == pytest.approx(0.009)
+
+
+class NoLink:
+    """A link that flies no step."""
+
+    def __init__(self, *arguments: object) -> None:
+        del arguments
+
+    def serve(self, seconds: float, program: object) -> None:
+        del seconds
+        assert program is None
+
+
+def test_infos_are_printed_after_a_flight_without_a_program(
+    racer: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skybody.sitl.__main__.BetaflightLink", NoLink)
+    said = Kept()
+    serve_betaflight(racer, said, parser().parse_args(["betaflight", "racing", "--pilot=policy"]))
+    names = [channel.name for channel in racer.compiled.info_channels]
+    assert names
+    assert [line.split()[:2] for line in said.lines] == [["info", name] for name in names]
 
 
 def test_the_ground_is_no_start_for_a_policy(capsys: pytest.CaptureFixture[str]) -> None:
