@@ -27,8 +27,6 @@ ALLOWED = {
     ("StateLayout", "members"): 34,  # the order of state words: one member a block
     ("Setup", "methods"): 59,  # an author's declarations: one method each
     ("Simulation", "methods"): 67,  # a user's calls: one method a quantity
-    ("EquationsOfMotion", "methods"): 41,  # the rest are to be divided
-    ("CouplingWorkspace", "members"): 27,
 }
 NO_MEMBER = re.compile(
     r"\b(using|friend|typedef|static_assert|static constexpr|constexpr static)\b"

@@ -8,24 +8,18 @@
 // half of this limit.
 #pragma once
 
-#include "core/physics/bodies/body_constants.h"
-#include "core/physics/contact/broad_phase.h"
-#include "core/physics/contact/manifold.h"
+#include "core/physics/contact/contact_bristles.h"
+#include "core/physics/contact/contact_mobility.h"
+#include "core/physics/contact/contact_pass.h"
+#include "core/physics/contact/narrow_phase.h"
 #include "core/physics/contact/normal_and_friction_law.h"
 
 namespace skybody {
 
-/// Velocities from which the forces of a substep are computed.
-enum class ContactPass {
-  kStart,    ///< those at its start; contact points are computed
-  kMean,     ///< mean ones, from the previous pass
-  kLimited,  ///< likewise; too stiff springs use those at the start, by limited_force()
-};
-
 /// @tparam Values  access to constants: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
-class ContactForces : public BroadPhase<Real, Values> {
-  using Search = BroadPhase<Real, Values>;
+class ContactForces : public NarrowPhase<Real, Values> {
+  using Search = NarrowPhase<Real, Values>;
 
  public:
   using Motion = BodyKinematics<Real>;
@@ -37,7 +31,7 @@ class ContactForces : public BroadPhase<Real, Values> {
                                const Real* bodies, const Values& obstacles,
                                const ContactWorkspace<Real>& work)
       : Search(scene, obstacles, work),
-        bodies_(bodies),
+        mobility_{bodies},
         friction_(constants[kFriction]),
         dissipation_(constants[kDissipation]) {}
 
@@ -93,17 +87,17 @@ class ContactForces : public BroadPhase<Real, Values> {
       w_.forces[i] = {zero, zero};
       if (may_stop_) w_.kicks[i] = {zero, zero};
     }
-    each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
+    bristles().each_busy([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
     const Part part{motion, mean, step, pass};
     if (pass == ContactPass::kStart) {
       is_stiff_ = MaskOf<Real>(false);
-      are_places_kept_ = false;
+      forget_places();
     }
     begin_sums(pass);
 #pragma GCC unroll 1
     for (const Visit visit : {Visit::kSum, Visit::kTouch}) {
       if (visit == Visit::kSum && pass == ContactPass::kMean) continue;
-      each_place(part, is_active, [&](const ContactPoint<Real>& place) SKYBODY_INLINE_LAMBDA {
+      each_place(motion, is_active, [&](const ContactPoint<Real>& place) SKYBODY_INLINE_LAMBDA {
         if (visit == Visit::kTouch) {
           touch(part, place, list);
         } else if (pass == ContactPass::kStart) {
@@ -116,62 +110,22 @@ class ContactForces : public BroadPhase<Real, Values> {
     }
   }
 
-  /// Ends the substep: stores the bristles of its last act(), in the lanes of a mask.
-  SKYBODY_INLINE void bend(const MaskOf<Real>& is_active) const {
-    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      // Bristles of a body without near pairs stay unchanged, whatever happens in other lanes.
-      const auto here = logical_and(is_active, w_.is_body_near[b]);
-      if (none(here)) continue;
-      for (int i = scene_.bodies[b].first_bristle; i < scene_.bodies[b].last_bristle; ++i) {
-        if (w_.is_idle[i]) continue;
-        const Vec3<Real> bent = select(w_.is_bent[i], w_.bent[i], zero);
-        w_.bristles[i] = select(here, bent, w_.bristles[i]);
-      }
-    }
-  }
-
-  /// Loads the bristles of all bodies with near pairs. @param load  load(i) fills bristle i
-  template <class Load>
-  SKYBODY_INLINE void take_bristles(const Load& load) const {
-    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
-      load(i);
-      const Vec3<Real>& b = w_.bristles[i];
-      const auto words = bit_cast_word(b.x) | bit_cast_word(b.y) | bit_cast_word(b.z);
-      w_.is_idle[i] = none(words != Word<Real>(0));
-    });
-  }
-
-  /// Calls f(i) for those bristles that are not idle.
-  template <class F>
-  SKYBODY_INLINE void each_busy_bristle(const F& f) const {
-    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
-      if (!w_.is_idle[i]) f(i);
-    });
-  }
-
-  /// Calls f(i) for the bristles of all bodies with near pairs.
-  template <class F>
-  SKYBODY_INLINE void each_near_bristle(const F& f) const {
-    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      if (none(w_.is_body_near[b])) continue;
-      for (int i = scene_.bodies[b].first_bristle; i < scene_.bodies[b].last_bristle; ++i) f(i);
-    }
-  }
+  /// The bristles of the pairs that search() found.
+  SKYBODY_INLINE ContactBristles<Real> bristles() const { return {scene_, w_}; }
 
  private:
   /// Maximum phase of a lossless spring's oscillation per substep [rad].
   static constexpr double kLosslessPhase = 1.0 / 16.0;
 
+  using Search::are_few;
   using Search::ask_for;
   using Search::dt;
-  using Search::is_close;
+  using Search::each_place;
+  using Search::forget_places;
   using Search::may_stop_;
   using Search::near_count_;
   using Search::other_body;
-  using Search::other_placed_shape;
   using Search::parts_;
-  using Search::placed_shape_of;
   using Search::scene_;
   using Search::w_;
 
@@ -235,7 +189,7 @@ class ContactForces : public BroadPhase<Real, Values> {
   }
 
   SKYBODY_INLINE void count_place(const ContactPoint<Real>& place) const {
-    if (are_places_kept_ && place_count_ <= kLeastPlaces) return;  // no body has more
+    if (are_few()) return;
     const CollisionPair& pair = *w_.near[place.pair].pair;
     const Real one = select(place.touches, Real(1.0), Real(0.0));
     w_.place_counts[scene_.bodies[static_cast<std::size_t>(pair.body)].body] += one;
@@ -251,79 +205,6 @@ class ContactForces : public BroadPhase<Real, Values> {
       near.per_mass = inverse_mass(*near.pair);
       near.most_damping = 1.0 / max(near.per_mass * step, Real(1e-12));
     }
-  }
-
-  /// Calls f(place) for the contact points.
-  template <class F>
-  SKYBODY_INLINE void each_place(const Part& part, const MaskOf<Real>& is_active, const F& f) {
-    const bool are_known = are_places_kept_;
-    int next = are_known ? near_count_ : 0;
-    do {
-      if (!are_known) next = find_places(part, next, is_active);
-#pragma GCC unroll 1
-      for (int i = 0; i < place_count_; ++i) f(w_.places[i]);
-    } while (next < near_count_);
-  }
-
-  /// Computes contact points of the pairs from `next` on, up to kKeptPlaces.
-  /// @returns the index of the first pair that is left
-  SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
-    Manifold<Real> found{w_.places};
-    const bool is_first = next == 0;
-    for (; next < near_count_ && found.count <= kKeptPlaces; ++next) {
-      CandidatePair<Real>& near = w_.near[next];
-      const auto here = logical_and(is_active, near.lanes);
-      near.touches = false;
-      if (none(here)) continue;
-      const int first = found.count;
-      if (near.pair->other == kGround) {
-        collide_ground(*near.pair, part, here, found);
-      } else {
-        collide_shapes(near, part, here, found);
-      }
-      for (int i = first; i < found.count; ++i) found.places[i].pair = next;
-      near.touches = found.count > first;
-    }
-    place_count_ = found.count;
-    are_places_kept_ = is_first && next == near_count_;
-    return next;
-  }
-
-  SKYBODY_INLINE void collide_ground(const CollisionPair& pair, const Part& part,
-                                     const MaskOf<Real>& here, Manifold<Real>& found) const {
-    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(pair.body)];
-    const Motion& m = part.motion[body.body];
-    const Vec3<Real> up{Real(0.0), Real(0.0), Real(1.0)};
-#pragma GCC unroll 1
-    for (const GroundPoint& point : body.points) {
-      const Vec3<Real> at = to_real<Real>(point.at);
-      const Real z = (m.position.z + dot(m.axes.row(2), at)) - point.radius;
-      const auto touches = logical_and(here, z < 0.0);
-      if (none(touches)) continue;  // most points of a resting body are not in contact
-      found.add({m.position.x + dot(m.axes.row(0), at), m.position.y + dot(m.axes.row(1), at), z},
-                up, -z, point.bristle, touches);
-    }
-    for (const GroundRim& rim : body.rims) {
-      const auto may = logical_and(here, m.position.z + lowest_of_rim(rim, m.axes.row(2)) < 0.0);
-      if (none(may)) continue;
-      each_ground_place(rim, m, [&](const Vec3<Real>& place, int bristle) SKYBODY_INLINE_LAMBDA {
-        found.add(place, up, -place.z, bristle, logical_and(may, place.z < 0.0));
-      });
-    }
-  }
-
-  SKYBODY_INLINE void collide_shapes(const CandidatePair<Real>& near, const Part& part,
-                                     const MaskOf<Real>& here, Manifold<Real>& found) const {
-    const CollisionPair& pair = *near.pair;
-    const auto& others = pair.other >= 0 ? scene_.shapes : scene_.obstacles;
-    const ContactShape& mine = scene_.shapes[static_cast<std::size_t>(near.shape)];
-    const PlacedShape<Real> placed =
-        placed_shape_of(mine, part.motion[scene_.bodies[static_cast<std::size_t>(pair.body)].body]);
-    const PlacedShape<Real> other = other_placed_shape(pair, near.other, part.motion);
-    const auto touches = logical_and(here, is_close(mine, placed, other, Real(1e-9)));
-    if (none(touches)) return;
-    collide(CollideCall<Real>{mine, others[static_cast<std::size_t>(near.other)], placed, other,
-                              touches, found});
   }
 
   /// ---- contact forces
@@ -421,7 +302,7 @@ class ContactForces : public BroadPhase<Real, Values> {
     const Vec3<Real> along = velocity * (1.0 / max(speed, Real(1e-300)));
     const CollisionPair& pair = *w_.near[place.pair].pair;
     const auto shared = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
-      return gives_at(body, part.motion, place.point, along) * places_of(body);
+      return mobility_.gives_at(body, part.motion, place.point, along) * places_of(body);
     };
     Real gives = shared(scene_.bodies[static_cast<std::size_t>(pair.body)]);
     if (pair.other >= 0) gives += shared(other_body(pair));
@@ -452,61 +333,30 @@ class ContactForces : public BroadPhase<Real, Values> {
   /// Inverse of the mass per contact point: each body's mass is shared by its contact points.
   SKYBODY_INLINE Real inverse_mass(const CollisionPair& pair) const {
     const auto of = [&](const ContactBody& body) SKYBODY_INLINE_LAMBDA {
-      return inverse_mass(body) * (places_of(body) * body.leverage);
+      return mobility_.inverse_mass(body) * (places_of(body) * body.leverage);
     };
     const Real mine = of(scene_.bodies[static_cast<std::size_t>(pair.body)]);
     return pair.other < 0 ? mine : mine + of(other_body(pair));
   }
   /// Inverse mass of both bodies, each with its whole mass.
   SKYBODY_INLINE Real whole_inverse_mass(const CollisionPair& pair) const {
-    const Real mine = inverse_mass(scene_.bodies[static_cast<std::size_t>(pair.body)]);
-    return pair.other < 0 ? mine : mine + inverse_mass(other_body(pair));
-  }
-  SKYBODY_INLINE Real inverse_mass(const ContactBody& body) const {
-    if (body.is_driven) return Real(0.0);
-    return (bodies_ + kBodyConstantCount * body.body)[kBodyInverseMass];
+    const Real mine = mobility_.inverse_mass(scene_.bodies[static_cast<std::size_t>(pair.body)]);
+    return pair.other < 0 ? mine : mine + mobility_.inverse_mass(other_body(pair));
   }
 
-  /// Velocity change of a body, were it free, by an impulse at a point.
-  SKYBODY_INLINE BodyVelocityChange<Real> response(const ContactBody& body, const Motion* motion,
-                                                   const Vec3<Real>& point,
-                                                   const Vec3<Real>& impulse) const {
-    const Motion& m = motion[body.body];
-    const Real* c = bodies_ + kBodyConstantCount * body.body;
-    const Vec3<Real> arm = point - m.position - m.axes * load_vec3(c + kBodyCom);
-    const Vec3<Real> twist = transpose_times(m.axes, cross(arm, impulse));
-    return {impulse * inverse_mass(body),
-            m.axes * (load_sym_mat3(c + kBodyInverseInertia) * twist)};
-  }
   SKYBODY_INLINE void kick(const ContactBody& body, const Motion* motion, const Vec3<Real>& point,
                            const Vec3<Real>& impulse) const {
     if (body.is_driven) return;
-    const BodyVelocityChange<Real> change = response(body, motion, point, impulse);
+    const BodyVelocityChange<Real> change = mobility_.response(body, motion, point, impulse);
     w_.kicks[body.body].velocity += change.velocity;
     w_.kicks[body.body].angular_velocity += change.angular_velocity;
   }
-  /// Velocity change of a point from a velocity change of its body.
-  SKYBODY_INLINE Vec3<Real> moved(const ContactBody& body, const Motion* motion,
-                                  const Vec3<Real>& point,
-                                  const BodyVelocityChange<Real>& change) const {
-    const Motion& m = motion[body.body];
-    const Vec3<Real> com =
-        m.axes * load_vec3(bodies_ + (kBodyConstantCount * body.body + kBodyCom));
-    return change.velocity + cross(change.angular_velocity, point - m.position - com);
-  }
-
-  /// Mobility of a point: its velocity change along a unit vector by a unit impulse along it
-  /// [1/kg].
-  SKYBODY_INLINE Real gives_at(const ContactBody& body, const Motion* motion,
-                               const Vec3<Real>& point, const Vec3<Real>& along) const {
-    if (body.is_driven) return Real(0.0);
-    return dot(along, moved(body, motion, point, response(body, motion, point, along)));
-  }
-  /// The same, summed over both bodies.
+  /// Mobility of a point of a pair: the sum over both bodies [1/kg].
   SKYBODY_INLINE Real gives_at(const CollisionPair& pair, const Motion* motion,
                                const Vec3<Real>& point, const Vec3<Real>& along) const {
-    Real gives = gives_at(scene_.bodies[static_cast<std::size_t>(pair.body)], motion, point, along);
-    if (pair.other >= 0) gives += gives_at(other_body(pair), motion, point, along);
+    Real gives = mobility_.gives_at(scene_.bodies[static_cast<std::size_t>(pair.body)], motion,
+                                    point, along);
+    if (pair.other >= 0) gives += mobility_.gives_at(other_body(pair), motion, point, along);
     return gives;
   }
 
@@ -522,8 +372,9 @@ class ContactForces : public BroadPhase<Real, Values> {
     const ContactBody& body = scene_.bodies[static_cast<std::size_t>(pair.body)];
     const auto of = [&](const ContactBody& one, Real& way, Real& gives) SKYBODY_INLINE_LAMBDA {
       if (one.is_driven) return;
-      gives += gives_at(one, part.motion, point, t.normal);
-      way += part.step * dot(t.normal, moved(one, part.motion, point, w_.kicks[one.body]));
+      gives += mobility_.gives_at(one, part.motion, point, t.normal);
+      way +=
+          part.step * dot(t.normal, mobility_.moved(one, part.motion, point, w_.kicks[one.body]));
     };
     Real way = dot(t.normal, t.slide), of_other(0.0), gives(1e-12);
     of(body, way, gives);
@@ -539,11 +390,9 @@ class ContactForces : public BroadPhase<Real, Values> {
     if (other >= 0) kick(other_body(pair), part.motion, point, -impulse);
   }
 
-  const Real* bodies_;
+  ContactMobility<Real> mobility_;
   Real friction_, dissipation_;
   MaskOf<Real> is_quick_{false}, is_stiff_{false};
-  int place_count_ = 0;           ///< number of entries in ContactWorkspace::places
-  bool are_places_kept_ = false;  ///< these are all contact points of the current substep
 };
 
 }  // namespace skybody

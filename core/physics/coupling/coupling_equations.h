@@ -2,6 +2,8 @@
 // them active.
 #pragma once
 
+#include <cstddef>
+
 #include "core/base/math/math.h"
 
 namespace skybody {
@@ -28,13 +30,23 @@ SKYBODY_INLINE Real least_pivot_of(const Real& element, const Real& mobility) {
 /// bodies have small elements, independent of the rest of A.
 template <class Real>
 struct CouplingEquations {
-  int count;
-  const Real* mass;         ///< A, its lower triangle
-  Real* factor;             ///< L below the diagonal, L D above it
-  const Real* least_pivot;  ///< per row: a pivot up to this value is round-off
-  Real* inverse_pivot;      ///< 1 / D; 0 for inactive and dependent rows
-  const Real* asked;        ///< b
-  Real* force;              ///< f, written
+  int count = 0;
+  Real* mass = nullptr;           ///< A, its lower triangle: effect of a row's unit force on the
+                                  ///< rate of another [1/kg]
+  Real* factor = nullptr;         ///< L below the diagonal, L D above it
+  Real* least_pivot = nullptr;    ///< per row: a pivot up to this value is round-off
+  Real* inverse_pivot = nullptr;  ///< 1 / D; 0 for inactive and dependent rows
+  Real* asked = nullptr;          ///< b: required changes of the rates
+  Real* force = nullptr;          ///< f, written: the forces or impulses that cause them
+
+  /// @tparam Arena  has take(array, count)   @param rows  number of equations
+  template <class Arena>
+  SKYBODY_INLINE void take_from(Arena& arena, std::size_t rows) {
+    count = static_cast<int>(rows);
+    arena.take(mass, rows * rows);
+    arena.take(factor, rows * rows);
+    for (Real** values : {&inverse_pivot, &least_pivot, &asked, &force}) arena.take(*values, rows);
+  }
 
   /// @param is_held  is_held(row): the lanes in which the row is active
   template <class IsHeld>

@@ -26,9 +26,9 @@ class CouplingResponse {
         call_.multibody.respond(robot, w_.at_rest, w_.bodies, w_.nothing, w_.forces, w_.multibody,
                                 change);
       }
-      for (int r = s; r < count_; ++r) w_.mass[r * count_ + s] = rate_of(r, constraint);
+      for (int r = s; r < count_; ++r) w_.equations.mass[r * count_ + s] = rate_of(r, constraint);
       const Real mobility = mobility_of(constraint.ends[0]) + mobility_of(constraint.ends[1]);
-      w_.least_pivot[s] = least_pivot_of(w_.mass[s * count_ + s], mobility);
+      w_.equations.least_pivot[s] = least_pivot_of(w_.equations.mass[s * count_ + s], mobility);
       for (const Attachment& end : constraint.ends) {
         if (end.body >= 0) w_.forces[end.body] = SpatialForce<Real>::zero();
       }

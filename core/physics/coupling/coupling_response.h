@@ -11,8 +11,8 @@ template <class Real>
 struct CouplingResponseCall {
   const CouplingScene& scene;
   const MultibodyTree& multibody;
-  const CouplingWorkspace<Real>& work;  ///< `rows` are set; `change`, `mass` and `least_pivot` are
-                                        ///< written
+  const CouplingWorkspace<Real>& work;  ///< `rows` are set; `change`, and `mass` and `least_pivot`
+                                        ///< of the equations, are written
   const Real* q;
   const BodyKinematics<Real>* motion;  ///< of all bodies of constrained robots, at q
 };

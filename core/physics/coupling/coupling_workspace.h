@@ -3,6 +3,7 @@
 
 #include "core/physics/bodies/body_accelerations.h"
 #include "core/physics/bodies/spatial_force.h"
+#include "core/physics/coupling/coupling_equations.h"
 #include "core/physics/coupling/coupling_scene.h"
 #include "core/physics/tree/multibody_tree.h"
 
@@ -53,13 +54,8 @@ struct CouplingWorkspace {
   Vec3<Real>* forces_before = nullptr;    ///< per constraint: coupling_forces, likewise
 
   CouplingRow<Real>* rows = nullptr;
-  Real* change = nullptr;         ///< per row, then per u: effect of a unit force on u
-  Real* mass = nullptr;           ///< per row and row: its effect on another row's rate [1/kg]
-  Real* factor = nullptr;         ///< the same, as L D L^T of the active rows
-  Real* inverse_pivot = nullptr;  ///< per row
-  Real* least_pivot = nullptr;    ///< per row: pivots up to this value are round-off
-  Real* asked = nullptr;          ///< per row: required change of the rate
-  Real* force = nullptr;          ///< per row: the force or impulse that causes it
+  Real* change = nullptr;             ///< per row, then per u: effect of a unit force on u
+  CouplingEquations<Real> equations;  ///< forces or impulses of the rows, by changes of their rates
 
   Real* shift = nullptr;    ///< per u
   Real* nothing = nullptr;  ///< per u: zeros
@@ -83,9 +79,7 @@ struct CouplingWorkspace {
     arena.take(forces_before, constraints);
     arena.take(rows, count);
     arena.take(change, count * us);
-    arena.take(mass, count * count);
-    arena.take(factor, count * count);
-    for (Real** values : {&inverse_pivot, &least_pivot, &asked, &force}) arena.take(*values, count);
+    equations.take_from(arena, count);
     for (Real** values : {&shift, &nothing}) arena.take(*values, us);
     arena.take(driven, 7 * scene.driven.size());
     arena.take(motion, body_count);

@@ -48,7 +48,7 @@ class CouplingSolver {
       const CouplingRow<Real>& row = w_.rows[r];
       const Vec3<Real> apart = acceleration_at(constraint.ends[0], row.arm[0], motion) -
                                acceleration_at(constraint.ends[1], row.arm[1], motion);
-      w_.asked[r] = -(dot(row.out, apart) + row.bend);
+      w_.equations.asked[r] = -(dot(row.out, apart) + row.bend);
     });
     each_constraint([&](int i, const CouplingConstraint&)
                         SKYBODY_INLINE_LAMBDA { w_.is_held[i] = w_.is_taut[i]; });
@@ -77,7 +77,7 @@ class CouplingSolver {
     place(motion);
     respond(q, motion);
     each_row([&](int r, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
-      w_.force[r] = -dot(w_.rows[r].out, w_.coupling_forces[owner(r)]);
+      w_.equations.force[r] = -dot(w_.rows[r].out, w_.coupling_forces[owner(r)]);
     });
     add_change(udot);
   }
@@ -179,11 +179,9 @@ class CouplingSolver {
   /// @param most_push  most_push(constraint's index, its row)
   template <class MostPush>
   SKYBODY_INLINE void solve(const MostPush& most_push) const {
-    const CouplingEquations<Real> equations{row_count(),      w_.mass,  w_.factor, w_.least_pivot,
-                                            w_.inverse_pivot, w_.asked, w_.force};
 #pragma GCC unroll 1
     for (int dropped = 0; dropped <= scene_.rope_count; ++dropped) {
-      equations.solve([&](int r) SKYBODY_INLINE_LAMBDA { return w_.is_held[owner(r)]; });
+      w_.equations.solve([&](int r) SKYBODY_INLINE_LAMBDA { return w_.is_held[owner(r)]; });
       if (scene_.rope_count == 0 || !let_go(most_push)) return;
     }
   }
@@ -195,7 +193,7 @@ class CouplingSolver {
     each_constraint([&](int i, const CouplingConstraint& constraint) SKYBODY_INLINE_LAMBDA {
       if (constraint.kind != CouplingKind::kRope) return;
       const int r = constraint.first_row;
-      const Real push = w_.force[r] - most_push(i, w_.rows[r]);
+      const Real push = w_.equations.force[r] - most_push(i, w_.rows[r]);
       const auto is_more = logical_and(w_.is_held[i], push > most);
       most = select(is_more, push, most);
       which = select(is_more, Real(static_cast<double>(i)), which);
@@ -213,7 +211,7 @@ class CouplingSolver {
       const Real* change = w_.change + r * u_count();
       each_robot_of(constraint, [&](int, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
-          of_u[i] += change[i] * w_.force[r];
+          of_u[i] += change[i] * w_.equations.force[r];
         }
       });
     });
@@ -226,7 +224,7 @@ class CouplingSolver {
   }
   SKYBODY_INLINE void add_coupling_forces(const Real& per_force) const {
     each_row([&](int r, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
-      w_.coupling_forces[owner(r)] += w_.rows[r].out * (w_.force[r] * per_force);
+      w_.coupling_forces[owner(r)] += w_.rows[r].out * (w_.equations.force[r] * per_force);
     });
   }
 
@@ -341,7 +339,7 @@ class CouplingSolver {
       }
       respond(q, w_.motion);
       each_row([&](int r, const CouplingConstraint&)
-                   SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].gap; });
+                   SKYBODY_INLINE_LAMBDA { w_.equations.asked[r] = -w_.rows[r].gap; });
       solve([](int, const CouplingRow<Real>&) SKYBODY_INLINE_LAMBDA { return Real(kInfinity); });
       for (int i = 0; i < u_count(); ++i) w_.shift[i] = Real(0.0);
       add_change(w_.shift);
@@ -408,13 +406,14 @@ class CouplingSolver {
 
   SKYBODY_INLINE void stop(const MaskOf<Real>& mask, const Real& dt, Real* u) const {
     each_row([&](int r, const CouplingConstraint&)
-                 SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].rate; });
+                 SKYBODY_INLINE_LAMBDA { w_.equations.asked[r] = -w_.rows[r].rate; });
     // A rope may give back at most its whole impulse of the step.
     solve([&](int i, const CouplingRow<Real>& row) SKYBODY_INLINE_LAMBDA {
       return max(-dot(w_.coupling_forces[i], row.out), Real(0.0)) * dt;
     });
-    each_row([&](int r, const CouplingConstraint&)
-                 SKYBODY_INLINE_LAMBDA { w_.force[r] = select(mask, w_.force[r], Real(0.0)); });
+    each_row([&](int r, const CouplingConstraint&) SKYBODY_INLINE_LAMBDA {
+      w_.equations.force[r] = select(mask, w_.equations.force[r], Real(0.0));
+    });
     for (int i = 0; i < u_count(); ++i) w_.shift[i] = u[i];
     add_change(w_.shift);
     for (int i = 0; i < u_count(); ++i) u[i] = select(mask, w_.shift[i], u[i]);

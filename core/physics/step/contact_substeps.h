@@ -109,7 +109,7 @@ class ContactSubsteps {
     }
   }
   SKYBODY_INLINE void load_bristles() const {
-    contact_.take_bristles([&](int i) SKYBODY_INLINE_LAMBDA {
+    contact_.bristles().take([&](int i) SKYBODY_INLINE_LAMBDA {
       lanes_.load(lanes_.block(group_.bristles, 3 * i), 3,
                   reinterpret_cast<Real*>(a_.contact.bristles + i));
     });
@@ -152,7 +152,7 @@ class ContactSubsteps {
         p = -1;
         continue;
       }
-      contact_.bend(is_active);
+      contact_.bristles().bend(is_active);
       end_part(step, half, is_active);
     }
   }
@@ -345,7 +345,7 @@ class ContactSubsteps {
       });
       through &= logical_or(is_bounded, logical_not(is_touched(robot)));
     });
-    contact_.each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+    contact_.bristles().each_busy([&](int i) SKYBODY_INLINE_LAMBDA {
       lanes_.store(reinterpret_cast<const Real*>(a_.contact.bristles + i), 3, through & is_near,
                    lanes_.block(group_.bristles, 3 * i));
     });

@@ -4,34 +4,12 @@
 
 #include <type_traits>
 
-#include "core/physics/step/held_rotor.h"
+#include "core/physics/step/step_actuators.h"
 #include "core/physics/step/step_arrays.h"
+#include "core/physics/step/stop_correction.h"
+#include "core/physics/step/tree_accelerations.h"
 
 namespace skybody {
-
-/// Accelerations by the tree's algorithms. Couplings need no extra computation here.
-struct TreeAccelerations {
-  template <class... Args>
-  SKYBODY_INLINE void constrain(const Args&...) const {}
-  template <class... Args>
-  SKYBODY_INLINE void project(const Args&...) const {}
-
-  template <class Real, class Values>
-  SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& derived,
-                                 const StepArrays<Real>& a, const Real* q, const Real* u,
-                                 Real* udot) const {
-    plan.multibody.accelerations(q, u, a.motion, derived + plan.derived.bodies, a.forces,
-                                 a.joint_forces, a.multibody, udot);
-  }
-};
-
-/// Kinds of kernels for trees. Rare cases have their own kernel: compiled into the usual one, their
-/// code costs a tenth of a step.
-enum class TreeKind {
-  kUsual,  ///< no held inputs, no rotor that may spin backwards, no joint stops; packs with a fast
-           ///< spinning body fail
-  kAny     ///< all worlds and lanes
-};
 
 /// @tparam Values         access to parameters and values derived from them: LaneValues,
 ///                        SharedValues
@@ -48,11 +26,11 @@ class EquationsOfMotion {
         group_(*call.group),
         spins_(call.spins),
         lanes_(first),
-        held_(group_.held, first),
         params_(params),
         derived_(derived),
         accelerations_(accelerations),
         a_(arrays),
+        actuators_(call, first, params, derived, arrays),
         couplings_(plan_.couplings, plan_.multibody, a_.couplings),
         fast_(plan_, a_.fast, a_.fast_bodies, a_.motion) {}
 
@@ -91,7 +69,7 @@ class EquationsOfMotion {
     MaskOf<Real> taken = mask;
     if (rule.is_split()) taken = logical_and(taken, find_fast(mask));
     if (none(taken)) return taken;
-    run_rotors(rule);
+    actuators_.run_rotors(rule);
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
                              accelerate(at.q, at.u, time, rate.u);
@@ -116,14 +94,16 @@ class EquationsOfMotion {
   template <class Advance>
   SKYBODY_INLINE MaskOf<Real> advance_by(const Advance& advance, const MaskOf<Real>& mask) {
     begin_step();
-    each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepEnd][i] = rotor.at(kStepEnd); });
+    actuators_.each_rotor(
+        [&](int i, const auto& rotor) { a_.rotors[kStepEnd][i] = rotor.at(kStepEnd); });
     const auto rates = [&](const Real* q, const Real* u, double time, Real* qdot, Real* udot) {
-      each_rotor([&](int i, const auto& rotor) {
-        a_.rotors[kStepMiddle][i] = rotor.at_time(rotor_constants(i), time, dt());
+      actuators_.each_rotor([&](int i, const auto& rotor) {
+        a_.rotors[kStepMiddle][i] = rotor.at_time(actuators_.rotor_constants(i), time, dt());
       });
-      each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command) {
-        a_.joint_targets[kStepMiddle][i] = target_at_time(d.drive.tau, state, command, time);
-      });
+      actuators_.each_drive(
+          [&](int i, const JointDriveStep& d, const Real& state, const Real& command) {
+            a_.joint_targets[kStepMiddle][i] = target_at_time(d.drive.tau, state, command, time);
+          });
       has_motion_ = false;  // it evaluates at other points
       accelerate(q, u, kStepMiddle, udot);
       position_rates_of(q, u, qdot);
@@ -137,9 +117,10 @@ class EquationsOfMotion {
   SKYBODY_INLINE void accelerations(const SpatialForce<Real>* contact, Real* udot) {
     contact_ = contact;
     begin_step();
-    each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
+    actuators_.each_rotor(
+        [&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, kStepStart, udot);
-    if (plan_.stops.any()) add_stops(udot);
+    if (plan_.stops.any()) stops().add_accelerations(udot);
     if (couplings_.any()) couplings_.add_coupling_forces(a_.motion, a_.forces);
   }
   /// Values of the last evaluation: motion of the bodies, and all forces on them except those of
@@ -153,6 +134,9 @@ class EquationsOfMotion {
   double dt() const { return plan_.world.scenario.stepping.dt; }
   const StateLayout& layout() const { return plan_.world.layout; }
   const std::vector<TreeBody>& tree() const { return plan_.multibody.bodies(); }
+  SKYBODY_INLINE StopCorrection<Real, Values> stops() const {
+    return {plan_, params_, derived_, a_};
+  }
   int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
 
   template <class Rates>
@@ -256,12 +240,12 @@ class EquationsOfMotion {
   SKYBODY_INLINE void begin_step() {
     begin_motion();
     lanes_.load(group_.wrench, layout().wrench.size, a_.wrench);
-    each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command)
-                   SKYBODY_INLINE_LAMBDA {
-                     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
-                       a_.joint_targets[time][i] = target_at(d.lag, state, command, time);
-                     }
-                   });
+    actuators_.each_drive([&](int i, const JointDriveStep& d, const Real& state,
+                              const Real& command) SKYBODY_INLINE_LAMBDA {
+      for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
+        a_.joint_targets[time][i] = target_at(d.lag, state, command, time);
+      }
+    });
     for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
     begin_drives();
     if (plan_.couplings.constraints.empty()) return;
@@ -289,7 +273,7 @@ class EquationsOfMotion {
   SKYBODY_INLINE void begin_motion() {
     load_coordinates();
     if (spins_ != nullptr) {
-      load_motion();
+      load_motion(body_count(), lanes_, group_.bodies, spins_, a_.motion);
     } else {
       update_motion(a_.now.q, a_.now.u);
     }
@@ -299,74 +283,6 @@ class EquationsOfMotion {
   SKYBODY_INLINE void load_coordinates() {
     lanes_.load(group_.q, layout().q.size, a_.now.q);
     lanes_.load(group_.u, layout().u.size, a_.now.u);
-  }
-
-  SKYBODY_INLINE Values rotor_constants(int i) const {
-    return params_ + layout().rotor_params[static_cast<std::size_t>(i)];
-  }
-
-  /// Calls f(i, step of the rotor) for every rotor of the world.
-  template <class F>
-  SKYBODY_INLINE void each_rotor(const F& f) const {
-    for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
-      const auto lag = load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i));
-      const Real speed = lanes_.load(group_.rotor_speed, i);
-      const Real command = lanes_.load(group_.rotor_command, i);
-      const Real max_speed = rotor_constants(i)[kMaxSpeed];
-      if constexpr (kIsAny) {
-        const Rotor& model = *plan_.world.rotors[static_cast<std::size_t>(i)].model;
-        if (model.is_reversible()) {
-          run_reversible(i, lag, speed, command, max_speed, Real(model.min_speed), f);
-        } else {
-          f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
-        }
-      } else {
-        f(i, RotorStep<Real>(lag, speed, command, max_speed));
-      }
-    }
-  }
-
-  /// Calls f(i, step of the rotor) for a rotor that may spin backwards.
-  template <class F>
-  SKYBODY_INLINE void run_reversible(int i, const RotorLag<Real>& lag, const Real& speed,
-                                     const Real& command, const Real& max_speed,
-                                     const Real& min_speed, const F& f) const {
-    HeldRotor<Real> held = held_rotor(held_, i);
-    limit_both_senses(held);
-    const Real goal = limit_command(clamp(command, held.lower, held.upper), max_speed, min_speed);
-    using Step = HeldRotorStep<Real>;
-    f(i, ReversibleRotorStep<Real, Step>{Step(lag_by_size(lag, speed, goal), speed, command,
-                                              max_speed, held, dt(), min_speed)});
-  }
-
-  /// Calls f(i, drive, state, command) for every joint drive of the world.
-  template <class F>
-  SKYBODY_INLINE void each_drive(const F& f) const {
-    int i = 0;
-    for (const JointDriveStep& drive : plan_.forces.joint_drives()) {
-      f(i, drive, lanes_.load(group_.joint_state, i),
-        clamp(lanes_.load(group_.joint_command, i), Real(drive.drive.low), Real(drive.drive.high)));
-      ++i;
-    }
-  }
-
-  /// Computes rotor motions. Rules with evaluations in mid-step only use the change of speed over
-  /// the step.
-  SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
-    const double rate = 1.0 / dt();
-    each_rotor([&](int i, const auto& rotor) SKYBODY_INLINE_LAMBDA {
-      a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
-      if (rule.is_split()) {
-        const Real& end = a_.rotors[kStepEnd][i].speed;
-        RotorMotion<Real>& middle = a_.rotors[kStepMiddle][i];
-        middle =
-            rule.integrator == IntegratorChoice::kMidpoint ? rotor.mean(end) : rotor.in_middle(end);
-        middle.acceleration *= rate;
-        return;
-      }
-      a_.rotors[kStepStart][i] = rotor.at(kStepStart);
-      a_.rotors[kStepMiddle][i] = rotor.at(kStepMiddle);
-    });
   }
 
   /// @param time  of rotors and joint drives
@@ -380,7 +296,7 @@ class EquationsOfMotion {
                                        params_,
                                        a_.wrench,
                                        a_.joint_targets[time],
-                                       kIsAny ? &held_ : nullptr};
+                                       kIsAny ? &actuators_.held() : nullptr};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
     for (int i = 0; contact_ != nullptr && i < body_count(); ++i) {
       a_.forces[i].moment += contact_[i].moment;
@@ -403,66 +319,11 @@ class EquationsOfMotion {
     }
   }
 
-  /// Calls f(robot, where, change) for robots at stops: see JointStops::act.
-  /// @param end  the end of the step without stops
-  template <class F>
-  SKYBODY_INLINE void push_at_stops(const MaskOf<Real>& mask, const Coordinates<Real>& end,
-                                    const F& f) const {
-    plan_.stops.act(plan_.multibody, params_, derived_ + plan_.derived.bodies, dt(), mask, a_.now.q,
-                    end.q, end.u, a_.multibody, a_.stops, f);
-  }
-
-  /// Corrects the step's end for stops.
-  SKYBODY_INLINE void stop_joints(const MaskOf<Real>& mask) {
-    push_at_stops(mask, a_.now,
-                  [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
-                      SKYBODY_INLINE_LAMBDA {
-                        Real* const step = a_.stages.rate.u;
-                        for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
-                          step[k] = select(where, dt() * change[k], Real(0.0));
-                          a_.now.u[k] = select(where, a_.now.u[k] + step[k], a_.now.u[k]);
-                        }
-                        move_on(robot, where, step);
-                      });
-  }
-  /// Moves the coordinates of a robot for dt at rates `u`.
-  SKYBODY_INLINE void move_on(const RobotLayout& robot, const MaskOf<Real>& where,
-                              const Real* u) const {
-    for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
-      const TreeBody& body = tree()[static_cast<std::size_t>(i)];
-      Real moved[7];
-      const int count = position_size(body.type);
-      for (int k = 0; k < count; ++k) moved[k] = a_.now.q[body.q + k];
-      drift_position(body.type, dt(), u + body.u, moved);
-      normalize_position(body.type, moved);
-      for (int k = 0; k < count; ++k) {
-        a_.now.q[body.q + k] = select(where, moved[k], a_.now.q[body.q + k]);
-      }
-    }
-  }
-
-  /// Adds the accelerations by stops over the coming step.
-  SKYBODY_INLINE void add_stops(Real* udot) const {
-    const Coordinates<Real>& end = a_.stages.point;
-    for (const TreeBody& body : tree()) {
-      if (body.type != JointType::kPin && body.type != JointType::kSlider) continue;
-      end.u[body.u] = a_.now.u[body.u] + dt() * udot[body.u];
-      end.q[body.q] = a_.now.q[body.q] + (0.5 * dt()) * (a_.now.u[body.u] + end.u[body.u]);
-    }
-    push_at_stops(MaskOf<Real>(true), end,
-                  [&](const RobotLayout& robot, const MaskOf<Real>& where, const Real* change)
-                      SKYBODY_INLINE_LAMBDA {
-                        for (int k = robot.first_u; k < robot.first_u + robot.u_count; ++k) {
-                          udot[k] += select(where, change[k], Real(0.0));
-                        }
-                      });
-  }
-
   /// Ends the step: applies stops, normalises quaternions, and sets pose-driven bases exactly to
   /// their targets. Writes the lanes whose values are bounded.
   SKYBODY_INLINE MaskOf<Real> end_step(const MaskOf<Real>& mask) {
     if constexpr (kIsAny) {
-      if (plan_.stops.any()) stop_joints(mask);
+      if (plan_.stops.any()) stops().correct_end(mask);
     }
     for (const TreeBody& body : tree()) normalize_position(body.type, a_.now.q + body.q);
     const Real* target = a_.targets;
@@ -510,20 +371,6 @@ class EquationsOfMotion {
     forward_kinematics(tree(), q, u, a_.motion);
   }
 
-  /// Loads the motion from the previous step, which belongs to q and u.
-  SKYBODY_INLINE void load_motion() {
-    for (int i = 0; i < body_count(); ++i) {
-      const LaneValues<Real> b(lanes_.at(group_.bodies, 13 * i));
-      BodyKinematics<Real>& m = a_.motion[i];
-      m.position = load_vec3(b);
-      m.rotation = load_quat(b + 3);
-      m.axes = to_mat3(m.rotation);
-      m.velocity = load_vec3(b + 7);
-      m.spin = load_vec3(b + 10);
-      m.angular_velocity = load_vec3(LaneValues<Real>(lanes_.at(spins_, 3 * i)));
-    }
-  }
-
   template <class Mask>
   SKYBODY_INLINE void put_motion(const Mask& mask) {
     store_motion(0, body_count(), a_.motion, lanes_, mask, group_.bodies, spins_);
@@ -533,10 +380,10 @@ class EquationsOfMotion {
   const GroupBlocks& group_;
   double* spins_;
   LaneSlice<Real> lanes_;
-  HeldLanes<Real> held_;
   Values params_, derived_;
   Accelerations accelerations_;
   StepArrays<Real>& a_;
+  StepActuators<Real, Values, kKind> actuators_;
   const SpatialForce<Real>* contact_ = nullptr;
   Couplings<Real> couplings_;
   HighSpinRobots<Real> fast_;

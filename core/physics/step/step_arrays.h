@@ -156,4 +156,21 @@ SKYBODY_INLINE void store_motion(int first, int last, const BodyKinematics<Real>
   }
 }
 
+/// Reads what store_motion() has written for the bodies [0, count).
+/// @param lanes  a LaneSlice
+template <class Real, class Lanes>
+SKYBODY_INLINE void load_motion(int count, const Lanes& lanes, double* bodies, double* spins,
+                                BodyKinematics<Real>* motion) {
+  for (int i = 0; i < count; ++i) {
+    const LaneValues<Real> b(lanes.at(bodies, 13 * i));
+    BodyKinematics<Real>& m = motion[i];
+    m.position = load_vec3(b);
+    m.rotation = load_quat(b + 3);
+    m.axes = to_mat3(m.rotation);
+    m.velocity = load_vec3(b + 7);
+    m.spin = load_vec3(b + 10);
+    m.angular_velocity = load_vec3(LaneValues<Real>(lanes.at(spins, 3 * i)));
+  }
+}
+
 }  // namespace skybody
