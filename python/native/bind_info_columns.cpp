@@ -16,8 +16,11 @@ namespace {
 /// Places of named values in a row.
 class InfoColumns {
  public:
+  /// @throws ValueError if a place or a number is negative
   explicit InfoColumns(const std::vector<std::tuple<std::string, int, int>>& columns) {
     for (const auto& [name, first, count] : columns) {
+      if (first < 0 || count < 0)
+        throw nb::value_error(("`" + name + "` has a negative place or number of values").c_str());
       columns_.push_back({nb::str(name.c_str()), static_cast<std::size_t>(first),
                           static_cast<std::size_t>(count)});
     }
