@@ -84,7 +84,7 @@ class GradientSlice {
   };
   /// Weights of the terms of the loss.
   struct Weights {
-    explicit Weights(const Hyperparameters& hyper, bool has_value);
+    Weights(const Hyperparameters& hyper, bool has_value);
 
     double transition;              ///< of one transition in the mean of an iteration
     double reward, goal, end;       ///< of the reward, the cost, the value after the horizon

@@ -18,7 +18,7 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
     adjoint_.begin(group.state, group.lanes);
   }
   slopes_.adjoints.fill_zero();
-  const float* slopes = value_ != nullptr ? value_->slopes(inputs_.end(0)) : nullptr;
+  const float* value_slopes = value_ != nullptr ? value_->slopes(inputs_.end(0)) : nullptr;
   double* const motion = slopes_.adjoints.data() +
                          static_cast<std::ptrdiff_t>(adjoint_.goal_motion_row()) * kGroupLanes;
   for (int t = horizon_; t-- > 0;) {
@@ -31,10 +31,11 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
       cost_.add(lanes, weight, adjoint_.goal_motion(t), goal_at(t), motion, slopes_.cost.data(),
                 slopes_.distance.data(), isa_);
       set_reward(t, lanes);
-      if (slopes != nullptr) {
+      if (value_slopes != nullptr) {
         const double end = weights_.end * weights_.discounts[static_cast<std::size_t>(t + 1)] *
                            weights_.transition;
-        add_observations(slopes, inputs_.width(), -end, ending(t) & ~flight_.terminated, inputs);
+        add_observations(value_slopes, inputs_.width(), -end, ending(t) & ~flight_.terminated,
+                         inputs);
       }
       adjoint_.pull_back(group.state, t, lanes, slopes_.adjoints.data(), slopes_.to_action.data());
     }

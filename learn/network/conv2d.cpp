@@ -7,6 +7,7 @@
 #include "learn/network/epilogues.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/kernels/kernels.h"
+#include "learn/network/product.h"
 
 namespace skybody::learn {
 namespace {
@@ -42,10 +43,6 @@ void check_sizes(const ConvShape& shape, int input_pixel) {
 
 /// Extent of the input that all windows together cover.
 int covered(int windows, int stride, int kernel) { return (windows - 1) * stride + kernel; }
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include "core/env/column_type.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/kernels/kernels.h"
+#include "learn/network/product.h"
 
 namespace skybody::learn {
 namespace {
@@ -17,10 +18,6 @@ constexpr int kChunkValues = 1 << 16, kMostChunk = 32;  // as in conv2d.cpp
 static_assert(static_cast<int>(PixelType::kFloat32) == static_cast<int>(ColumnType::kFloat32) &&
               static_cast<int>(PixelType::kUint8) == static_cast<int>(ColumnType::kUint8) &&
               static_cast<int>(PixelType::kUint16) == static_cast<int>(ColumnType::kUint16));
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
-}
 
 void check_lists(const EncoderShape& shape) {
   if (shape.kernels.size() == shape.channels.size() &&

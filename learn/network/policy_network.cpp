@@ -5,6 +5,7 @@
 #include "core/base/math/random.h"
 #include "learn/network/growing_array.h"
 #include "learn/network/panel_matrix.h"
+#include "learn/network/product.h"
 
 namespace skybody::learn {
 namespace {
@@ -35,10 +36,6 @@ int width_of(const NetworkInputs& inputs, const std::vector<ImageEncoder>& encod
   int width = inputs.values;
   for (const ImageEncoder& encoder : encoders) width += encoder.features();
   return width;
-}
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
 }
 
 }  // namespace

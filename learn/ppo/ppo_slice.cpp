@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "learn/common/wall_clock.h"
+#include "learn/network/product.h"
 
 namespace skybody::learn {
 namespace {
@@ -17,10 +18,6 @@ PoolOptions pool_options(const PpoSetup& setup, int slice) {
   options.seed = setup.seed;
   options.first_env_id = static_cast<std::uint64_t>(setup.plan.first_env(slice));
   return options;
-}
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
 }
 
 /// A policy with a memory gathers whole sequences: enough of them for some hundred rows, so that

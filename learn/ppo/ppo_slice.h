@@ -76,13 +76,13 @@ class PpoSlice {
 
   /// The last rollout, for tests of the training data. Row r of step t is row t * rows_of_step + r.
   /// `value` and `rows` also contain the last observations, after the last step.
-  struct Rollout {
+  struct LastRollout {
     int steps, rows_of_step;
     std::span<const float> rows;  ///< RowLayout; the rows after the last step have inputs only
     std::span<const float> reward, goes_on, bootstrap, value;
     std::span<const int> order;  ///< of the last epoch
   };
-  Rollout rollout() const {
+  LastRollout rollout() const {
     return {steps_,
             step_rows_,
             {rows_.data(), rows_.size()},

@@ -3,16 +3,9 @@
 #include <algorithm>
 
 #include "learn/network/panel_matrix.h"
+#include "learn/network/product.h"
 
 namespace skybody::learn {
-namespace {
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
-}
-
-}  // namespace
-
 SliceMemory::SliceMemory(int units, int steps, int rows) : steps_(steps) {
   if (units == 0) return;
   stride_ = padded(units);

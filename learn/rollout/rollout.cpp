@@ -6,6 +6,7 @@
 #include "core/base/system/error.h"
 #include "learn/common/policy_metadata.h"
 #include "learn/network/panel_matrix.h"
+#include "learn/network/product.h"
 
 namespace skybody::learn {
 namespace {
@@ -34,10 +35,6 @@ PoolOptions pool_options(const RolloutOptions& options) {
   pool.threads = options.threads;
   pool.seed = options.seed;
   return pool;
-}
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "learn/network/product.h"
+
 namespace skybody::learn {
 namespace {
 
@@ -9,10 +11,6 @@ PoolOptions whole_steps(PoolOptions options) {
   options.batch = 0;
   options.autoreset = Autoreset::kSameStep;
   return options;
-}
-
-std::size_t product(int a, int b) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ class HeldSlices {
   }
 
  private:
-  nb::dict dict_of(const learn::PpoSlice::Rollout& rollout) const {
+  nb::dict dict_of(const learn::PpoSlice::LastRollout& rollout) const {
     const learn::RowLayout& row = setup_->row;
     nb::dict columns;
     columns["inputs"] = columns_of(rollout, 0, row.inputs);
@@ -108,7 +108,7 @@ class HeldSlices {
   }
 
   /// `count` values of each row, (rows, count).
-  nb::object columns_of(const learn::PpoSlice::Rollout& rollout, int first, int count) const {
+  nb::object columns_of(const learn::PpoSlice::LastRollout& rollout, int first, int count) const {
     const std::size_t rows = rollout.reward.size(), width = static_cast<std::size_t>(count);
     const auto stride = static_cast<std::size_t>(setup_->row.stride());
     std::vector<float> values;

@@ -110,7 +110,7 @@ TEST(PpoSlices, AdvantagesAreThoseOfAPlainLoop) {
   const RowLayout& layout = workers.setup().row;
   int cut = 0, ended = 0;
   for (int k = 0; k < workers.count(); ++k) {
-    const PpoSlice::Rollout rollout = workers.slice(k).rollout();
+    const PpoSlice::LastRollout rollout = workers.slice(k).rollout();
     const int n = rollout.rows_of_step;
     for (int r = 0; r < n; ++r) {
       double after = 0.0,
@@ -161,7 +161,7 @@ TEST(PpoSlices, ValueFunctionAloneSeesPrivilegedColumns) {
   EXPECT_EQ(workers.driver().policy().observation_size, 5);
   EXPECT_EQ(workers.driver().policy().mean.size(), 5u);
   // Normalized: mean 0 and deviation 1 after the statistics have settled, for any unit.
-  const PpoSlice::Rollout rollout = workers.slice(0).rollout();
+  const PpoSlice::LastRollout rollout = workers.slice(0).rollout();
   for (int column = 5; column < 11; ++column) {
     double largest = 0.0;
     for (std::size_t i = 0; i < rollout.reward.size(); ++i) {
@@ -188,7 +188,7 @@ TEST(PpoSlices, RowsAreRobotsWhereThePolicyIsShared) {
                                                         testing::ElementsAre(4, 5, 6, 7)));
   // Both robots begin at one height with one target. Before any statistics, and except for noise,
   // their rewards differ by the factor on the second robot's reward.
-  const PpoSlice::Rollout rollout = workers.slice(0).rollout();
+  const PpoSlice::LastRollout rollout = workers.slice(0).rollout();
   EXPECT_EQ(rollout.rows_of_step, 4);
   EXPECT_NEAR(rollout.reward[1] / rollout.reward[0], 2.0f, 0.3f);
 }
