@@ -111,6 +111,13 @@ class InfoChannels:
         if self._has_privileged:
             self._masks.append("_privileged")
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_views"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._views = InfoColumns(self._columns)
+
     def columns(self, rows: Batch | InfoRows | ValueRows) -> dict[str, Any]:
         """One array per info value, (n,) or (n, count): views of the rows."""
         infos: dict[str, Any] = self._views.of(rows.info) if self._columns else {}

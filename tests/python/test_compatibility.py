@@ -79,10 +79,13 @@ DRAWN = (
 
 @pytest.mark.parametrize("words", DRAWN)
 def test_a_flight_log_is_drawn_and_exported(words: str, tmp_path: Path) -> None:
-    filled = words.format(log=OLD / "log", out=tmp_path / "out").split()
-    done = run(PROGRAM, *filled)
+    log = shutil.copytree(OLD / "log", tmp_path / "log")
+    with h5py.File(log / "flight.h5", "r+") as file:  # its scenario's files are where they were
+        file.attrs["scenario_file"] = str(MISSION)
+    (tmp_path / "drawn").mkdir()
+    done = run(PROGRAM, *words.format(log=log, out=tmp_path / "drawn/out").split())
     assert done.returncode == 0, done.stderr
-    assert any(tmp_path.iterdir())
+    assert any((tmp_path / "drawn").iterdir())
 
 
 def test_a_scenario_has_the_same_meaning(tmp_path: Path) -> None:
