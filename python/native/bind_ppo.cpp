@@ -334,8 +334,10 @@ static void bind_learners(nb::module_& m) {
 }
 
 void bind_ppo(nb::module_& m) {
-  nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
-  nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
+  nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error")).doc() =
+      "Workers died. The iteration can be repeated.";
+  nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error")).doc() =
+      "A loss or a parameter is no longer finite. The newest checkpoint is of a state before that.";
   bind_hyperparameters(m);
   bind_slices(m);
   bind_learners(m);

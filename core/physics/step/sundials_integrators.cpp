@@ -23,6 +23,7 @@
 #include "core/physics/step/integrator.h"
 
 // SUNDIALS 6 under the names of SUNDIALS 7.
+// NOLINTBEGIN(readability-identifier-naming)
 #if SUNDIALS_VERSION_MAJOR < 7
 #define SUN_COMM_NULL nullptr
 #define ARKodeFree ARKStepFree
@@ -34,6 +35,7 @@
 #define ARKodeSetStopTime ARKStepSetStopTime
 #define ARKodeEvolve ARKStepEvolve
 #endif
+// NOLINTEND(readability-identifier-naming)
 
 namespace skybody {
 namespace {

@@ -9,7 +9,6 @@
 namespace skybody {
 namespace {
 
-using test::action_of;
 using test::actions_of;
 using test::begin;
 using test::gate;
