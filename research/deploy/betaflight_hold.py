@@ -11,7 +11,6 @@ flown twice, since Betaflight's clock is the wall's.
 from __future__ import annotations
 
 import subprocess
-import sys
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -21,13 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from skybody.sitl.betaflight_link import BetaflightLink
 from skybody.sitl.betaflight_pilot import HoldPilot
-from skybody.sitl.betaflight_program import BetaflightProgram, enter_own_network, settings_for
+from skybody.sitl.betaflight_program import BetaflightProgram, settings_for
 from skybody.sitl.vehicle import Setup, Vehicle
 
 from research.common.machine import facts, machine_line
-from research.common.options import Options
 from research.common.pages import head, markdown_table, write_page
 from research.common.places import PROGRAM
+from research.deploy.firmware import firmware_options
 
 PAGE = "betaflight_hold"
 
@@ -171,11 +170,7 @@ Nothing holds the horizontal position, so that small differences of tilt grow in
 
 
 def main() -> int:
-    parser = Options(__doc__, __name__)
-    parser.add("--firmware", type=Path, required=True, help="of scripts/build_betaflight.sh")
-    parser.add("--factor", type=float, default=0.5, help="times real time; default: 0.5")
-    options = parser.given()
-    enter_own_network([sys.executable, "-m", "research", "run", PAGE, *sys.argv[1:]])
+    options = firmware_options(__doc__, __name__)
     about = facts()
     flights = measure(options)
     write_page(

@@ -14,9 +14,7 @@ since Betaflight's clock is the wall's.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,13 +22,13 @@ from numpy.typing import NDArray
 from skybody import CompiledScenario, FlightPolicy, Simulation
 from skybody.sitl.betaflight_link import BetaflightLink
 from skybody.sitl.betaflight_policy import PolicyPilot, RatePilot
-from skybody.sitl.betaflight_program import BetaflightProgram, enter_own_network, settings_for
+from skybody.sitl.betaflight_program import BetaflightProgram, settings_for
 from skybody.sitl.vehicle import Setup, Vehicle
 
 from research.common.machine import facts, machine_line
-from research.common.options import Options
 from research.common.pages import head, markdown_table, write_page
 from research.common.places import ROOT
+from research.deploy.firmware import firmware_options
 
 PAGE = "betaflight_race"
 SCENARIO, FRAME = "racing", "x-reversed"
@@ -309,11 +307,7 @@ and `kd` of the scenario's `ctbr` about the speed of a hover.
 
 
 def main() -> int:
-    parser = Options(__doc__, __name__)
-    parser.add("--firmware", type=Path, required=True, help="of scripts/build_betaflight.sh")
-    parser.add("--factor", type=float, default=0.5, help="times real time; default: 0.5")
-    options = parser.given()
-    enter_own_network([sys.executable, "-m", "research", "run", PAGE, *sys.argv[1:]])
+    options = firmware_options(__doc__, __name__)
     about = facts()
     found = measure(options)
     found["settings"] = PolicyPilot(Recorder(), str(POLICY)).settings()
