@@ -14,7 +14,7 @@ struct ContactMobility {
 
   const Real* bodies;  ///< kBodyConstantCount values per body
 
-  /// [1/kg]
+  /// Inverse mass, 0 of a driven body [1/kg].
   SKYBODY_INLINE Real inverse_mass(const ContactBody& body) const {
     if (body.is_driven) return Real(0.0);
     return (bodies + kBodyConstantCount * body.body)[kBodyInverseMass];

@@ -7,6 +7,7 @@
 
 namespace skybody {
 
+/// Contact points of the pairs that the broad phase has found near.
 /// @tparam Values  access to constants: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
 class NarrowPhase : public BroadPhase<Real, Values> {
