@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Notes on each page of docs/results the code changes since its data were measured.
 
-It adds or removes the notes; --raise gives a subject a new version, --same records hashes that
-rounding alone has changed, and --stamp says that a page's data are of today.
+It adds or removes the notes, and writes docs/results/paper.md again, which names older data.
+--raise gives a subject a new version, --same records hashes that rounding alone has changed, and
+--stamp says that a page's data are of today.
 
     python -m research run mark_older_pages
     python -m research run mark_older_pages --raise contact "no rebound is too fast"
@@ -21,6 +22,7 @@ import datetime
 from pathlib import Path
 
 from research.common import page_data
+from research.paper import report
 
 
 def mark(page: Path) -> bool:
@@ -66,3 +68,4 @@ def main() -> None:
     for page in page_data.pages():
         if mark(page):
             print(f"marked {page.relative_to(page_data.ROOT)}")
+    report.write()
