@@ -171,7 +171,7 @@ FLIGHTS = (
     Flight("vehicles_trajectory", "vehicles_trajectory", most_steps=100),
     Flight("trajectory_paper", "trajectory_paper", most_steps=100),
     Flight("trajectory_modular_paper", "trajectory_modular_paper", most_steps=100),
-    Flight("boom", "boom", most_steps=50),  # cvode takes its time
+    Flight("boom", "boom", most_steps=LEAST_STEPS),  # cvode, and midpoint's fast spins, take long
 )
 
 

@@ -16,16 +16,21 @@ FOLDER = Path(__file__).resolve().parents[1] / "golden"
 SCRIPT = FOLDER / "golden.py"
 FLIGHTS = sorted(file.stem for file in FOLDER.glob("*.json"))
 
-# The pinned bits of Simbody are those of the distribution's build (docs/determinism.md).
-pytestmark = pytest.mark.skipif(
-    skybody.versions()["simbody asserts"] == "off",
-    reason="Simbody of our own gives other last bits than the distribution's",
-)
+TIMEOUT = 600  # s; a flight has up to 30 processes
+
+pytestmark = [
+    pytest.mark.timeout(TIMEOUT),
+    # The pinned bits of Simbody are those of the distribution's build (docs/determinism.md).
+    pytest.mark.skipif(
+        skybody.versions()["simbody asserts"] == "off",
+        reason="Simbody of our own gives other last bits than the distribution's",
+    ),
+]
 
 
 def golden(script: Path, *options: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(script), *options]
-    return subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
 
 
 def copy_script(project: Path) -> Path:
