@@ -2,9 +2,8 @@
 #                    [OUTPUT_DIRECTORY DIR] [NO_INSTALL])
 #
 # Builds the plugin NAME.so as the target NAME. The library exports only the plugin's descriptor. In
-# Skybody's own tree it goes to lib/skybody/plugins and is installed. In a project that has called
-# find_package(Skybody) it goes to the folder `plugins` of the build folder: add that folder to
-# SKYBODY_PLUGIN_PATH.
+# Skybody's own tree it goes to lib/skybody/plugins and is installed. In another project it goes to
+# the folder `plugins` of the build folder: add that folder to SKYBODY_PLUGIN_PATH.
 #
 # Skybody opens NAME.so when a scenario names the plugin NAME. If the library holds plugins of other
 # names, list them all as PLUGINS: they are written to NAME.plugins beside it, one per line.
@@ -62,8 +61,8 @@ function(skybody_add_plugin name)
   skybody_compile_plugin(${name})
   target_link_libraries(${name} PRIVATE ${plugin_LIBRARIES})
   set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so")
-  set(own_tree OFF)
-  if(TARGET skybody_build_flags)
+  set(own_tree OFF)  # also if a project has Skybody as a part of itself (FetchContent)
+  if(DEFINED Skybody_SOURCE_DIR AND PROJECT_SOURCE_DIR STREQUAL Skybody_SOURCE_DIR)
     set(own_tree ON)
   endif()
   if(NOT SKYBODY_SANITIZE)

@@ -20,8 +20,8 @@ int main(int argc, char** argv) {
       value({inputs, hyper.hidden, 1}, 0.5);
   policy.initialize(0.01, seed, 1);
   value.initialize(1.0, seed, 2);
-
   std::vector<float> mean(rollout.actions().size()), noise(mean.size()), slope(mean.size());
+  std::vector<float> estimate(rollout.targets().size());
   double left = 1.0;  // of the steps
   for (std::uint64_t update = 0; left > 0.0; ++update) {
     const auto deviation = static_cast<float>(std::exp(-2.7 + 1.7 * left));  // of the actions
@@ -45,9 +45,9 @@ int main(int argc, char** argv) {
     policy.backward(x, stride, slope.data());
     policy.step(3e-3 * left);
     for (int pass = 0; pass < 5; ++pass) {
-      value.forward(x, stride, rows, mean.data());
-      for (std::size_t r = 0; r < rollout.targets().size(); ++r) {  // of half the squared error
-        slope[r] = (mean[r] - rollout.targets()[r]) / static_cast<float>(rows);
+      value.forward(x, stride, rows, estimate.data());
+      for (std::size_t r = 0; r < estimate.size(); ++r) {  // of half the squared error
+        slope[r] = (estimate[r] - rollout.targets()[r]) / static_cast<float>(rows);
       }
       value.backward(x, stride, slope.data());
       value.step(3e-3);

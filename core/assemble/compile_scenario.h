@@ -22,7 +22,7 @@ struct LoadOptions {
   std::vector<std::string> overrides;              ///< "PATH=VALUE", in order
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default folders
   bool trust_scenario = false;  ///< also search the scenario's folder and its `plugins`
-  RefusedFiles refused_plugins = {};
+  RefusedFiles refused_plugins = {};  ///< not opened
   bool checked = false;        ///< checked mode, see CompiledScenario
   std::string reference = {};  ///< a reference that commands it, see reference_use.h; empty: none
   /// Called with each plugin's setup before its configure(); null: not called.
@@ -56,7 +56,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
     const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
     Diagnostics& diagnostics);
 
-/// The same with an exception in place of diagnostics.
+/// The same with an exception in place of diagnostics. Warnings are not reported.
 /// @throws InputError with all messages
 std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options);
 

@@ -36,7 +36,7 @@ struct ObservationPlan {
   std::vector<ObservationPart> parts;
   std::vector<ObservedImage> images;
   bool is_task_in_place = true;  ///< the task's values are the first of the observation
-  /// StateLayout of a row of observations. Repeats of a task in place are copied only at the end,
+  /// Layout of a row of observations. Repeats of a task in place are copied only at the end,
   /// within rows.
   RowParts row;
   std::vector<ValueCopy> task_copies;  ///< repeats of a task not in place: copied within the task's

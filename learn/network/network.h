@@ -40,7 +40,7 @@ struct TransposedWeights {
 /// A multilayer perceptron. It holds no parameters: these are an array of floats of the caller, so
 /// that optimisers, sums of gradients and checkpoints are loops over floats.
 ///
-/// StateLayout, layer by layer: the weight, inputs x outputs in the layout of PanelMatrix, then the
+/// Parameters, layer by layer: the weight, inputs x outputs in the layout of PanelMatrix, then the
 /// bias, padded likewise. Padding and its gradient are and stay zero. Sums run over inputs in
 /// order, with fused multiply-add; sums of a gradient run over rows in order. So the bits are the
 /// same on v3 and v4, and for any split of rows into calls.

@@ -18,7 +18,7 @@
 
 namespace skybody::learn {
 
-/// StateLayout of a row of a rollout [floats]. A row begins with the value function's inputs, which
+/// Layout of a row of a rollout [floats]. A row begins with the value function's inputs, which
 /// begin with the policy's inputs. Rows are whole cache lines.
 struct RowLayout {
   int inputs = 0, actions = 0;

@@ -1,4 +1,4 @@
-// StateLayout of a plugin's State in state words: one 64-bit word per member and environment. With
+// Layout of a plugin's State in state words: one 64-bit word per member and environment. With
 // dual numbers two words, the second of which is the tangent.
 #pragma once
 

@@ -4,6 +4,7 @@
 #   tree        the build tree
 #   prefix      an installation, made for this test; pkg-config, too
 #   fetch       FetchContent: configures Skybody as a part of the project, and builds the renderer
+#               and a plugin
 #   FOLDER      the folder of an installed SkybodyConfig.cmake: `python -P -m skybody --cmake-dir` of a
 #               wheel, /usr/lib/cmake/Skybody of the Debian packages
 # CXX may name the compiler.
@@ -39,8 +40,9 @@ fi
 
 build() { cmake --build "$work/build" --target "$@" >"$work/build.log" || { cat "$work/build.log"; exit 1; }; }
 if [[ $kind == fetch ]]; then # the library takes many minutes
-  build draw_sphere
+  build draw_sphere visit_points
   "$work/build/draw_sphere"
+  "$skybody" check "$source_tree/examples/visit_points.yaml" --plugin-path "$work/build/plugins"
   exit 0
 fi
 build all

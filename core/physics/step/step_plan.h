@@ -27,7 +27,7 @@ struct DrivenBase {
   int value = 0;  ///< first of its values within the drive block
 };
 
-/// StateLayout of the values derived from the parameters of one environment: the rotors' lags
+/// Layout of the values derived from the parameters of one environment: the rotors' lags
 /// (kLagSize each) and factors (kRotorFactorCount each), then the constants of the bodies
 /// (kBodyConstantCount each) and of the obstacles' shapes (kShapeConstantCount each).
 struct DerivedLayout {
