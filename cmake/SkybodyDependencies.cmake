@@ -67,7 +67,11 @@ skybody_dependency(yaml ${yaml_target})
 skybody_dependency(eigen Eigen3::Eigen)
 skybody_dependency(dll Boost::headers ${CMAKE_DL_LIBS})
 skybody_dependency(xml tinyxml2::tinyxml2)
-skybody_dependency(log spdlog::spdlog)
+# From its headers: the libraries of spdlog and fmt are larger than the program's few messages.
+skybody_dependency(log Threads::Threads)
+target_compile_definitions(skybody_log INTERFACE SPDLOG_FMT_EXTERNAL FMT_HEADER_ONLY)
+target_include_directories(skybody_log SYSTEM INTERFACE
+  $<TARGET_PROPERTY:spdlog::spdlog,INTERFACE_INCLUDE_DIRECTORIES>)
 skybody_dependency(cli11 CLI11::CLI11)
 skybody_dependency(pictures PNG::PNG "${SKYBODY_TURBOJPEG_LIBRARY}")
 target_include_directories(skybody_pictures SYSTEM INTERFACE

@@ -30,6 +30,14 @@ ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 25e6  # bytes of a wheel
 COMPONENTS = ("library", "development", "program")
 STATIC = ("AEC", "BLAS", "HDF5", "LAPACK", "SZ")  # archives of others, linked in (packaging/wheel)
+# Headers of others, compiled in.
+HEADERS = (
+    "CLI/CLI.hpp",
+    "Random123/philox.h",
+    "eigen3/Eigen/Core",
+    "fmt/core.h",
+    "spdlog/spdlog.h",
+)
 OLDER = "older"  # folder of other libraries that ask for older symbols
 MODULE_FINDS_LIBRARY = "$ORIGIN/../libskybody/lib"
 LIBRARY_PACKAGE = '''"""The library of Skybody, for C++ and for the package `skybody`: a prefix."""
@@ -168,7 +176,8 @@ def add_licenses(build: Path, folder: Path) -> None:
     licenses.mkdir(parents=True, exist_ok=True)
     static = [cache_value(build, f"SKYBODY_STATIC_{name}") for name in STATIC]
     paths = linked_libraries(folder) | {Path(path).resolve() for path in static if path}
-    paths.add(Path(cache_value(build, "SKYBODY_RANDOM123_INCLUDE_DIR")) / "Random123/philox.h")
+    headers = Path(cache_value(build, "SKYBODY_RANDOM123_INCLUDE_DIR"))
+    paths |= {headers / name for name in HEADERS}
     for package in sorted({found for path in paths if (found := package_of(path))}):
         notice = Path("/usr/share/doc") / package / "copyright"
         if notice.is_file():
