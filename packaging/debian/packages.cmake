@@ -68,9 +68,12 @@ neither Debian 12 nor 13 has.")
   get_target_property(suffix skybody_python SUFFIX)
   string(REGEX REPLACE ".*cpython-3([0-9]+).*" "\\1" minor "${suffix}")
   math(EXPR next "${minor} + 1")
+  # Debian's NumPy provides its C interface under a name with a number, such as python3-numpy-abi9.
+  execute_process(COMMAND apt-cache show python3-numpy OUTPUT_VARIABLE numpy ERROR_QUIET)
+  string(REGEX MATCH "python3-numpy[0-9]*-abi[0-9]+" numpy_abi "${numpy}")
   string(JOIN ", " CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${library} ${same_version}"
     "python3 (>= 3.${minor})" "python3 (<< 3.${next})"
-    python3-h5py python3-matplotlib python3-numpy python3-pil python3-tqdm)
+    python3-h5py python3-matplotlib python3-numpy ${numpy_abi} python3-pil python3-tqdm)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS ffmpeg)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst"
     "${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm")
