@@ -57,7 +57,7 @@ inside bare 'apt-get -qq update
   skybody plot flight
   skybody render flight -o flight/still.png --at 1
   apt-get -qq remove -y skybody python3-skybody "libskybody*" >/dev/null
-  apt-get -qq purge -y skybody python3-skybody "libskybody*" >/dev/null
+  dpkg --purge $(dpkg-query -W -f "\${Package} " "*skybody*") >/dev/null
   left=$(find /usr /etc -name "*skybody*")
   [ -z "$left" ] || { echo "error: left after the purge: $left"; exit 1; }'
 say "$RELEASE: packages and hashes as on this machine"
