@@ -21,9 +21,9 @@ struct LoadOptions {
   std::string scenario;                            ///< YAML file, or the name of a shipped scenario
   std::vector<std::string> overrides;              ///< "PATH=VALUE", in order
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default folders
-  bool trust_scenario = false;  ///< also search the scenario's folder and its `plugins`
+  bool trust_scenario = false;        ///< also search the scenario's folder and its `plugins`
   RefusedFiles refused_plugins = {};  ///< not opened
-  bool checked = false;        ///< checked mode, see CompiledScenario
+  bool checked = false;               ///< checked mode, see CompiledScenario
   std::string reference = {};  ///< a reference that commands it, see reference_use.h; empty: none
   /// Called with each plugin's setup before its configure(); null: not called.
   std::function<void(SkybodyKind kind, const SkybodySetup& setup)> on_setup = nullptr;
