@@ -62,7 +62,7 @@ def reference_error(output: str) -> float:
 def test_it_follows_the_figure_of_eight_as_the_page_says(project: Path) -> None:
     flown = run("skybody", "run", "scenario.yaml", "--reference", "figure_eight", folder=project)
     assert "about 2 cm" in PAGE.read_text(encoding="utf-8")
-    assert reference_error(flown) == pytest.approx(2.0, abs=0.5)
+    assert reference_error(flown) == pytest.approx(2.0, abs=0.5)  # the page rounds to 1 cm
 
 
 def test_it_flies_in_wind_as_geometric_does(project: Path) -> None:
@@ -70,7 +70,8 @@ def test_it_flies_in_wind_as_geometric_does(project: Path) -> None:
     geometric = reference_error(run(*command, "--out", "geometric", folder=project))
     chain = "robots.quad.controllers=[{plugin: my_law}, {plugin: ctbt}]"
     own = reference_error(run(*command, "--set", chain, "--out", "own", folder=project))
-    assert own < 3.0 * geometric  # it has no integral against the wind
+    # The same wind moves both: 10.35 and 10.36 cm when this was written; laws differ by less.
+    assert own == pytest.approx(geometric, rel=0.1)
 
 
 def test_its_gains_are_tuned(project: Path) -> None:
