@@ -25,7 +25,7 @@ function(skybody_share_plugin_headers name)
     file(CONFIGURE OUTPUT "${source}" CONTENT "")
     add_library(skybody_plugin_headers OBJECT EXCLUDE_FROM_ALL "${source}")
     skybody_compile_plugin(skybody_plugin_headers)
-    target_precompile_headers(skybody_plugin_headers PRIVATE <skybody/plugin.h> <algorithm> <cmath>
+    skybody_precompile_headers(skybody_plugin_headers <skybody/plugin.h> <algorithm> <cmath>
       <stdexcept> <string> <vector>)
   endif()
   target_precompile_headers(${name} REUSE_FROM skybody_plugin_headers)

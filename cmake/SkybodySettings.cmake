@@ -68,6 +68,18 @@ if(SKYBODY_CCACHE)
   endif()
 endif()
 
+# skybody_precompile_headers(TARGET HEADER...): headers that the files of the target, and of targets
+# that reuse them, read precompiled. `#pragma once` tells such a header by its bytes, comments too.
+# ccache otherwise leaves comments out and would return precompiled headers of other bytes; in its
+# depend mode it compares the bytes of all files.
+function(skybody_precompile_headers name)
+  target_precompile_headers(${name} PRIVATE ${ARGN})
+  if(SKYBODY_CCACHE_PROGRAM)
+    set_target_properties(${name} PROPERTIES
+      CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND};-E;env;CCACHE_DEPEND=1;${CMAKE_CXX_COMPILER_LAUNCHER}")
+  endif()
+endfunction()
+
 # The Python of ./dev; `python3` on PATH may belong to a version manager.
 if(NOT Python3_EXECUTABLE AND EXISTS "${PROJECT_SOURCE_DIR}/.venv/bin/python")
   set(Python3_EXECUTABLE "${PROJECT_SOURCE_DIR}/.venv/bin/python")

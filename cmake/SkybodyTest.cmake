@@ -33,7 +33,7 @@ function(skybody_share_test_headers name kind)
       "${CMAKE_CURRENT_BINARY_DIR}")
     target_link_libraries(${headers} PRIVATE skybody_build_flags GTest::gmock)
     skybody_compile_test(${headers} ${kind})
-    target_precompile_headers(${headers} PRIVATE <gmock/gmock.h> <gtest/gtest.h>
+    skybody_precompile_headers(${headers} <gmock/gmock.h> <gtest/gtest.h>
       <algorithm> <array> <cmath>
       <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional> <random> <set>
       <sstream> <string> <thread>
