@@ -20,6 +20,7 @@ using randomization::VehicleRotors;
 
 constexpr double kStandardGravity = 9.81;  // [m/s^2], for a scenario without gravity
 constexpr double kBodyHeight = 0.3;        // of the collision shape, relative to the arm
+constexpr double kHubRadius = 0.3;         // of the body in pictures, relative to the arm's length
 constexpr double kBarWidth = 0.06;         // of an arm in pictures, relative to the arm's length
 
 /// Six significant digits: the scaling laws are less precise.
@@ -129,6 +130,7 @@ ProjectPart vehicle_part(const VehicleOptions& options) {
                         {"@IYY@", number(iyy)},
                         {"@IZZ@", number(middle(randomization::kYawInertia) * (ixx + iyy))},
                         {"@BODY_RADIUS@", number(options.arm)},
+                        {"@HUB_RADIUS@", number(kHubRadius * options.arm)},
                         {"@BODY_HEIGHT@", number(kBodyHeight * options.arm)},
                         {"@ARMS@", arm_lines(options)},
                         {"@THRUST_CONSTANT@", constant(SKYBODY_ROTOR_THRUST_CONSTANT)},

@@ -15,16 +15,25 @@ namespace {
                           : "an earlier write to it failed, and the system no longer says why"));
 }
 
+/// Whether the reader of a pipe has ended, as `| head` does: what it does not read is not missed.
+bool reader_has_left = false;
+
+void check(bool written) {
+  if (written || reader_has_left) return;
+  if (errno != EPIPE) fail(errno);
+  reader_has_left = true;
+}
+
 }  // namespace
 
 void print(const std::string& text) {
   errno = 0;
-  if (std::fputs(text.c_str(), stdout) < 0) fail(errno);
+  check(std::fputs(text.c_str(), stdout) >= 0);
 }
 
 void flush_output() {
   errno = 0;
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) fail(errno);
+  check(std::fflush(stdout) == 0 && std::ferror(stdout) == 0);
 }
 
 }  // namespace skybody

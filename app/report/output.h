@@ -1,4 +1,5 @@
-// Standard output, which may be a file on a full disk.
+// Standard output, which may be a file on a full disk, or a pipe whose reader has ended: text for
+// it is dropped without an error.
 #pragma once
 
 #include <string>

@@ -9,9 +9,12 @@
 #include "core/io/yaml/plausibility_limits.h"
 #include "core/model/model_marks.h"
 #include "core/physics/bodies/default_state.h"
+#include "core/physics/forces/rotor_allocation.h"
 
 namespace skybody {
 namespace {
+
+constexpr double kRoundOff = 1e-9;
 
 /// The value farthest outside its usual range, with its rotor.
 struct Worst {
@@ -30,7 +33,9 @@ class RobotCheck {
  public:
   RobotCheck(const CompiledScenario& compiled, int robot, const LaneState& start,
              Diagnostics& diagnostics)
-      : scenario_(compiled.scenario()),
+      : world_(compiled.world()),
+        robot_(robot),
+        scenario_(compiled.scenario()),
         use_(scenario_.robots[static_cast<std::size_t>(robot)]),
         first_body_(compiled.layout().robots[static_cast<std::size_t>(robot)].first_body),
         start_(start),
@@ -38,6 +43,7 @@ class RobotCheck {
 
   void run() {
     check_thrust();
+    check_hover();
     check_moment_arms();
     check_lags();
     if (check_arms()) {
@@ -106,6 +112,32 @@ class RobotCheck {
          {{is_backwards ? "min_speed" : "max_speed", lifting_speed(first),
            is_backwards ? marks.min_speed : marks.constants[kMaxSpeed]},
           {"mass", model().total_mass(), body_marks(0).mass}});
+  }
+
+  /// Finds a rotor at the wrong place or with the wrong direction: hover without torque would need
+  /// it to stand still, or to push downwards. For robots whose rotors all lift, on the base.
+  void check_hover() {
+    const std::vector<Rotor>& rotors = model().rotors;
+    const bool all_lift = std::all_of(rotors.begin(), rotors.end(), [](const Rotor& rotor) {
+      return rotor.axis.z > 0.5 && !rotor.is_reversible();
+    });
+    const std::vector<double> allocation =
+        all_lift ? allocation_of(world_, robot_, world_.layout.nominal_params())
+                 : std::vector<double>{};
+    if (allocation.empty()) return;
+    std::vector<double> thrusts(rotors.size());  // that add up to 1 N, without torque
+    for (std::size_t k = 0; k < thrusts.size(); ++k) {
+      const double thrust = allocation[4 * k];
+      thrusts[k] = std::fabs(thrust) < kRoundOff ? 0.0 : thrust;
+    }
+    const auto [least, most] = std::minmax_element(thrusts.begin(), thrusts.end());
+    const int index = static_cast<int>(least - thrusts.begin());
+    const double share = *least / *most;
+    warn(PlausibilityLimit::kHoverShare, share,
+         "thrust of the rotor `" + rotor(index).name +
+             "` divided by the largest, in hover without torque (it follows from `position` and "
+             "`direction` of all rotors),",
+         {{"position", share, rotor_marks(index).constants[kRotorPosition]}});
   }
 
   /// Finds the rotor whose value is farthest outside its usual range.
@@ -209,6 +241,8 @@ class RobotCheck {
     return solid.type == ShapeType::kBox ? box : std::max(2.0 * solid.radius, solid.length);
   }
 
+  const World& world_;
+  int robot_;
   const Scenario& scenario_;
   const RobotUse& use_;
   int first_body_;

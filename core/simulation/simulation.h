@@ -137,9 +137,11 @@ class Simulation {
   const std::vector<BodyState>& bodies() const;  ///< all, in the world's numbering
   std::vector<double> rotor_speeds() const;      ///< [rad/s], the world's numbering
   std::vector<double> rotor_commands() const;    ///< [rad/s], held during the last physics step
-  std::vector<double> commands() const;          ///< of all chains of controllers
+  /// Inputs of all chains of controllers, in the order of compiled().chains().
+  std::vector<double> commands() const;
   std::vector<double> actions() const;           ///< last action, clipped
-  std::vector<double> sensors() const;           ///< outputs of all sensors
+  /// Outputs of all sensors but images, in the order of the scenario's `sensors`.
+  std::vector<double> sensors() const;
   std::vector<double> params() const;            ///< EnvParams; names in compiled().layout()
   /// Accelerations now, for the rotors' present speeds and the rotor commands and wrenches of the
   /// last physics step. Driven bases have none.

@@ -46,6 +46,9 @@ def for_python_markdown(text: str) -> str:
     fence = ""
     for line in text.splitlines():
         found = FENCE.match(line)
+        if not fence and not offsets and line.startswith("    "):  # code, also if it looks like a list
+            lines.append(line)
+            continue
         if not fence:
             offsets = [o for o in offsets if not line.strip() or indent(line) >= o]
             item = ITEM.match(line)
@@ -75,12 +78,12 @@ def shifted(line: str, offsets: list[int]) -> str:
 
 
 def is_continued(lines: list[str]) -> bool:
-    """Whether the last line is a lazy or indented line of an item."""
+    """Whether the last line belongs to the first paragraph of an item."""
     for line in reversed(lines):
         if ITEM.match(line):
             return True
         if not line.strip():
-            return in_list(lines)
+            return False
     return False
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -30,3 +31,18 @@ def test_a_full_device_is_no_success(tmp_path: Path) -> None:
         )
     assert done.returncode == 2
     assert done.stderr == "error: cannot write the standard output: No space left on device\n"
+
+
+def test_a_pipe_whose_reader_has_ended_is_no_error() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [str(PROGRAM), "schema"],
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+        restore_signals=False,  # SIGPIPE stays ignored: the write itself fails
+    )
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -36,13 +36,15 @@ PAGES = (
 
 def test_lists_within_lists_keep_their_levels() -> None:
     text = "Text:\n- one\n  more\n  - inner\n\n    code of inner\n- two\n\nend\n"
-    expected = "Text:\n\n- one\n    more\n    - inner\n\n        code of inner\n- two\n\nend\n"
+    expected = "Text:\n\n- one\n    more\n    - inner\n\n        code of inner\n\n- two\n\nend\n"
     assert for_python_markdown(text) == expected
 
 
 def test_code_is_left_as_it_is() -> None:
     text = "```yaml\nkey:\n- a|b\n```\n\n    [x](y.md)\n"
     assert for_python_markdown(text) == text
+    listing = "Text:\n\n    a:\n      - b: 1\n        c: 2\n"
+    assert for_python_markdown(listing) == listing
     assert outside_code(f"[x](y.md)\n\n{text}", lambda part: part.replace("y.md", "z.md")) == (
         f"[x](z.md)\n\n{text}"
     )

@@ -31,7 +31,7 @@ defaults:
   tau_up: {tau_up}
   tau_down: {tau_down}{more}
 rotors:
-  - {{name: a, direction: ccw, position: [{arm}, {arm}, 0]}}
+  - {{name: a, direction: {turn}, position: [{arm}, {arm}, 0]}}
   - {{name: b, direction: cw, position: [-{arm}, {arm}, 0]}}
   - {{name: c, direction: ccw, position: [-{arm}, -{arm}, 0]}}
   - {{name: d, direction: cw, position: [{arm}, -{arm}, 0]}}
@@ -58,6 +58,7 @@ USUAL = {
     "tau_up": 0.0125,
     "tau_down": 0.025,
     "more": "",
+    "turn": "ccw",
     "arm": 0.177,
     "gravity": "[0, 0, -9.81]",
     "rpy": "[0, 0, 0]",
@@ -101,6 +102,11 @@ MISTAKES = {
     "too_weak_backwards": (
         {"more": "\n  axis: [0, 0, -1]\n  min_speed: -700"},
         "thrust to weight of the robot `quad` is 0.8491; usual is 1.1 to 20",
+    ),
+    "wrong_direction": (
+        {"turn": "cw"},
+        "thrust of the rotor `b` divided by the largest, in hover without torque (it follows from "
+        "`position` and `direction` of all rotors), of the robot `quad` is 0; usual is 0.05 to 1",
     ),
     "ms_for_s": (
         {"tau_up": 20},

@@ -45,6 +45,7 @@ const std::vector<UsualRow>& rows() {
        {{"max_speed", kTurnAMinute, 2, "rpm written for rad/s"},
         {"mass", 1e-3, -1, "g written for kg"},
         {"max_speed", 1 / kTurnAMinute, 2, "the constants are for rpm, too"}}},
+      {"", 0.05, 1, 1, {}},
       {"m",
        1e-3,
        1,

@@ -15,6 +15,7 @@ enum class PlausibilityLimit {
   kHeight,          ///< of the ground [m]
   kGravity,         ///< along z of W [m/s^2]
   kThrustToWeight,  ///< all rotors at their largest speed, divided by the robot's weight
+  kHoverShare,      ///< hover thrust of the least loaded rotor, divided by the largest
   kMomentArm,       ///< drag torque divided by thrust, k_m / k_f [m]
   kLag,             ///< time constant of a rotor [s]
   kGyration,        ///< radius of gyration of the body with the rotors, divided by the longest arm

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/base/math/math.h"
+#include "core/physics/forces/rotor_allocation.h"
 #include "core/policy/hold/hold_setpoint.h"
-#include "core/policy/hold/pseudo_inverse.h"
 
 namespace skybody {
 namespace {

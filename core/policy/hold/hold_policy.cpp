@@ -10,8 +10,8 @@
 #include "core/base/system/error.h"
 #include "core/env/plugin_setup_tables.h"
 #include "core/physics/coupling/coupling_scene.h"
+#include "core/physics/forces/rotor_allocation.h"
 #include "core/policy/hold/hold_setpoint.h"
-#include "core/policy/hold/pseudo_inverse.h"
 
 namespace skybody {
 namespace {
@@ -21,6 +21,20 @@ constexpr double kLeastCable = 0.05;  // [m]
 const PluginInstance& last_of(const CompiledScenario& compiled, const ControllerChain& chain) {
   const auto& controllers = compiled.plugins(SKYBODY_CONTROLLER);
   return controllers[static_cast<std::size_t>(chain.first + chain.count - 1)];
+}
+
+/// Depth of a point of `body` [m, its frame] below the origin of `base` with all joints at 0 [m];
+/// less than 0 if it is above.
+double hanging_length(const World& world, int base, int body, const Vec3<double>& point) {
+  Vec3<double> position = point;
+  for (int b = body; b != base && b >= 0; b = world.bodies[static_cast<std::size_t>(b)].parent) {
+    const Joint& joint = world.bodies[static_cast<std::size_t>(b)].model->joint;
+    const Quat<double> turn =
+        joint.frame_in_parent.rotation * conjugate(joint.frame_in_body.rotation);
+    position =
+        joint.frame_in_parent.position + rotate(turn, position - joint.frame_in_body.position);
+  }
+  return -position.z;
 }
 
 /// All drives of one robot's joints that its actions command.

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "core/policy/hold/pseudo_inverse.h"
-
 namespace skybody {
 namespace {
 

@@ -1,4 +1,4 @@
-// Rotor geometry for the hold baseline: the distribution of a thrust and torque among rotors.
+// Rotor geometry: the distribution of a thrust and torque among rotors.
 #pragma once
 
 #include <string>
@@ -18,9 +18,5 @@ std::vector<double> allocation_of(const World& world, int robot, const std::vect
 /// The reason why a robot's rotors cannot produce the thrust and torques of a rigid body; empty:
 /// they can.
 std::string allocation_obstacle(const World& world, int robot);
-
-/// Depth of a point of `body` [m, its frame] below the origin of `base` with all joints at 0 [m];
-/// less than 0 if it is above.
-double hanging_length(const World& world, int base, int body, const Vec3<double>& point);
 
 }  // namespace skybody

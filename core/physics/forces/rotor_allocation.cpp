@@ -1,6 +1,6 @@
 // As in core/base/math/inertia.cpp: the library has one form of each of Eigen's functions.
 #define EIGEN_DONT_VECTORIZE
-#include "core/policy/hold/pseudo_inverse.h"
+#include "core/physics/forces/rotor_allocation.h"
 
 #include <Eigen/LU>
 
@@ -64,18 +64,6 @@ std::string allocation_obstacle(const World& world, int robot) {
   }
   const bool reaches = !allocation_of(world, robot, world.layout.nominal_params()).empty();
   return reaches ? "" : "its rotors do not give thrust and all three torques";
-}
-
-double hanging_length(const World& world, int base, int body, const Vec3<double>& point) {
-  Vec3<double> position = point;
-  for (int b = body; b != base && b >= 0; b = world.bodies[static_cast<std::size_t>(b)].parent) {
-    const Joint& joint = world.bodies[static_cast<std::size_t>(b)].model->joint;
-    const Quat<double> turn =
-        joint.frame_in_parent.rotation * conjugate(joint.frame_in_body.rotation);
-    position =
-        joint.frame_in_parent.position + rotate(turn, position - joint.frame_in_body.position);
-  }
-  return -position.z;
 }
 
 }  // namespace skybody
