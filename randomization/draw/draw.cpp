@@ -181,7 +181,15 @@ class Draw : public Randomizer {
           "`what` names nothing to draw: give at least one path, such as `controllers.rate_pd.kp`");
     }
     for (const std::string& path : what_.values()) {
-      for (const int param : setup.find_params(path)) add(setup, param, path);
+      const auto found = setup.find_params(path);
+      for (const int param : found) add(setup, param, path);
+      const bool all_zero = std::all_of(found.begin(), found.end(), [&](int param) {
+        return setup.params()[param].nominal == 0.0;
+      });
+      if (form_.value() == "scale" && all_zero) {
+        refuse("`form: scale` multiplies `", path,
+               "`, which is 0 and stays so: take `form: shift` or `form: value`");
+      }
     }
   }
 

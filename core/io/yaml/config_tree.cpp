@@ -82,7 +82,8 @@ const std::string& name_of(const ConfigNode& item) {
 }
 
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
-                         const SourceLocation& mark, Diagnostics& diagnostics) {
+                         const SourceLocation& mark, Diagnostics& diagnostics,
+                         const std::string& advice) {
   ConfigNode* found = nullptr;
   for (ConfigNode& item : list.items) {
     if (name.empty() || name_of(item) != name) continue;
@@ -99,7 +100,7 @@ ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::s
       if (!name_of(item).empty()) names.push_back(name_of(item));
     }
     diagnostics.error(mark, "`" + path + "` has no entry called `" + name + "`" +
-                                suggestion(name, names, "entries"));
+                                suggestion(name, names, "entries") + advice);
   }
   return found;
 }
@@ -126,7 +127,9 @@ bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnosti
   for (const ConfigEntry& entry : over.entries) {
     const bool is_clear = !entry.key.empty() && count[entry.key] == 1;
     ConfigNode* item = is_clear ? places[entry.key]
-                                : entry_called(list, entry.key, path, entry.key_mark, diagnostics);
+                                : entry_called(list, entry.key, path, entry.key_mark, diagnostics,
+                                               " (a map changes entries that exist, a list "
+                                               "replaces them all)");
     if (item != nullptr && entry.value.is_null()) {
       removed.insert(entry.key);
       continue;

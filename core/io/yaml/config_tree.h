@@ -94,7 +94,8 @@ const std::string& name_of(const ConfigNode& item);
 /// The entry of a list called `name`. Null and an error if there is none or several; the error
 /// calls the list `path`.
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
-                         const SourceLocation& mark, Diagnostics& diagnostics);
+                         const SourceLocation& mark, Diagnostics& diagnostics,
+                         const std::string& advice = "");
 
 /// Merges `over` into `base`. A map merged into a list of named entries patches the entries named
 /// by its keys. A key without a value (`~`) removes the key from `base`, as in JSON merge patches

@@ -133,6 +133,8 @@ def with_value(
     fields = {field.name: getattr(base, field.name) for field in dataclasses.fields(base)}
     if key not in fields:
         hint = allowed_words(key, [*fields, *others])
+        if where.startswith("--set") and "did you mean" not in hint:
+            hint += "; `--override` sets a value of the scenario"
         if "." in key:
             hint = "; `--override` sets a value of the scenario, `--set` a hyper-parameter"
         raise UsageError(f"{where}: no hyper-parameter `{key}`{hint}")

@@ -160,7 +160,7 @@ TEST(Include, APatchOfAnEntryThatTheListLacksNamesThoseThatItHas) {
   EXPECT_FALSE(load_config(folder.path("top.yaml"), diagnostics).has_value());
   EXPECT_THAT(diagnostics.to_string(),
               HasSubstr("top.yaml:3:3: error: `robots` has no entry called `qaud`; did you mean "
-                        "`quad`?"));
+                        "`quad`? (a map changes entries that exist, a list replaces them all)"));
 }
 
 TEST(Include, AMapReplacesAListWithoutNamesForTheReaderToJudge) {
