@@ -59,7 +59,11 @@ void at_quick_exit() { refuse_end("quick_exit"); }
 /// Restores the signal's default action. A fault occurs again after the handler returns; a sent
 /// signal would not, so it is raised.
 void at_crash(int signal, siginfo_t* info, void*) {
-  name_plugin(": crashes ");
+  if (!name_plugin(": crashes ") && running_command == getpid()) {
+    write_text(
+        "error: the program crashes, most likely in a step of a plugin; `skybody check` says "
+        "which\n");
+  }
   for (std::size_t i = 0; i < kCrashes.size(); ++i) {
     if (kCrashes[i] == signal) sigaction(signal, &previous[i], nullptr);
   }

@@ -12,7 +12,7 @@ void add_plugin_path(CLI::App& command, LoadOptions& options) {
       .add_option("--plugin-path", options.plugin_path,
                   "Folder to search for plugins first; may be repeated")
       ->type_name("DIR")
-      ->check(CLI::ExistingDirectory)
+      ->check(CLI::ExistingDirectory.description(""))
       ->expected(1)
       ->allow_extra_args(false)
       ->take_all();

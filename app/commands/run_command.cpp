@@ -188,7 +188,7 @@ void add_run_command(CLI::App& app, Action& chosen) {
       ->excludes("--reference");
   command->add_option("--map", options->map, "Observations that are the inputs of a policy.onnx")
       ->type_name("FILE")
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingFile.description(""));
   command->add_option("--out", options->out, "Folder for the log and the pictures")
       ->type_name("DIR");
   command->add_flag("--no-picture", options->no_picture, "Draw no pictures");

@@ -36,7 +36,7 @@ int run_and_report(const Action& work) {
   } catch (const InputError& error) {
     return report_diagnostics(error);
   } catch (const LocatedError& error) {
-    return report_error(Diagnostic{Severity::kError, error.mark(), error.what()}.to_string());
+    return report_error(Diagnostic{Severity::kError, error.mark(), error.message()}.to_string());
   } catch (const Error& error) {
     return report_error("error: " + printable(error.what()));
   } catch (const std::bad_alloc&) {

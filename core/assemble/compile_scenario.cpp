@@ -225,9 +225,9 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
     warn_of_implausible_parameters(*compiled, diagnostics);
     return compiled;
   } catch (const ChainMismatchError& gap) {
-    diagnostics.error(gap.mark(), gap.what() + bridge(gap, *registry));
+    diagnostics.error(gap.mark(), gap.message() + bridge(gap, *registry));
   } catch (const LocatedError& e) {
-    diagnostics.error(e.mark(), e.what());
+    diagnostics.error(e.mark(), e.message());
   } catch (const Error& e) {
     diagnostics.error(whole, e.what());
   }

@@ -10,14 +10,19 @@
 
 namespace skybody {
 
+/// what() is "file:line:column: message".
 class LocatedError : public Error {
  public:
   LocatedError(SourceLocation where, const std::string& message)
-      : Error(printable(message)), mark_(std::move(where)) {}
+      : Error(printable((where.file.empty() ? "" : to_string(where) + ": ") + message)),
+        mark_(std::move(where)),
+        message_(printable(message)) {}
   const SourceLocation& mark() const { return mark_; }
+  const std::string& message() const { return message_; }  ///< without the location
 
  private:
   SourceLocation mark_;
+  std::string message_;
 };
 
 }  // namespace skybody

@@ -12,4 +12,12 @@ struct SourceLocation {
   int column = 0;  ///< from 1
 };
 
+/// `file:line:column`, without the parts that are 0.
+inline std::string to_string(const SourceLocation& mark) {
+  std::string text = mark.file;
+  if (mark.line > 0) text += ':' + std::to_string(mark.line);
+  if (mark.line > 0 && mark.column > 0) text += ':' + std::to_string(mark.column);
+  return text;
+}
+
 }  // namespace skybody

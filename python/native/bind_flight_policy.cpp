@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/system/error.h"
-#include "core/model/located_error.h"
 #include "core/policy/policy.h"
 #include "python/native/arrays.h"
 #include "python/native/bindings.h"
@@ -18,21 +17,11 @@
 namespace skybody::python {
 namespace {
 
-/// @throws Error with the file's name
-std::unique_ptr<Policy> policy_called(const std::string& name, const CompiledScenario& compiled,
-                                      std::uint64_t seed) {
-  try {
-    return make_policy(name, compiled, seed);
-  } catch (const LocatedError& error) {
-    throw Error(error.mark().file + ": " + error.what());
-  }
-}
-
 /// A policy with the scenario that it was made for.
 class FlightPolicy {
  public:
   FlightPolicy(const LoadedScenario& compiled, const std::string& name, std::uint64_t seed)
-      : compiled_(compiled), policy_(policy_called(name, *compiled, seed)) {
+      : compiled_(compiled), policy_(make_policy(name, *compiled, seed)) {
     warning_ = policy_->check_fits(*compiled);
   }
 

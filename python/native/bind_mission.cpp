@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/system/error.h"
-#include "core/model/located_error.h"
 #include "onboard/export_mission.h"
 #include "python/native/bindings.h"
 #include "python/native/loaded_scenario.h"
@@ -23,12 +22,8 @@ nb::bytes mission_bytes(const LoadedScenario& compiled, const std::string& polic
   std::string bytes;
   {
     const nb::gil_scoped_release release;
-    try {
-      auto mission = onboard::make_mission(compiled.options(), read_policy(policy), agent, wanted);
-      bytes = onboard::to_bytes(mission);
-    } catch (const LocatedError& error) {
-      throw Error(error.mark().file + ": " + error.what());
-    }
+    bytes = onboard::to_bytes(
+        onboard::make_mission(compiled.options(), read_policy(policy), agent, wanted));
   }
   return nb::bytes(bytes.data(), bytes.size());
 }

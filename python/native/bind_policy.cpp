@@ -10,7 +10,6 @@
 #include "core/io/files/policy_checksum.h"
 #include "core/io/files/policy_file.h"
 #include "core/io/files/policy_writer.h"
-#include "core/model/located_error.h"
 #include "core/policy/policy.h"
 #include "python/native/arrays.h"
 #include "python/native/bindings.h"
@@ -25,11 +24,7 @@ nb::object vector_of(const std::vector<double>& values) {
 }
 
 nb::dict read_policy_file(const std::string& file) {
-  try {
-    return dict_of(read_policy(file));
-  } catch (const LocatedError& error) {
-    throw Error(error.mark().file + ": " + error.what());
-  }
+  return dict_of(read_policy(file));
 }
 
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;

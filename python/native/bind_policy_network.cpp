@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/base/system/error.h"
-#include "core/model/located_error.h"
 #include "core/policy/layer_weights.h"
 #include "core/policy/network_policy.h"
 #include "python/native/arrays.h"
@@ -20,15 +19,6 @@ namespace {
 using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Matrix = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-/// @throws Error with the file's name
-NetworkPolicy network_of(const std::string& file) {
-  try {
-    return NetworkPolicy(std::filesystem::path(file));
-  } catch (const LocatedError& error) {
-    throw Error(error.mark().file + ": " + error.what());
-  }
-}
 
 std::size_t pixel_bytes(const std::string& type) {
   return type == "float32" ? 4 : type == "uint16" ? 2 : 1;
@@ -44,7 +34,7 @@ ColumnType type_of(const std::string& type) {
 class PolicyNetwork {
  public:
   PolicyNetwork(const std::string& file, std::vector<std::string> types)
-      : policy_(network_of(file)), types_(std::move(types)) {
+      : policy_(std::filesystem::path(file)), types_(std::move(types)) {
     if (types_.size() != policy_.policy().images.size()) {
       throw nb::value_error("as many types are needed as the policy sees images");
     }

@@ -18,7 +18,7 @@ std::unique_ptr<TransitionAdjoint> make_adjoint(const LoadedScenario& scenario, 
   try {
     return std::make_unique<TransitionAdjoint>(*scenario, steps, true);
   } catch (const LocatedError& error) {
-    throw InputError({{Severity::kError, error.mark(), error.what()}});
+    throw InputError({{Severity::kError, error.mark(), error.message()}});
   }
 }
 

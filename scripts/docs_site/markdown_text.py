@@ -52,8 +52,8 @@ def for_python_markdown(text: str) -> str:
         if not fence:
             offsets = [o for o in offsets if not line.strip() or indent(line) >= o]
             item = ITEM.match(line)
-            if item and not offsets and lines and lines[-1].strip() and not ITEM.match(lines[-1]):
-                lines += [""] if not is_continued(lines) else []
+            if item and not offsets and lines and lines[-1].strip() and begins_deeper(lines):
+                lines.append("")
             line = shifted(line, offsets)
             if item:
                 offsets.append(len(item[0]))
@@ -77,14 +77,14 @@ def shifted(line: str, offsets: list[int]) -> str:
     return " " * (4 * len(offsets)) + line[min(offsets[-1], indent(line)) :]
 
 
-def is_continued(lines: list[str]) -> bool:
-    """Whether the last line belongs to the first paragraph of an item."""
+def begins_deeper(lines: list[str]) -> bool:
+    """Whether the last block, after an empty line, is no list or an inner one."""
+    first = lines[-1]
     for line in reversed(lines):
-        if ITEM.match(line):
-            return True
         if not line.strip():
-            return False
-    return False
+            break
+        first = line
+    return not ITEM.match(first) or indent(first) > 0
 
 
 def unescaped(line: str) -> str:

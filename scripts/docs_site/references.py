@@ -8,6 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
+from markdown_text import for_python_markdown  # noqa: E402
 from plugin_reference import Page, Part  # noqa: E402
 
 PYTHON = {
@@ -20,15 +21,26 @@ PYTHON = {
 CPP = {
     "Simulation": (
         ("Scenarios", "core/assemble/compile_scenario.h"),
+        ("A compiled scenario", "core/env/compiled_scenario.h"),
         ("One environment", "core/simulation/simulation.h"),
         ("Many environments", "core/simulation/simulation_pool.h"),
         ("Many environments for a learner", "core/batch/pool.h"),
+        ("Options of a pool", "core/batch/pool_options.h"),
+        ("Rows of transitions", "core/batch/batch.h"),
     ),
     "Learning": (
         ("Learners", "learn/learner.h"),
         ("Making a learner", "learn/make_learner.h"),
         ("PPO", "learn/ppo/ppo.h"),
         ("Gradient descent through the dynamics", "learn/gradient/gradient.h"),
+        ("Networks", "learn/network/network.h"),
+        ("Networks of policies", "learn/network/policy_network.h"),
+        ("Adam", "learn/network/adam.h"),
+        ("Rollouts", "learn/rollout/rollout.h"),
+        ("Environments of rollouts", "learn/rollout/rollout_environments.h"),
+        ("Advantages", "learn/rollout/advantage_estimator.h"),
+        ("Normalization", "learn/common/normalizer.h"),
+        ("Action distribution", "learn/common/gaussian.h"),
         ("Policy files", "core/io/files/policy_writer.h"),
     ),
 }
@@ -54,7 +66,7 @@ def write_references(folder: Path) -> None:
         page = HeaderPage(name, "learn.h" if name == "Learning" else "skybody.h")
         for title, header in headers:
             page.add_part(Part(title, header, intro=True, constructors=True))
-        put(folder / f"reference/cpp/{file_name(name)}", page.text())
+        put(folder / f"reference/cpp/{file_name(name)}", for_python_markdown(page.text()))
 
 
 def file_name(title: str) -> str:

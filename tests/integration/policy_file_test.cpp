@@ -23,7 +23,7 @@ std::string refusal_of(const fs::path& file) {
   try {
     read_policy(file);
   } catch (const LocatedError& error) {
-    return error.what();
+    return error.message();
   }
   return "";
 }

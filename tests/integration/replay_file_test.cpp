@@ -71,7 +71,7 @@ std::string refusal_of(const fs::path& file) {
     for (ReplayEvent event; reader.next(event);) {
     }
   } catch (const LocatedError& error) {
-    return error.what();
+    return error.message();
   }
   return "";
 }

@@ -32,13 +32,6 @@ std::string joined_errors(const std::vector<Diagnostic>& list) {
 
 }  // namespace
 
-std::string to_string(const SourceLocation& mark) {
-  std::string text = mark.file;
-  if (mark.line > 0) text += ':' + std::to_string(mark.line);
-  if (mark.line > 0 && mark.column > 0) text += ':' + std::to_string(mark.column);
-  return text;
-}
-
 std::string Diagnostic::to_string() const {
   const char* kind = severity == Severity::kError ? "error: " : "warning: ";
   const std::string place = skybody::to_string(mark);

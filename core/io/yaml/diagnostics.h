@@ -81,7 +81,5 @@ class Diagnostics {
   Shown warnings_;
 };
 
-/// `file:line:column`, without the parts that are 0.
-std::string to_string(const SourceLocation& mark);
 
 }  // namespace skybody

@@ -270,7 +270,7 @@ TEST(WhatBodiesFeel, IsRefusedOfThingsThatAreNotThere) {
     try {
       make(factory, scene(), task);
     } catch (const LocatedError& e) {
-      return e.what();
+      return e.message();
     }
     return "";
   };

@@ -204,7 +204,7 @@ std::string refusal(const Case& c) {
   try {
     make(factory, c);
   } catch (const LocatedError& e) {
-    return e.what();
+    return e.message();
   }
   return "";
 }

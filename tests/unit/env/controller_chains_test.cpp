@@ -227,7 +227,7 @@ std::string refusal(const std::vector<std::string>& controllers, const std::stri
   try {
     make(factory, controllers, task, action_repeat);
   } catch (const LocatedError& e) {
-    return e.what();
+    return e.message();
   }
   return "";
 }

@@ -129,7 +129,7 @@ std::string message_of(const Options& options) {
   try {
     make(options);
   } catch (const LocatedError& error) {
-    return error.what();
+    return error.message();
   }
   return "";
 }

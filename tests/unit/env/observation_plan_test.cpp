@@ -105,7 +105,7 @@ std::string message_of(const Options& options) {
   try {
     make(options);
   } catch (const LocatedError& error) {
-    return error.mark().file + ":" + std::to_string(error.mark().line) + ": " + error.what();
+    return error.mark().file + ":" + std::to_string(error.mark().line) + ": " + error.message();
   }
   return "";
 }
