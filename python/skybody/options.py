@@ -36,7 +36,9 @@ FirstEnvId = Annotated[int, "environment i draws from (seed, first_env_id + i)."
 NumThreads = Annotated[int, "number of threads, including the caller's; 0: one per processor."]
 PinThreads = Annotated[bool, "pin each worker to a separate processor, if the system allows it."]
 Steps = Annotated[int, "greatest number of recorded transitions between two resets."]
-KeepHash = Annotated[bool, "compute a trajectory hash of each environment, for `hash`."]
+KeepHash = Annotated[
+    bool, "compute a trajectory hash of each environment, for `hash`; much slower: for checks."
+]
 DictObservations = Annotated[
     bool, "observations are dictionaries of arrays, by column name; always so with images."
 ]
