@@ -46,7 +46,9 @@ def for_python_markdown(text: str) -> str:
     fence = ""
     for line in text.splitlines():
         found = FENCE.match(line)
-        if not fence and not offsets and line.startswith("    "):  # code, also if it looks like a list
+        if (
+            not fence and not offsets and line.startswith("    ")
+        ):  # code, also if it looks like a list
             lines.append(line)
             continue
         if not fence:
