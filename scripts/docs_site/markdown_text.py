@@ -46,9 +46,7 @@ def for_python_markdown(text: str) -> str:
     fence = ""
     for line in text.splitlines():
         found = FENCE.match(line)
-        if (
-            not fence and not offsets and line.startswith("    ")
-        ):  # code, also if it looks like a list
+        if not fence and not offsets and line.startswith("    "):  # code, even if it has lists
             lines.append(line)
             continue
         if not fence:
