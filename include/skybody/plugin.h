@@ -1,6 +1,10 @@
 // The header for plugin authors.
 #pragma once
 
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 13
+#define SKYBODY_SETTLES_COMPARISONS  // core/base/simd/pack.h
+#endif
+
 #include "core/base/math/distribution.h"
 #include "core/base/math/jet.h"
 #include "core/base/math/math.h"

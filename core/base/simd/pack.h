@@ -21,6 +21,21 @@ struct Pack;
 template <int W>
 struct WordPack;
 
+namespace lanes {
+
+/// The result of a comparison, all of whose lanes are 0 or -1, as a vector of integers. g++ 14 ends
+/// with an internal error (in do_store_flag) if a plugin's comparison of 8 lanes is used after a
+/// branch, since it keeps the result as a vector of truth values, which files compiled for a
+/// narrower set hold in another form. The empty statement keeps integers.
+template <int W>
+SKYBODY_INLINE void settle([[maybe_unused]] typename Native<W>::Ints& truths) {
+#if defined(SKYBODY_SETTLES_COMPARISONS) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__)
+  if constexpr (W == 8) asm("" : "+v"(truths));
+#endif
+}
+
+}  // namespace lanes
+
 /// The result of a comparison in each of W lanes: all bits of a lane are set, or none.
 template <int W>
 struct Mask {
@@ -113,7 +128,9 @@ struct WordPack {
 
 #define SKYBODY_WORD_COMPARISON(op)                                                 \
   friend SKYBODY_INLINE Mask<W> operator op(const WordPack& a, const WordPack& b) { \
-    return Mask<W>(reinterpret_cast<typename Mask<W>::Native>(a.v op b.v));         \
+    auto truths = reinterpret_cast<typename Mask<W>::Native>(a.v op b.v);           \
+    lanes::settle<W>(truths);                                                       \
+    return Mask<W>(truths);                                                         \
   }
   SKYBODY_WORD_COMPARISON(==)
   SKYBODY_WORD_COMPARISON(!=)
@@ -154,7 +171,9 @@ struct Pack {
 
 #define SKYBODY_REAL_COMPARISON(op)                                         \
   friend SKYBODY_INLINE Mask<W> operator op(const Pack& a, const Pack& b) { \
-    return Mask<W>(reinterpret_cast<typename Mask<W>::Native>(a.v op b.v)); \
+    auto truths = reinterpret_cast<typename Mask<W>::Native>(a.v op b.v);   \
+    lanes::settle<W>(truths);                                               \
+    return Mask<W>(truths);                                                 \
   }
   SKYBODY_REAL_COMPARISON(==)
   SKYBODY_REAL_COMPARISON(!=)
