@@ -139,10 +139,10 @@ class Simulation {
   std::vector<double> rotor_commands() const;    ///< [rad/s], held during the last physics step
   /// Inputs of all chains of controllers, in the order of compiled().chains().
   std::vector<double> commands() const;
-  std::vector<double> actions() const;           ///< last action, clipped
+  std::vector<double> actions() const;  ///< last action, clipped
   /// Outputs of all sensors but images, in the order of the scenario's `sensors`.
   std::vector<double> sensors() const;
-  std::vector<double> params() const;            ///< EnvParams; names in compiled().layout()
+  std::vector<double> params() const;  ///< EnvParams; names in compiled().layout()
   /// Accelerations now, for the rotors' present speeds and the rotor commands and wrenches of the
   /// last physics step. Driven bases have none.
   /// @throws Error if the dynamics fails

@@ -23,9 +23,7 @@ nb::object vector_of(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
 }
 
-nb::dict read_policy_file(const std::string& file) {
-  return dict_of(read_policy(file));
-}
+nb::dict read_policy_file(const std::string& file) { return dict_of(read_policy(file)); }
 
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 

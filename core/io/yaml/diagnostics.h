@@ -81,5 +81,4 @@ class Diagnostics {
   Shown warnings_;
 };
 
-
 }  // namespace skybody
