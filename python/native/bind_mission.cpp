@@ -22,8 +22,8 @@ nb::bytes mission_bytes(const LoadedScenario& compiled, const std::string& polic
   std::string bytes;
   {
     const nb::gil_scoped_release release;
-    bytes = onboard::to_bytes(
-        onboard::make_mission(compiled.options(), read_policy(policy), agent, wanted));
+    auto mission = onboard::make_mission(compiled.options(), read_policy(policy), agent, wanted);
+    bytes = onboard::to_bytes(mission);
   }
   return nb::bytes(bytes.data(), bytes.size());
 }
