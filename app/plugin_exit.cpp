@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 
@@ -34,7 +35,7 @@ bool name_plugin(const char* how) {
   return true;
 }
 
-pid_t running_command = 0;  ///< process of the running command; 0: none
+std::atomic<pid_t> running_command = 0;  ///< process of the running command; 0: none
 
 /// Ends the process, bypassing the _exit() below.
 [[noreturn]] void end_process(int status) {

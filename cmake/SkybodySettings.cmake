@@ -68,15 +68,15 @@ if(SKYBODY_CCACHE)
   endif()
 endif()
 
-# skybody_precompile_headers(TARGET HEADER...): headers that the files of the target, and of targets
-# that reuse them, read precompiled. `#pragma once` tells such a header by its bytes, comments too.
-# ccache otherwise leaves comments out and would return precompiled headers of other bytes; in its
-# depend mode it compares the bytes of all files.
+# skybody_precompile_headers(TARGET HEADER...): precompiles headers for the target and for targets
+# that reuse them. g++ identifies a header with `#pragma once` by its bytes, comments included. By
+# default ccache ignores comments and would return a precompiled header of other bytes. In depend
+# mode it compares the bytes of all files.
 function(skybody_precompile_headers name)
   target_precompile_headers(${name} PRIVATE ${ARGN})
-  if(SKYBODY_CCACHE_PROGRAM)
-    set_target_properties(${name} PROPERTIES
-      CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND};-E;env;CCACHE_DEPEND=1;${CMAKE_CXX_COMPILER_LAUNCHER}")
+  if(SKYBODY_CCACHE AND SKYBODY_CCACHE_PROGRAM AND CMAKE_CXX_COMPILER_LAUNCHER)
+    set(launcher "${CMAKE_COMMAND}" -E env CCACHE_DEPEND=1 ${CMAKE_CXX_COMPILER_LAUNCHER})
+    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${launcher}")
   endif()
 endfunction()
 

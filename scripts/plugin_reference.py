@@ -120,9 +120,9 @@ def prose(doc: str) -> str:
     """A comment as Markdown: commands in words, indented parts as lists or as code."""
     doc = doc.replace("@throws nothing: ", "Throws nothing: ")
     doc = doc.replace("@returns ", "Returns ")
-    doc = re.sub(r"@throws (\w+)", r"Throws `\1`", doc)
+    doc = re.sub(r"@throws ((?:\w+::)*\w+)", r"Throws `\1`", doc)
     doc = re.sub(
-        r"^Throws .*(\n  +(?!- ).*)+", lambda m: re.sub(r"\n +", "\n", m[0]), doc, flags=re.M
+        r"^Throws .*(\n  +(?![ -]).*)+", lambda m: re.sub(r"\n +", "\n", m[0]), doc, flags=re.M
     )
     doc = re.sub(r"\s*@t?param (\w+(?:, ?\w+)*)\s+", r"\n  - `\1`: ", doc)
     return "\n".join(blocks(doc.splitlines())).strip()

@@ -15,25 +15,26 @@ namespace {
                           : "an earlier write to it failed, and the system no longer says why"));
 }
 
-/// Whether the reader of a pipe has ended, as `| head` does: what it does not read is not missed.
-bool reader_has_left = false;
+/// Whether the reader has closed the pipe, as `| head` does; further output is dropped.
+bool is_pipe_closed = false;
 
-void check(bool written) {
-  if (written || reader_has_left) return;
+/// @throws Error if a write failed for another reason than a closed pipe
+void check_written(bool written) {
+  if (written || is_pipe_closed) return;
   if (errno != EPIPE) fail(errno);
-  reader_has_left = true;
+  is_pipe_closed = true;
 }
 
 }  // namespace
 
 void print(const std::string& text) {
   errno = 0;
-  check(std::fputs(text.c_str(), stdout) >= 0);
+  check_written(std::fputs(text.c_str(), stdout) >= 0);
 }
 
 void flush_output() {
   errno = 0;
-  check(std::fflush(stdout) == 0 && std::ferror(stdout) == 0);
+  check_written(std::fflush(stdout) == 0 && std::ferror(stdout) == 0);
 }
 
 }  // namespace skybody

@@ -1,5 +1,5 @@
-// Standard output, which may be a file on a full disk, or a pipe whose reader has ended: text for
-// it is dropped without an error.
+// Standard output. It may be a file on a full disk, which is an error, or a pipe that its reader
+// has closed: then further output is dropped without an error.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@
 namespace skybody {
 namespace {
 
-constexpr double kRoundOff = 1e-9;
+constexpr double kRoundOff = 1e-9;  // [N], of a thrust in check_hover()
 
 /// The value farthest outside its usual range, with its rotor.
 struct Worst {
@@ -114,9 +114,11 @@ class RobotCheck {
           {"mass", model().total_mass(), body_marks(0).mass}});
   }
 
-  /// Finds a rotor at the wrong place or with the wrong direction: hover without torque would need
-  /// it to stand still, or to push downwards. For robots whose rotors all lift, on the base.
+  /// Warns of a rotor that carries little or negative thrust in hover without torque, by the
+  /// pseudo-inverse: a sign of a wrong position or direction of one of the rotors. Only for free
+  /// bases whose rotors all lift. Rotors that cannot produce all torques are not checked.
   void check_hover() {
+    if (model().fixed_base) return;
     const std::vector<Rotor>& rotors = model().rotors;
     const bool all_lift = std::all_of(rotors.begin(), rotors.end(), [](const Rotor& rotor) {
       return rotor.axis.z > 0.5 && !rotor.is_reversible();
@@ -125,7 +127,7 @@ class RobotCheck {
         all_lift ? allocation_of(world_, robot_, world_.layout.nominal_params())
                  : std::vector<double>{};
     if (allocation.empty()) return;
-    std::vector<double> thrusts(rotors.size());  // that add up to 1 N, without torque
+    std::vector<double> thrusts(rotors.size());  // [N], for 1 N along z and no torque
     for (std::size_t k = 0; k < thrusts.size(); ++k) {
       const double thrust = allocation[4 * k];
       thrusts[k] = std::fabs(thrust) < kRoundOff ? 0.0 : thrust;
@@ -134,10 +136,10 @@ class RobotCheck {
     const int index = static_cast<int>(least - thrusts.begin());
     const double share = *least / *most;
     warn(PlausibilityLimit::kHoverShare, share,
-         "thrust of the rotor `" + rotor(index).name +
-             "` divided by the largest, in hover without torque (it follows from `position` and "
-             "`direction` of all rotors),",
-         {{"position", share, rotor_marks(index).constants[kRotorPosition]}});
+         "hover thrust (from `position` and `direction` of all rotors), relative to the largest, "
+         "of the rotor `" +
+             rotor(index).name + "`",
+         {{"", share, rotor_marks(index).constants[kRotorPosition]}});
   }
 
   /// Finds the rotor whose value is farthest outside its usual range.

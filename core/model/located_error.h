@@ -10,7 +10,7 @@
 
 namespace skybody {
 
-/// what() is "file:line:column: message".
+/// what() is "file:line:column: message", or the message alone if the file is unknown.
 class LocatedError : public Error {
  public:
   LocatedError(SourceLocation where, const std::string& message)

@@ -18,7 +18,7 @@ namespace skybody {
 class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
-  /// @throws LocatedError as find_policy() and read_policy()
+  /// @throws Error as find_policy(), LocatedError as read_policy()
   explicit NetworkPolicy(const std::filesystem::path& path);
   explicit NetworkPolicy(PolicyFile policy);
 

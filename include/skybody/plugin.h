@@ -1,8 +1,8 @@
 // The header for plugin authors.
 #pragma once
 
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 13
-#define SKYBODY_SETTLES_COMPARISONS  // core/base/simd/pack.h
+#if __GNUC__ >= 13 && !defined(__clang__) && (!defined(__AVX__) || defined(__AVX512F__))
+#define SKYBODY_SETTLES_COMPARISONS  // lanes::settle(), where kernels of 8 lanes have registers
 #endif
 
 #include "core/base/math/distribution.h"

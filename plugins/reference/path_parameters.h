@@ -127,7 +127,7 @@ class PathParameters {
                                                       "path time per second: 2 is twice as fast"))};
   RealParameter ramp_{owner_, real("ramp", "s", 2.0, between(0.0, 1e4),
                                    "time in which the pace rises from 0, for a vehicle at rest; "
-                                   "only if given for paths that are not harmonic")};
+                                   "paths other than harmonic ones take it only if given")};
   RealParameter approach_{
       owner_, real("approach", "s", 0.0, between(0.0, 1e4),
                    "time in which the reference moves from the base's initial position to the "

@@ -182,15 +182,20 @@ class Draw : public Randomizer {
     }
     for (const std::string& path : what_.values()) {
       const auto found = setup.find_params(path);
+      if (form_.value() == "scale") refuse_zeros(setup, found, path);
       for (const int param : found) add(setup, param, path);
-      const bool all_zero = std::all_of(found.begin(), found.end(), [&](int param) {
-        return setup.params()[param].nominal == 0.0;
-      });
-      if (form_.value() == "scale" && all_zero) {
-        refuse("`form: scale` multiplies `", path,
-               "`, which is 0 and stays so: take `form: shift` or `form: value`");
-      }
     }
+  }
+
+  /// A scale has no effect on values of 0.
+  static void refuse_zeros(const Setup& setup, const std::vector<int>& params,
+                           const std::string& path) {
+    const bool all_zero = std::all_of(params.begin(), params.end(), [&](int param) {
+      return setup.params()[param].nominal == 0.0;
+    });
+    if (!all_zero) return;
+    refuse("`form: scale` has no effect on `", path,
+           "`, which is 0: take `form: shift` or `form: value`");
   }
 
   void add(const Setup& setup, int param, const std::string& path) {

@@ -52,7 +52,7 @@ def for_python_markdown(text: str) -> str:
         if not fence:
             offsets = [o for o in offsets if not line.strip() or indent(line) >= o]
             item = ITEM.match(line)
-            if item and not offsets and lines and lines[-1].strip() and begins_deeper(lines):
+            if item and not offsets and lines and lines[-1].strip() and needs_empty_line(lines):
                 lines.append("")
             line = shifted(line, offsets)
             if item:
@@ -77,8 +77,10 @@ def shifted(line: str, offsets: list[int]) -> str:
     return " " * (4 * len(offsets)) + line[min(offsets[-1], indent(line)) :]
 
 
-def begins_deeper(lines: list[str]) -> bool:
-    """Whether the last block, after an empty line, is no list or an inner one."""
+def needs_empty_line(lines: list[str]) -> bool:
+    """Whether a list item needs an empty line before it: unless the block that ends here begins
+    with an item of the outermost level.
+    """
     first = lines[-1]
     for line in reversed(lines):
         if not line.strip():

@@ -9,6 +9,7 @@
 #include "core/base/math/hash.h"
 #include "core/io/files/policy_checksum.h"
 #include "core/io/files/policy_file.h"
+#include "core/model/located_error.h"
 #include "core/policy/network_policy.h"
 #include "core/simulation/simulation.h"
 #include "tests/integration/policy_draft.h"
@@ -171,8 +172,8 @@ TEST(NetworkPolicy, RefusesValuesThatNoLearnerMakes) {
     write_policy(file, draft);
     try {
       read_policy(file);
-    } catch (const Error& error) {
-      return std::string(error.what());
+    } catch (const LocatedError& error) {
+      return error.message();
     }
     return std::string();
   };

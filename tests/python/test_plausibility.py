@@ -105,8 +105,8 @@ MISTAKES = {
     ),
     "wrong_direction": (
         {"turn": "cw"},
-        "thrust of the rotor `b` divided by the largest, in hover without torque (it follows from "
-        "`position` and `direction` of all rotors), of the robot `quad` is 0; usual is 0.05 to 1",
+        "hover thrust (from `position` and `direction` of all rotors), relative to the largest, "
+        "of the rotor `b` of the robot `quad` is 0; usual is 0.05 to 1",
     ),
     "ms_for_s": (
         {"tau_up": 20},

@@ -23,10 +23,10 @@ struct WordPack;
 
 namespace lanes {
 
-/// The result of a comparison, all of whose lanes are 0 or -1, as a vector of integers. g++ 14 ends
-/// with an internal error (in do_store_flag) if a plugin's comparison of 8 lanes is used after a
-/// branch, since it keeps the result as a vector of truth values, which files compiled for a
-/// narrower set hold in another form. The empty statement keeps integers.
+/// Keeps the result of a comparison, lanes of 0 or -1, a vector of integers. Otherwise g++ 14 makes
+/// it a vector of truth values, and ends with an internal error (in do_store_flag) if a plugin uses
+/// a result of 8 lanes after a branch. Without optimisation and with AddressSanitizer, functions
+/// are not inlined into those with registers of 8 lanes.
 template <int W>
 SKYBODY_INLINE void settle([[maybe_unused]] typename Native<W>::Ints& truths) {
 #if defined(SKYBODY_SETTLES_COMPARISONS) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__)

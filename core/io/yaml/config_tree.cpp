@@ -128,8 +128,8 @@ bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnosti
     const bool is_clear = !entry.key.empty() && count[entry.key] == 1;
     ConfigNode* item = is_clear ? places[entry.key]
                                 : entry_called(list, entry.key, path, entry.key_mark, diagnostics,
-                                               " (a map changes entries that exist, a list "
-                                               "replaces them all)");
+                                               " (a map changes existing entries; to add one, "
+                                               "write the whole list)");
     if (item != nullptr && entry.value.is_null()) {
       removed.insert(entry.key);
       continue;

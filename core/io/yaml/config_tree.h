@@ -93,6 +93,7 @@ const std::string& name_of(const ConfigNode& item);
 
 /// The entry of a list called `name`. Null and an error if there is none or several; the error
 /// calls the list `path`.
+/// @param advice  end of the message if there is none
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
                          const SourceLocation& mark, Diagnostics& diagnostics,
                          const std::string& advice = "");

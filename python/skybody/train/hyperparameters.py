@@ -132,11 +132,12 @@ def with_value(
     """
     fields = {field.name: getattr(base, field.name) for field in dataclasses.fields(base)}
     if key not in fields:
-        hint = allowed_words(key, [*fields, *others])
-        if where.startswith("--set") and "did you mean" not in hint:
-            hint += "; `--override` sets a value of the scenario"
+        of_scenario = "; `--override` sets a value of the scenario"
         if "." in key:
-            hint = "; `--override` sets a value of the scenario, `--set` a hyper-parameter"
+            hint = f"{of_scenario}, `--set` a hyper-parameter"
+        else:
+            hint = allowed_words(key, [*fields, *others])
+            hint += of_scenario if where.startswith("--set") else ""
         raise UsageError(f"{where}: no hyper-parameter `{key}`{hint}")
     return dataclasses.replace(base, **{key: _parse(where, text, fields[key])})
 

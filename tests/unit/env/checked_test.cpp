@@ -3,6 +3,7 @@
 #include <skybody/task_kit.h>
 
 #include "core/base/simd/fp_environment.h"
+#include "core/model/located_error.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {
@@ -201,8 +202,8 @@ std::string mistake(const std::string& controller, const std::string& task) {
     rows.info = infos.data();
     const std::vector<float> actions(4, 0.0f);
     env.step(flight.group, *flight.work, flight.all, actions.data(), env.action_size(), rows);
-  } catch (const Error& e) {
-    return e.what();
+  } catch (const LocatedError& e) {
+    return e.message();
   }
   return "";
 }

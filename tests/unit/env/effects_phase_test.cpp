@@ -271,11 +271,11 @@ TEST(Effects, AreToldInCheckedModeWhatTheyDidNotAnnounce) {
   try {
     flight.step(kHover);
     FAIL() << "nothing was said";
-  } catch (const Error& e) {
-    EXPECT_STREQ(e.what(),
-                 "plugin `liar` (liar) asks for held input value 0; allowed: none, what "
-                 "configure() has not named by `holds()`; this is a "
-                 "mistake in the plugin");
+  } catch (const LocatedError& e) {
+    EXPECT_EQ(e.message(),
+              "plugin `liar` (liar) asks for held input value 0; allowed: none, what "
+              "configure() has not named by `holds()`; this is a "
+              "mistake in the plugin");
   }
 }
 

@@ -158,9 +158,10 @@ TEST(Include, APatchOfAnEntryThatTheListLacksNamesThoseThatItHas) {
   folder.write("top.yaml", "include: base.yaml\nrobots:\n  qaud: {pose: {yaw: 2}}\n");
   Diagnostics diagnostics;
   EXPECT_FALSE(load_config(folder.path("top.yaml"), diagnostics).has_value());
-  EXPECT_THAT(diagnostics.to_string(),
-              HasSubstr("top.yaml:3:3: error: `robots` has no entry called `qaud`; did you mean "
-                        "`quad`? (a map changes entries that exist, a list replaces them all)"));
+  EXPECT_THAT(
+      diagnostics.to_string(),
+      HasSubstr("top.yaml:3:3: error: `robots` has no entry called `qaud`; did you mean "
+                "`quad`? (a map changes existing entries; to add one, write the whole list)"));
 }
 
 TEST(Include, AMapReplacesAListWithoutNamesForTheReaderToJudge) {
