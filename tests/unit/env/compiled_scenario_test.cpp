@@ -1,6 +1,7 @@
 // The transition contract (docs/architecture.md, "The way of an action").
 #include "core/env/compiled_scenario.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <bit>

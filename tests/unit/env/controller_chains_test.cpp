@@ -187,7 +187,7 @@ RobotModel with_arm() {
 }
 
 std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
-                                       std::vector<std::string> controllers,
+                                       const std::vector<std::string>& controllers,
                                        const std::string& task = "watch", int action_repeat = 4,
                                        Checking checking = Checking::kNo) {
   factory.add<test::Direct>("direct");
