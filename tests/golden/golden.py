@@ -20,6 +20,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import platform
 import re
 import subprocess
 import sys
@@ -272,10 +273,17 @@ def write(flight: Flight, flown: dict[str, Hashes]) -> None:
     """Pins what was flown."""
     content = {
         "flight": f"skybody hash --motion {' '.join(flight.options())}".replace(f"{ROOT}/", ""),
-        "processor": processor(),
+        **machine(),
         "hashes": flown,
     }
     flight.file.write_text(json.dumps(content, indent=2) + "\n")
+
+
+def machine() -> dict[str, str]:
+    """What the bits of Simbody and of libm hang on: the processor's make, the distribution."""
+    release = platform.freedesktop_os_release()
+    system = f"{release['NAME']} {release.get('VERSION_ID', '')}"
+    return {"processor": processor(), "system": system}
 
 
 def processor() -> str:
@@ -284,13 +292,20 @@ def processor() -> str:
     return names[0].split(":")[1].strip() if names else "unknown"
 
 
+def everywhere(hashes: dict[str, Hashes]) -> set[str]:
+    """Ways that have these bits on every machine: on the tree engine, and those equal to such."""
+    on_tree = [found for way, found in hashes.items() if way.startswith("tree")]
+    return {way for way, found in hashes.items() if found in on_tree}
+
+
 def moves(flight: Flight, flown: dict[str, Hashes]) -> list[str]:
     """One line for each hash that is not the pinned one, of those that must be here."""
     found = pinned(flight)
     old = found["hashes"]
-    if found.get("processor", processor()) != processor():
-        flown = {way: hashes for way, hashes in flown.items() if way.startswith("tree")}
-        old = {way: hashes for way, hashes in old.items() if way.startswith("tree")}
+    if any(found.get(key, here) != here for key, here in machine().items()):
+        ways_here = everywhere(old)
+        flown = {way: hashes for way, hashes in flown.items() if way in ways_here}
+        old = {way: hashes for way, hashes in old.items() if way in ways_here}
     lines = [f"{flight.name}, {way}: no longer flown" for way in old if way not in flown]
     for way, hashes in flown.items():
         for kind, value in hashes.items():

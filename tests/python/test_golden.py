@@ -68,6 +68,20 @@ def test_a_hash_that_moved_is_named_with_its_way(tmp_path: Path):
     assert done.returncode == 1
 
 
+@pytest.mark.parametrize(("way", "status"), [("simbody, rk4", 0), ("tree, rk4", 1)])
+def test_simbody_is_not_compared_with_hashes_of_another_system(
+    tmp_path: Path, way: str, status: int
+):
+    root = copy_script(tmp_path)
+    pinned = json.loads((FOLDER / "hover.json").read_text())
+    pinned["system"] = "another"
+    pinned["hashes"][way]["motion"] = "00000000deadbeef"
+    (root / "hover.json").write_text(json.dumps(pinned))
+    program = FOLDER.parents[1] / "build/release/bin/skybody"
+    done = golden(root / "golden.py", "--flights", "hover", "--program", str(program))
+    assert done.returncode == status, done.stdout
+
+
 def test_a_random_world_that_moved_is_named(tmp_path: Path):
     root = copy_script(tmp_path)
     pinned = (FOLDER / "trees.txt").read_text()
