@@ -33,17 +33,8 @@ def serve_ros2(bridge: RecordedBridge, factor: float | None, ended: Ended) -> No
     class Recorded(RecordedNode, node.Node):
         pass
 
-    rclpy = node.load_rclpy()
-    rclpy.init(args=[])
-    made = Recorded(bridge, bridge_map(), "skybody", factor)
-    made.ended = ended
-    made.acts()["save"]()
-    print("ready", flush=True)
-    try:
-        rclpy.spin(made.node)
-    except Exception:
-        if rclpy.ok():  # else a signal has ended it
-            raise
+    node.load_rclpy().init(args=[])
+    serve_until_end(Recorded(bridge, bridge_map(), "skybody", factor), ended)
 
 
 def serve_ros1(bridge: RecordedBridge, factor: float | None, ended: Ended) -> None:
@@ -53,15 +44,15 @@ def serve_ros1(bridge: RecordedBridge, factor: float | None, ended: Ended) -> No
     class Recorded(RecordedNode, node.Node):
         pass
 
-    spin_threaded(Recorded(bridge, bridge_map(), "skybody", factor), ended)
+    serve_until_end(Recorded(bridge, bridge_map(), "skybody", factor), ended)
 
 
 def serve_gazebo(bridge: RecordedBridge, factor: float | None, ended: Ended) -> None:
     """Runs the same node on Gazebo Transport."""
-    spin_threaded(GazeboNode(bridge, bridge_map(), factor), ended)
+    serve_until_end(GazeboNode(bridge, bridge_map(), factor), ended)
 
 
-def spin_threaded(made: Any, ended: Ended) -> None:
+def serve_until_end(made: Any, ended: Ended) -> None:
     """Runs a node until its process ends."""
     made.ended = ended
     made.acts()["save"]()

@@ -179,3 +179,31 @@ def test_images_are_seen_by_a_subscriber_and_services_answer(
     alone.reset()
     pixels = np.frombuffer(bytes(seen[0].data), np.float32).reshape(64, 64)
     np.testing.assert_array_equal(pixels, alone.image("front.depth"))
+
+
+# Ends the node's context as rclpy's handler of SIGTERM does after it has woken `spin`.
+ENDS_CONTEXT = """
+import sys, threading, time
+import rclpy
+from skybody.ros2.__main__ import main
+
+def end():
+    while not rclpy.ok():
+        time.sleep(0.05)
+    time.sleep(2.0)
+    rclpy.utilities.get_default_context().handle.shutdown()
+
+threading.Thread(target=end, daemon=True).start()
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@needs_ros
+def test_a_node_ends_when_nothing_wakes_it_after_the_end_of_its_context(tmp_path: Path) -> None:
+    path = tmp_path / "map.yaml"
+    path.write_text(POLICY_MAP)
+    command = [sys.executable, "-c", ENDS_CONTEXT, "trajectory_ctbr", "--map", str(path)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=60, check=False, env=os.environ | LOCAL
+    )
+    assert (done.stderr, done.returncode) == ("", 0)

@@ -25,13 +25,10 @@ def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
     try:
         node = Node(bridge, table, options.name, options.real_time)
         say_ready(bridge, options)
-        rclpy.spin(node.node)
+        node.spin()
     except rclpy.exceptions.NameValidationException as error:
         words = str(error).rstrip("^ \n").split()  # of three lines, the last one a mark
         raise InputError(" ".join(words)) from None
-    except Exception:
-        if rclpy.ok():  # else a signal other than Ctrl-C has ended it
-            raise
     finally:
         rclpy.try_shutdown()
 

@@ -13,6 +13,7 @@ from skybody.ros.bridge_map import BridgeMap
 from skybody.ros.messages import message_class, service_class
 from skybody.ros.node import CLOCK, DEPTH, answer
 
+WAKE = 0.5  # s, between looks at whether a signal has ended the node
 REMEDY = "source the setup of a ROS 2 workspace that has it"
 
 
@@ -58,6 +59,19 @@ class Node(node.Node):
         if factor is not None:
             self.node.create_timer(self.period, self.tick)
         self.send_states()
+
+    def spin(self) -> None:
+        """Runs callbacks until the node's context is shut down."""
+        rclpy = load_rclpy()
+        # rclpy's handler of SIGTERM wakes `spin` and then ends the context. If `spin` looks between
+        # the two, it waits again, and nothing but a timer wakes it.
+        steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
+        self.node.create_timer(WAKE, lambda: None, clock=steady)
+        try:
+            rclpy.spin(self.node)
+        except Exception:
+            if rclpy.ok():  # else a signal other than Ctrl-C has ended it
+                raise
 
     def _publish(self, number: int, message: Any) -> None:
         self._publishers[number].publish(message)
