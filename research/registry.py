@@ -113,7 +113,7 @@ def index() -> str:
     pages = {path.stem for path in INDEX.parent.glob("*.md")}
     found = [row for row in (*measurements(), *OTHERS) if row.page in pages]
     for row in sorted(found, key=lambda row: groups().index(row.group)):
-        subject = row.subject[0].lower() + row.subject[1:].removesuffix(".")
+        subject = row.subject.removesuffix(".")
         rows.append(f"| [{row.page}.md]({row.page}.md) | {subject} | `{row.made_by}` |")
     return "\n".join(rows) + "\n"
 

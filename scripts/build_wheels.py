@@ -71,6 +71,9 @@ class Project:
         lines = ["Metadata-Version: 2.1", f"Name: {name}", f"Version: {self.version}"]
         lines += [f"Summary: {self.table['description']}", f"License: {self.table['license']}"]
         lines += ["License-File: LICENSE", f"Requires-Python: {self.table['requires-python']}"]
+        lines += [f"Author: {author['name']}" for author in self.table["authors"]]
+        lines += [f"Keywords: {','.join(self.table['keywords'])}"]
+        lines += [f"Classifier: {classifier}" for classifier in self.table["classifiers"]]
         lines += [f"Requires-Dist: {need}" for need in needs]
         for extra, packages in extras.items():
             lines.append(f"Provides-Extra: {extra}")

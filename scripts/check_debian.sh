@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Packages and golden flights on another Debian than this machine's: builds a root of that release,
-# makes the Debian packages of HEAD in it by `./dev deb`, compares all golden flights with the
-# pinned hashes, and installs, uses, removes and purges the packages in a bare root. With --clang it
+# makes the Debian packages of HEAD in it by `./dev deb`, compares all golden flights on the tree
+# engine with the pinned hashes (Simbody is another build there), and installs, uses, removes and purges the packages in a bare root. With --clang it
 # also runs `./dev clang` there. Takes root's rights, debootstrap, 6 GB and half an hour.
 #
 #   scripts/check_debian.sh [--clang] [RELEASE [FOLDER]]    # trixie, build/debian_trixie
@@ -60,4 +60,4 @@ inside bare 'apt-get -qq update
   dpkg --purge $(dpkg-query -W -f "\${Package} " "*skybody*") >/dev/null
   left=$(find /usr /etc -name "*skybody*")
   [ -z "$left" ] || { echo "error: left after the purge: $left"; exit 1; }'
-say "$RELEASE: packages and hashes as on this machine"
+say "$RELEASE: packages work, hashes of the tree engine are as on this machine"

@@ -34,7 +34,8 @@ def serve_ros2(bridge: RecordedBridge, factor: float | None, ended: Ended) -> No
         pass
 
     node.load_rclpy().init(args=[])
-    serve_until_end(Recorded(bridge, bridge_map(), "skybody", factor), ended)
+    with node.until_shutdown():
+        serve_until_end(Recorded(bridge, bridge_map(), "skybody", factor), ended)
 
 
 def serve_ros1(bridge: RecordedBridge, factor: float | None, ended: Ended) -> None:
@@ -52,12 +53,12 @@ def serve_gazebo(bridge: RecordedBridge, factor: float | None, ended: Ended) -> 
     serve_until_end(GazeboNode(bridge, bridge_map(), factor), ended)
 
 
-def serve_until_end(made: Any, ended: Ended) -> None:
-    """Runs a node until its process ends."""
-    made.ended = ended
-    made.acts()["save"]()
+def serve_until_end(node: Any, ended: Ended) -> None:
+    """Saves the start, says that it is ready, and runs the node until its process ends."""
+    node.ended = ended
+    node.acts()["save"]()
     print("ready", flush=True)
-    made.spin()
+    node.spin()
 
 
 class GazeboNode(RecordedNode, ThreadedNode):

@@ -56,30 +56,41 @@ def test_a_scenario_flies_as_it_was_pinned(flight: str):
     assert (done.stdout, done.stderr, done.returncode) == ("nothing moved\n", "", 0)
 
 
-def test_a_hash_that_moved_is_named_with_its_way(tmp_path: Path):
-    root = copy_script(tmp_path)
+def fly_hover(project: Path, **changed: str) -> subprocess.CompletedProcess[str]:
+    """The comparison of `hover` in another project, after changes of its pinned file.
+
+    Args:
+        changed: `system`, or a way whose pinned hash of the motion is replaced.
+    """
+    root = copy_script(project)
     pinned = json.loads((FOLDER / "hover.json").read_text())
-    before = pinned["hashes"]["tree, rk4"]["motion"]
-    pinned["hashes"]["tree, rk4"]["motion"] = "00000000deadbeef"
+    pinned["system"] = changed.pop("system", pinned["system"])
+    for way, value in changed.items():
+        pinned["hashes"][way]["motion"] = value
     (root / "hover.json").write_text(json.dumps(pinned))
     program = FOLDER.parents[1] / "build/release/bin/skybody"
-    done = golden(root / "golden.py", "--flights", "hover", "--program", str(program))
-    assert done.stdout == f"hover, tree, rk4: motion 00000000deadbeef -> {before}\n"
-    assert done.returncode == 1
+    return golden(root / "golden.py", "--flights", "hover", "--program", str(program))
 
 
-@pytest.mark.parametrize(("way", "status"), [("simbody, rk4", 0), ("tree, rk4", 1)])
-def test_simbody_is_not_compared_with_hashes_of_another_system(
-    tmp_path: Path, way: str, status: int
-):
-    root = copy_script(tmp_path)
-    pinned = json.loads((FOLDER / "hover.json").read_text())
-    pinned["system"] = "another"
-    pinned["hashes"][way]["motion"] = "00000000deadbeef"
-    (root / "hover.json").write_text(json.dumps(pinned))
-    program = FOLDER.parents[1] / "build/release/bin/skybody"
-    done = golden(root / "golden.py", "--flights", "hover", "--program", str(program))
-    assert done.returncode == status, done.stdout
+def moved_line(way: str) -> str:
+    before = json.loads((FOLDER / "hover.json").read_text())["hashes"][way]["motion"]
+    return f"hover, {way}: motion 00000000deadbeef -> {before}\n"
+
+
+@pytest.mark.parametrize("way", ["tree, rk4", "simbody, rk4"])
+def test_a_hash_that_moved_is_named_with_its_way(tmp_path: Path, way: str):
+    done = fly_hover(tmp_path, **{way: "00000000deadbeef"})
+    assert (done.stdout, done.returncode) == (moved_line(way), 1)
+
+
+def test_on_another_system_simbody_is_not_compared(tmp_path: Path):
+    done = fly_hover(tmp_path, system="another", **{"simbody, rk4": "00000000deadbeef"})
+    assert (done.stdout, done.returncode) == ("nothing moved\n", 0)
+
+
+def test_on_another_system_the_tree_engine_is_compared(tmp_path: Path):
+    done = fly_hover(tmp_path, system="another", **{"tree, rk4": "00000000deadbeef"})
+    assert (done.stdout, done.returncode) == (moved_line("tree, rk4"), 1)
 
 
 def test_a_random_world_that_moved_is_named(tmp_path: Path):

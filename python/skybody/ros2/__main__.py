@@ -15,7 +15,7 @@ from skybody.ros.bridge import Bridge
 from skybody.ros.bridge_map import BridgeMap
 from skybody.ros.command import run, say_ready
 
-from .node import Node, load_rclpy
+from .node import Node, load_rclpy, until_shutdown
 
 
 def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
@@ -23,9 +23,10 @@ def spin(bridge: Bridge, table: BridgeMap, options: argparse.Namespace) -> None:
     rclpy = load_rclpy()
     rclpy.init(args=[])
     try:
-        node = Node(bridge, table, options.name, options.real_time)
-        say_ready(bridge, options)
-        node.spin()
+        with until_shutdown():
+            node = Node(bridge, table, options.name, options.real_time)
+            say_ready(bridge, options)
+            node.spin()
     except rclpy.exceptions.NameValidationException as error:
         words = str(error).rstrip("^ \n").split()  # of three lines, the last one a mark
         raise InputError(" ".join(words)) from None

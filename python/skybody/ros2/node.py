@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib
+from collections.abc import Iterator
 from typing import Any
 
 from skybody import InputError
@@ -13,7 +15,7 @@ from skybody.ros.bridge_map import BridgeMap
 from skybody.ros.messages import message_class, service_class
 from skybody.ros.node import CLOCK, DEPTH, answer
 
-WAKE = 0.5  # s, between looks at whether a signal has ended the node
+WAKE = 0.5  # s, period of the timer that wakes `spin` to check for a shutdown
 REMEDY = "source the setup of a ROS 2 workspace that has it"
 
 
@@ -27,6 +29,16 @@ def load_rclpy() -> Any:
         return importlib.import_module("rclpy")
     except ImportError as error:
         raise InputError(f"there is no rclpy ({error}): {REMEDY}") from None
+
+
+@contextlib.contextmanager
+def until_shutdown() -> Iterator[None]:
+    """Ends its block without an error if a signal other than Ctrl-C has shut rclpy down."""
+    try:
+        yield
+    except Exception:
+        if load_rclpy().ok():
+            raise
 
 
 class Node(node.Node):
@@ -61,17 +73,14 @@ class Node(node.Node):
         self.send_states()
 
     def spin(self) -> None:
-        """Runs callbacks until the node's context is shut down."""
+        """Runs callbacks until rclpy is shut down."""
         rclpy = load_rclpy()
         # rclpy's handler of SIGTERM wakes `spin` and then ends the context. If `spin` looks between
-        # the two, it waits again, and nothing but a timer wakes it.
+        # the two, it waits again, and nothing but a timer wakes it. The node's own clock may be
+        # `/clock`, which stands still in lockstep.
         steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
         self.node.create_timer(WAKE, lambda: None, clock=steady)
-        try:
-            rclpy.spin(self.node)
-        except Exception:
-            if rclpy.ok():  # else a signal other than Ctrl-C has ended it
-                raise
+        rclpy.spin(self.node)
 
     def _publish(self, number: int, message: Any) -> None:
         self._publishers[number].publish(message)
