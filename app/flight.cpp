@@ -99,17 +99,16 @@ EpisodeSummary fly_episode(std::uint64_t number, const RolloutPlan& plan, Simula
 
 }  // namespace
 
-FlightResult fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log) {
-  const InterruptGuard guard;
+std::vector<EpisodeSummary> fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy,
+                                FlightLog& log) {
   ProgressLine line;
-  FlightResult result;
+  std::vector<EpisodeSummary> episodes;
   for (std::uint64_t k = 1; k <= plan.episodes && InterruptGuard::signal() == 0; ++k) {
     EpisodeSummary episode = fly_episode(k, plan, simulation, policy, log, line);
     const bool has_begun = episode.steps > 0 || InterruptGuard::signal() == 0;
-    if (has_begun) result.episodes.push_back(std::move(episode));
+    if (has_begun) episodes.push_back(std::move(episode));
   }
-  result.signal = InterruptGuard::signal();
-  return result;
+  return episodes;
 }
 
 }  // namespace skybody

@@ -16,12 +16,9 @@ struct RolloutPlan {
   std::uint64_t most_steps = 0;  ///< per episode, unless task or horizon end it earlier
 };
 
-struct FlightResult {
-  std::vector<EpisodeSummary> episodes;
-  int signal = 0;  ///< signal that stopped the flight; 0: none
-};
-
-/// Flies the plan until its end or a signal, and writes every state to `log`, which stays open.
-FlightResult fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy, FlightLog& log);
+/// Flies the plan until its end, or a signal if there is an InterruptGuard, and writes every state
+/// to `log`, which stays open.
+std::vector<EpisodeSummary> fly(const RolloutPlan& plan, Simulation& simulation, Policy& policy,
+                                FlightLog& log);
 
 }  // namespace skybody

@@ -8,6 +8,7 @@
 #include "app/arguments.h"
 #include "app/commands/command.h"
 #include "app/flight.h"
+#include "app/interrupt.h"
 #include "app/onnx_policy.h"
 #include "app/report/drawn_values.h"
 #include "app/report/flight_record.h"
@@ -45,7 +46,8 @@ constexpr const char* kRunFooter =
     "References: circle, helix, lissajous, figure_eight, waypoints, csv, step, hold and those of\n"
     "the paper. The controller `reference`, and controllers between it and the robot's chain, are\n"
     "put before that chain; the task `watch` replaces the scenario's task (docs/references.md).\n"
-    "Ctrl-C ends the flight after the current step; the log is kept, exit status 130.\n"
+    "Ctrl-C ends the flight after the current step; the log is kept, exit status 130. A second\n"
+    "Ctrl-C ends the program at once, without the log.\n"
     "Examples:\n"
     "  skybody run hover\n"
     "  skybody run payload --episodes 3 --seed 7 --out /tmp/payload\n"
@@ -97,30 +99,31 @@ std::unique_ptr<Policy> open_policy(const RunOptions& options, const CompiledSce
   return make_policy(options.policy, compiled, options.seed);
 }
 
-/// Flies and leaves the finished log in `folder`.
-FlightResult fly_and_log(const RunOptions& options, const RolloutPlan& plan,
-                         const std::shared_ptr<const CompiledScenario>& compiled, Policy& policy,
-                         OutputFolder& folder) {
+/// Flies and leaves the finished log in `folder`, also after a signal (InterruptGuard::signal).
+std::vector<EpisodeSummary> fly_and_log(const RunOptions& options, const RolloutPlan& plan,
+                                        const std::shared_ptr<const CompiledScenario>& compiled,
+                                        Policy& policy, OutputFolder& folder) {
   Simulation simulation(compiled, options.seed, 0);
+  const InterruptGuard guard;
   FlightLog log(folder.partial_log(), describe_flight(*compiled, options.seed, options.policy));
-  FlightResult result = fly(plan, simulation, policy, log);
+  std::vector<EpisodeSummary> episodes = fly(plan, simulation, policy, log);
   log.close();
   folder.commit();
-  return result;
+  return episodes;
 }
 
-void print_summary(const CompiledScenario& compiled, const FlightResult& result) {
-  print(summary_table(compiled, result.episodes));
+void print_summary(const CompiledScenario& compiled, const std::vector<EpisodeSummary>& episodes) {
+  print(summary_table(compiled, episodes));
   std::vector<std::vector<ReferenceError>> references;
-  for (const EpisodeSummary& episode : result.episodes) references.push_back(episode.references);
+  for (const EpisodeSummary& episode : episodes) references.push_back(episode.references);
   const std::string followed = reference_table(compiled, references);
   if (!followed.empty()) std::printf("\n%s", followed.c_str());
-  const std::string drawn = drawn_values(compiled, result.episodes);
+  const std::string drawn = drawn_values(compiled, episodes);
   if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
-  const std::string reported = reported_values(compiled, result.episodes);
+  const std::string reported = reported_values(compiled, episodes);
   if (!reported.empty()) std::printf("\n%s", reported.c_str());
   std::uint64_t redraws = 0;
-  for (const EpisodeSummary& episode : result.episodes) redraws += episode.redraws;
+  for (const EpisodeSummary& episode : episodes) redraws += episode.redraws;
   if (redraws > 0) std::printf("starts drawn again: %s\n", std::to_string(redraws).c_str());
 }
 
@@ -140,16 +143,17 @@ int run(const RunOptions& options) {
   RolloutPlan plan = options.plan;
   plan.most_steps = most_steps(options, compiled->scenario().stepping);
   OutputFolder folder(options.out, compiled->scenario().name, options.seed);
-  const FlightResult result = fly_and_log(options, plan, compiled, *policy, folder);
-  print_summary(*compiled, result);
+  const std::vector<EpisodeSummary> episodes =
+      fly_and_log(options, plan, compiled, *policy, folder);
+  print_summary(*compiled, episodes);
   std::printf("\nlog      %s\n", folder.log().c_str());
   std::fflush(stdout);
-  if (result.signal != 0) {
+  if (InterruptGuard::signal() != 0) {
     std::printf("draw it  skybody plot %s\n", folder.log().c_str());
     std::fflush(stdout);
     spdlog::warn("interrupted in episode {} of {}; what was flown is in the log",
-                 std::max<std::size_t>(1, result.episodes.size()), plan.episodes);
-    return kExitSignal + result.signal;
+                 std::max<std::size_t>(1, episodes.size()), plan.episodes);
+    return kExitSignal + InterruptGuard::signal();
   }
   if (!options.no_picture) print_made("picture", draw_pictures(folder.log()));
   if (options.view) print_made("page", write_view(folder.log()));

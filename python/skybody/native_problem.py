@@ -21,7 +21,13 @@ def refuse(problem: ImportError) -> NoReturn:
 
 
 def native_problem(error: ImportError) -> ImportError:
-    """The error of `import skybody` where its native module failed with `error`."""
+    """The error of `import skybody` where its native module failed with `error`.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C came while the module was initialized.
+    """
+    if isinstance(error.__cause__, KeyboardInterrupt):
+        raise error.__cause__ from None
     return ImportError(f"skybody: {_problem(error)}", name="skybody")
 
 

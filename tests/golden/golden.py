@@ -197,20 +197,25 @@ def ways(program: Path, flight: Flight) -> dict[str, list[str]]:
 def can_fly(program: Path, flight: Flight, options: list[str]) -> bool:
     """Whether the scenario's world can have what the options ask for."""
     command = [str(program), "check", flight.source, *options]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+    return finished(command).returncode == 0
 
 
-def output_of(command: list[str], instruction_set: str) -> str:
-    """What a process prints. Raises FlightError where it fails."""
-    environment = {**os.environ, "SKYBODY_ISA": instruction_set}
+def finished(command: list[str], **variables: str) -> subprocess.CompletedProcess[str]:
+    """A process that has ended. Raises FlightError if there is no such program, or no end."""
+    environment = {**os.environ, **variables}
     try:
-        done = subprocess.run(
+        return subprocess.run(
             command, capture_output=True, text=True, check=False, timeout=TIMEOUT, env=environment
         )
     except OSError as error:
         raise FlightError(f"{command[0]}: {error.strerror}; build it, or give --program") from None
     except subprocess.TimeoutExpired:
         raise FlightError(f"{' '.join(command)}: no result after {TIMEOUT:g} s") from None
+
+
+def output_of(command: list[str], instruction_set: str) -> str:
+    """What a process prints. Raises FlightError where it fails."""
+    done = finished(command, SKYBODY_ISA=instruction_set)
     if done.returncode != 0:
         raise FlightError(f"{' '.join(command)}: exit status {done.returncode}\n{done.stderr}")
     return done.stdout

@@ -102,3 +102,11 @@ def test_a_random_world_that_moved_is_named(tmp_path: Path):
     done = golden(root / "golden.py", "--flights", "trees", "--program", str(program))
     assert done.stdout == f"trees, tree_3: 00000000deadbeef -> {before}\n"
     assert done.returncode == 1
+
+
+def test_a_program_that_is_not_built_is_one_message(tmp_path: Path):
+    done = golden(SCRIPT, "--flights", "hover", "--program", str(tmp_path / "skybody"))
+    assert done.stderr == (
+        f"golden: {tmp_path}/skybody: No such file or directory; build it, or give --program\n"
+    )
+    assert done.returncode == 2

@@ -58,6 +58,13 @@ def test_a_native_module_that_does_not_load_is_one_line_with_the_remedy(
     assert "\n" not in said
 
 
+def test_ctrl_c_while_the_native_module_loads_is_no_problem_of_the_installation() -> None:
+    error = ImportError("Encountered an error while initializing the extension.")
+    error.__cause__ = KeyboardInterrupt()
+    with pytest.raises(KeyboardInterrupt):
+        native_problem(error)
+
+
 def test_parts_of_one_version_are_no_problem() -> None:
     assert version_problem(package="1.0.0", library="1.0.0", program="1.0.0") is None
 

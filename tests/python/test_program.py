@@ -7,13 +7,16 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import pytest
 from conftest import Finished
 
 ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build/release/bin/skybody"
 MAIN = 'if __name__ == "__main__":\n'
 
 
@@ -88,6 +91,22 @@ def test_ctrl_c_interrupts_again_behind_deaf_to_interrupts(
             print("heard")
     """)
     assert done.stdout == "heard\n"
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.05, 0.1, 0.15, 0.2])  # s; the flight takes about 0.15 s
+def test_a_log_is_whole_at_whatever_moment_ctrl_c_comes(delay: float, tmp_path: Path) -> None:
+    words = ["run", "hover", "--steps", "20000", "--no-picture", "--out", str(tmp_path / "log")]
+    with subprocess.Popen([PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as fly:
+        while not list(tmp_path.glob("log/.*")):
+            assert fly.poll() is None
+            time.sleep(0.001)
+        time.sleep(delay)
+        fly.send_signal(signal.SIGINT)
+        fly.communicate(timeout=30)
+    assert fly.returncode in (0, 130)  # 0: the log was already there
+    assert [path.name for path in (tmp_path / "log").iterdir()] == ["flight.h5"]
+    with h5py.File(tmp_path / "log/flight.h5") as log:  # h5py refuses a file that was not closed
+        assert len(log.attrs) > 0
 
 
 def test_every_program_ends_by_run_program() -> None:
