@@ -69,8 +69,13 @@ class Goals {
                         o.near_share});
   }
 
-  /// Time until vehicles that do not fly rest on the ground [s].
-  static double settle(const std::string& actions) { return actions == "hold" ? 0.0 : 2.0; }
+  /// Vehicles that do not fly rest on the ground before the measurement, and no horizon, which
+  /// would end all episodes in one trial, puts them into the air again.
+  static void let_rest(Contest& contest) {
+    if (contest.actions == "hold") return;
+    contest.settle = 2.0;
+    contest.scenario.overrides.emplace_back("stepping.horizon=0");
+  }
 
   Contest hover_contest(int repeats) const {
     Contest c;
@@ -87,7 +92,7 @@ class Goals {
           Contest c = hover_contest(repeats);
           c.threads = threads;
           c.actions = actions;
-          c.settle = settle(actions);
+          let_rest(c);
           contest("hover, K=" + std::to_string(repeats), c, repeats == 1 ? 0.7 : 0.6);
         }
       }
@@ -128,7 +133,7 @@ class Goals {
         c.loops = loops;
         c.actions = actions;
         if (c.actions == "hold") c.constant = hold;
-        c.settle = settle(actions);
+        let_rest(c);
         c.threads = threads;
         contest(name + ", K=1", c, 0.5);
         if (actions != kActions[0]) continue;
