@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Packages and golden flights on another Debian than this machine's: builds a root of that release,
 # makes the Debian packages of HEAD in it by `./dev deb`, compares all golden flights on the tree
-# engine with the pinned hashes (Simbody is another build there), and installs, uses, removes and purges the packages in a bare root. With --clang it
-# also runs `./dev clang` there. Takes root's rights, debootstrap, 6 GB and half an hour.
+# engine with the pinned hashes (Simbody is another build there), and installs, uses, removes and
+# purges the packages in a bare root. With --clang it also runs `./dev clang` there. Takes root's
+# rights, debootstrap, 6 GB and 40 minutes.
 #
 #   scripts/check_debian.sh [--clang] [RELEASE [FOLDER]]    # trixie, build/debian_trixie
 set -euo pipefail

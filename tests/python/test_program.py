@@ -97,13 +97,13 @@ def test_ctrl_c_interrupts_again_behind_deaf_to_interrupts(
 def test_a_log_is_whole_at_whatever_moment_ctrl_c_comes(delay: float, tmp_path: Path) -> None:
     words = ["run", "hover", "--steps", "20000", "--no-picture", "--out", str(tmp_path / "log")]
     with subprocess.Popen([PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as fly:
-        while not list(tmp_path.glob("log/.*")):
-            assert fly.poll() is None
+        while not list(tmp_path.glob("log/.*")) and fly.poll() is None:
             time.sleep(0.001)
         time.sleep(delay)
         fly.send_signal(signal.SIGINT)
         fly.communicate(timeout=30)
-    assert fly.returncode in (0, 130)  # 0: the log was already there
+    # 130: before the log was whole; else it came after that, maybe while the table was printed.
+    assert fly.returncode in (130, 0, -signal.SIGINT)
     assert [path.name for path in (tmp_path / "log").iterdir()] == ["flight.h5"]
     with h5py.File(tmp_path / "log/flight.h5") as log:  # h5py refuses a file that was not closed
         assert len(log.attrs) > 0
